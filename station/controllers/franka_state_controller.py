@@ -18,12 +18,13 @@ from station.controllers.franka_arm import (
 )
 from station.core.control.controller import Controller
 from station.core.control.joint_states import JointStates
-from station.core.control.publish_timer import PUBLISH_RATE, PublishTimer
+from station.core.control.publish_rate import PUBLISH_RATE
 from station.core.declared_parameter import DeclaredParameter
 from station.core.franka import FrankaStateHandle, FrankaStateInterface, RobotState
 from station.core.franka.franka_errors import error_names
 from station.core.franka.franka_robot_state import PackedState
 from station.core.parameters import Parameters
+from station.kernel.publish_timer import PublishTimer
 
 _PUBLISH_RATE = replace(
     PUBLISH_RATE, default=30.0, description="rate at which the state is published"

@@ -10,10 +10,11 @@ from typing import ClassVar, NamedTuple
 from typing_extensions import override
 
 from station.core.control.controller import Controller
-from station.core.control.publish_timer import PUBLISH_RATE, PublishTimer
+from station.core.control.publish_rate import PUBLISH_RATE
 from station.core.declared_parameter import DeclaredParameter
 from station.core.hardware.interfaces import ImuSensorHandle, ImuSensorInterface
 from station.core.parameters import Parameters
+from station.kernel.publish_timer import PublishTimer
 
 _UNKNOWN = [-1.0] + [0.0] * 8
 

@@ -11,11 +11,12 @@ from typing_extensions import override
 
 from station.core.control.controller import Controller
 from station.core.control.joint_states import JointStates
-from station.core.control.publish_timer import PUBLISH_RATE, PublishTimer
+from station.core.control.publish_rate import PUBLISH_RATE
 from station.core.declared_parameter import DeclaredParameter, NameKind, ParameterType
 from station.core.errors import ParameterError
 from station.core.hardware.interfaces import JointStateGroup, JointStateInterface
 from station.core.parameters import Parameters
+from station.kernel.publish_timer import PublishTimer
 
 _JOINTS = DeclaredParameter(
     name="joints",

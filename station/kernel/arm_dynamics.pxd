@@ -13,9 +13,11 @@ cdef class ArmDynamics:
     cdef double[::1] wrenches
 
     cdef bint is_weighed
+    cdef readonly long changes
 
-    @cython.locals(value=double, differs=bint)
     cpdef void move_to(self, object q) except *
+    @cython.locals(differs=bint)
+    cpdef void follow(self, double[::1] q) noexcept
     cpdef void change_bodies(self) noexcept
     cpdef void weigh(self) noexcept
     cpdef void mass(self, double[::1] result) noexcept

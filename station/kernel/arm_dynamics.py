@@ -10,7 +10,7 @@ then the first moments x y z, then the second moments xx yy zz xy xz yz.
 from collections.abc import Sequence
 
 from station.kernel.arm_chain import place_links
-from station.kernel.doubles import Doubles, zeros
+from station.kernel.doubles import Doubles, doubles, zeros
 
 
 class ArmDynamics:
@@ -20,6 +20,9 @@ class ArmDynamics:
         chain: The chain of n joints, see `arm_chain`.
         bodies: Mass and moments of the links in their own frames, 10 n numbers.
         links: Memory for the poses of the links and the flange, see `new_links`.
+
+    Attributes:
+        changes: How often `bodies` were changed.
     """
 
     def __init__(self, chain: Doubles, bodies: Doubles, links: Doubles) -> None:
@@ -35,6 +38,7 @@ class ArmDynamics:
         # joint at 1 rad/s.
         self.screws = zeros(6 * size)
         self.wrenches = zeros(6 * size)
+        self.changes = 0
         self.is_weighed = 0
         place_links(chain, self.q, links)
 
@@ -44,11 +48,14 @@ class ArmDynamics:
         Args:
             q: Joint positions [rad], shape (n,).
         """
+        self.follow(q if isinstance(q, memoryview) else doubles(q))
+
+    def follow(self, q: Doubles) -> None:
+        """Do the same with joint positions in memory."""
         own, differs = self.q, 0
         for i in range(self.size):
-            value: float = q[i]
-            if value != own[i]:
-                own[i] = value
+            if q[i] != own[i]:
+                own[i] = q[i]
                 differs = 1
         if differs:
             place_links(self.chain, own, self.links)
@@ -56,6 +63,7 @@ class ArmDynamics:
 
     def change_bodies(self) -> None:
         """Take note of new numbers in `bodies`."""
+        self.changes += 1
         self.is_weighed = 0
 
     def weigh(self) -> None:

@@ -1,26 +1,15 @@
-from station.kernel.arm_dynamics cimport ArmDynamics
 from station.kernel.copying cimport copy_into
-from station.kernel.rigid_motion cimport compose, numbers_of
+from station.kernel.model_sources cimport ModelSource
+from station.kernel.rigid_motion cimport numbers_of
 from station.kernel.sample_columns cimport SampleColumns
 from station.kernel.set_points cimport SetPointNews
 from station.kernel.usual_update cimport UsualUpdate
 
 cdef Py_ssize_t _NUMBERS, _QUATERNION
 
-cdef class PoseSource:
-    cdef object function
-    cpdef write(self, double[::1] result)
-
-cdef class ToolPoseSource(PoseSource):
-    cdef ArmDynamics dynamics
-    cdef double[::1] q
-    cdef double[::1] flange
-    cdef double[::1] tool
-    cpdef write(self, double[::1] result)
-
 cdef class PoseSample:
     cdef double[::1] pose
-    cdef PoseSource source
+    cdef ModelSource source
     cdef readonly double[::1] near
     cdef double[::1] actual_pose
     cdef readonly double[::1] desired

@@ -1,58 +1,15 @@
 """Keep what a controller of an end effector did in a cycle, as numbers of poses."""
 
-from collections.abc import Callable
-
-from station.kernel.arm_dynamics import ArmDynamics
 from station.kernel.copying import copy_into
 from station.kernel.doubles import Doubles, doubles, zeros
-from station.kernel.rigid_motion import compose, numbers_of
+from station.kernel.model_sources import ModelSource
+from station.kernel.rigid_motion import numbers_of
 from station.kernel.sample_columns import SampleColumns
 from station.kernel.set_points import SetPointNews
 from station.kernel.usual_update import UsualUpdate
 
 _NUMBERS = 7
 _QUATERNION = 4
-
-
-class PoseSource:
-    """Writes the pose of a frame by a Python function.
-
-    Args:
-        function: Writes the pose into memory for 16 numbers.
-    """
-
-    def __init__(self, function: Callable[[Doubles], object]) -> None:
-        self.function: Callable[[Doubles], object] | None = function
-
-    def write(self, result: Doubles) -> None:
-        """Write the present pose, 16 numbers."""
-        if self.function is not None:
-            self.function(result)
-
-
-class ToolPoseSource(PoseSource):
-    """Writes the pose of what is fixed to the flange of an arm.
-
-    Args:
-        dynamics: The arm.
-        q: Its joint positions [rad], shape (n,).
-        flange: Pose of the flange that `dynamics` places, 16 numbers.
-        tool: What is fixed, in the frame of the flange, 16 numbers.
-    """
-
-    def __init__(
-        self, dynamics: ArmDynamics, q: Doubles, flange: Doubles, tool: Doubles
-    ) -> None:
-        self.function = None
-        self.dynamics = dynamics
-        self.q = q
-        self.flange = flange
-        self.tool = tool
-
-    def write(self, result: Doubles) -> None:
-        """Write the present pose, 16 numbers."""
-        self.dynamics.move_to(self.q)
-        compose(self.flange, self.tool, result)
 
 
 class PoseSample:
@@ -70,7 +27,7 @@ class PoseSample:
         sampled: The columns.
     """
 
-    def __init__(self, pose: Doubles, source: PoseSource) -> None:
+    def __init__(self, pose: Doubles, source: ModelSource) -> None:
         self.pose = pose
         self.source = source
         self.near = doubles([0.0, 0.0, 0.0, 1.0])

@@ -7,12 +7,12 @@ from station.kernel.wrench_equation cimport WrenchEquation
 cdef double _FILTER, _INVERSE_DAMPING, _CLOSE
 
 cdef class PoseSpring:
-    cdef Py_ssize_t size
+    cdef readonly Py_ssize_t size
     cdef bint is_angle
     cdef double largest_step
     cdef double[::1] q
     cdef double[::1] dq
-    cdef double[::1] pose
+    cdef readonly double[::1] pose
     cdef double[::1] last_torques
     cdef readonly double[::1] jacobian
     cdef readonly double[::1] coriolis

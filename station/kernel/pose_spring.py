@@ -36,16 +36,17 @@ class PoseSpring:
     Args:
         q: Measured joint positions [rad], shape (n,).
         dq: Measured joint velocities [rad/s], shape (n,).
-        pose: Measured pose of the end effector in the base frame, 16 numbers.
         last_torques: Torques commanded in the last cycle [Nm], shape (n,).
         largest_step: Largest change of a torque per cycle [Nm], > 0.
         is_angle: Whether the rotation error is a rotation vector; otherwise it is the
             vector part of a quaternion.
 
     Attributes:
+        pose: Measured pose of the end effector in the base frame, 16 numbers; brought
+            up to date by the caller, as what follows.
         jacobian: Jacobian of the end effector in the axes of the base, 6 n numbers,
-            column-major; brought up to date by the caller.
-        coriolis: Coriolis torques [Nm], shape (n,); brought up to date by the caller.
+            column-major.
+        coriolis: Coriolis torques [Nm], shape (n,).
         equilibrium: Position [m], then unit quaternion x y z w, shape (7,).
         target: What the equilibrium approaches, shape (7,).
         stiffness: Against translations [N/m] and rotations [Nm/rad], and of the joints
@@ -58,7 +59,6 @@ class PoseSpring:
         self,
         q: Doubles,
         dq: Doubles,
-        pose: Doubles,
         last_torques: Doubles,
         largest_step: float,
         is_angle: bool,  # noqa: FBT001 - positional for the compiler
@@ -67,7 +67,7 @@ class PoseSpring:
         self.size = size
         self.q = q
         self.dq = dq
-        self.pose = pose
+        self.pose = zeros(16)
         self.last_torques = last_torques
         self.largest_step = largest_step
         self.is_angle = is_angle

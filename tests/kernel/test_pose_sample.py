@@ -5,17 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from station.core.franka import Frame
-from station.hw.franka.arm.franka_kinematics import CHAIN, frame_pose
-from station.kernel.arm_chain import new_links
-from station.kernel.arm_dynamics import ArmDynamics
+from station.hw.franka.arm.franka_kinematics import CHAIN
 from station.kernel.doubles import doubles, put, zeros
-from station.kernel.pose_sample import (
-    PoseSample,
-    PoseSource,
-    RestingPose,
-    ToolPoseSource,
-)
+from station.kernel.model_sources import ModelSource
+from station.kernel.pose_sample import PoseSample, RestingPose
 from station.kernel.set_points import SetPointNews
 from tests.kernel.both_modes import arrays, assert_same, needs_both, sibling
 
@@ -32,7 +25,7 @@ def turned(angle):
 
 def test_desired_measured_and_their_difference_are_kept():
     desired, measured = doubles(turned(0.2)), doubles(turned(0.0))
-    sample = PoseSample(desired, PoseSource(lambda result: put(result, measured)))
+    sample = PoseSample(desired, ModelSource(lambda result: put(result, measured)))
     sample.keep(1.5)
 
     wanted = [0.3, 0.0, 0.5, 0.0, 0.0, np.sin(0.1), np.cos(0.1)]
@@ -47,7 +40,7 @@ def test_desired_measured_and_their_difference_are_kept():
 
 def test_quaternions_do_not_jump_over_a_whole_turn():
     pose = zeros(16)
-    sample = PoseSample(pose, PoseSource(lambda result: put(result, pose)))
+    sample = PoseSample(pose, ModelSource(lambda result: put(result, pose)))
     last = None
     for angle in np.linspace(0.0, 4.0 * np.pi, 200):
         put(pose, turned(angle))
@@ -57,23 +50,12 @@ def test_quaternions_do_not_jump_over_a_whole_turn():
         last = now
 
 
-def test_the_pose_of_a_tool_is_that_of_the_chain():
-    links, result, q = new_links(CHAIN), zeros(16), doubles(Q)
-    dynamics = ArmDynamics(CHAIN, zeros(70), links)
-    source = ToolPoseSource(dynamics, q, links[16 * 7 :], doubles(TOOL))
-    for _ in range(2):
-        source.write(result)
-        expected = frame_pose(Frame.END_EFFECTOR, [*q], TOOL)
-        assert [*result] == pytest.approx(expected, abs=1e-12)
-        q[3] += 0.1
-
-
 @pytest.mark.parametrize("news", ["none", "waiting", "void"])
 def test_rest_ends_with_news(news):
     slot = ["a set-point"] if news == "waiting" else []
     told = SetPointNews(slot)
     told.is_void = news == "void"
-    sample = PoseSample(doubles(HERE), PoseSource(lambda result: put(result, HERE)))
+    sample = PoseSample(doubles(HERE), ModelSource(lambda result: put(result, HERE)))
     resting = RestingPose(told, sample)
 
     assert not resting.run(1.0, 0.001)
@@ -90,7 +72,9 @@ def test_both_modes_agree_bit_for_bit(cycles, tool):
         chain, dynamics = sibling(module, "arm_chain"), sibling(module, "arm_dynamics")
         links, q, pose = chain.new_links(CHAIN), zeros(7), zeros(16)
         arm = dynamics.ArmDynamics(CHAIN, zeros(70), links)
-        source = module.ToolPoseSource(arm, q, links[16 * 7 :], doubles(tool))
+        source = sibling(module, "model_sources").ToolPoseSource(
+            arm, q, links[16 * 7 :], doubles(tool)
+        )
         sample, found = module.PoseSample(pose, source), []
         for values, joints in cycles:
             put(pose, values)

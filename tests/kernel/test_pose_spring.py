@@ -41,16 +41,14 @@ class Arm:
         self.jacobian = rng.normal(size=(6, JOINTS))
         self.coriolis = rng.normal(size=JOINTS)
         self._q, self._dq = doubles(self.q), doubles(self.dq)
-        self._pose = doubles(pose([0.3, 0.0, 0.5], np.eye(3)))
         self.last = doubles([0.0] * JOINTS)
-        self.spring = PoseSpring(
-            self._q, self._dq, self._pose, self.last, largest_step, is_angle
-        )
+        self.spring = PoseSpring(self._q, self._dq, self.last, largest_step, is_angle)
+        put(self.spring.pose, pose([0.3, 0.0, 0.5], np.eye(3)))
         put(self.spring.jacobian, self.jacobian.T.ravel())
         put(self.spring.coriolis, self.coriolis)
 
     def deflect(self, moved, turned, joints):
-        put(self._pose, pose(np.add([0.3, 0.0, 0.5], moved), rotation(turned)))
+        put(self.spring.pose, pose(np.add([0.3, 0.0, 0.5], moved), rotation(turned)))
         self.q = self.q + joints
         put(self._q, self.q)
 
@@ -147,13 +145,14 @@ def test_the_equilibrium_turns_evenly_the_short_way(angle, sign):
 def test_both_modes_agree_bit_for_bit(model, measured, target, is_angle, largest):
     def scenario(module):
         q, dq, last = measured[:5], measured[5:10], measured[:5]
-        memory = [doubles(part) for part in (q, dq, measured[10:], last)]
+        memory = [doubles(part) for part in (q, dq, last)]
         spring = module.PoseSpring(*memory, largest, is_angle)
+        put(spring.pose, measured[10:])
         put(spring.jacobian, model[:30])
         put(spring.coriolis, model[30:35])
         put(spring.wanted, [abs(value) for value in model[35:38]])
         spring.begin(abs(model[38]))
-        put(memory[2], model[33:])
+        put(spring.pose, model[33:])
         put(spring.target, target)
         spring.run()
         spring.run()

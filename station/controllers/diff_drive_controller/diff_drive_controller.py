@@ -23,7 +23,6 @@ from station.controllers.forward_command_controller.watched_set_point import (
     WatchedSetPoint,
 )
 from station.core.control.controller import Controller, ControllerSample
-from station.core.control.publish_timer import PublishTimer
 from station.core.declared_parameter import DeclaredParameter, NameKind, ParameterType
 from station.core.description.robot_description import ROBOT_DESCRIPTION
 from station.core.description.urdf_parser import parse_urdf
@@ -32,6 +31,7 @@ from station.core.errors import ParameterError
 from station.core.hardware.interfaces import JointGroup, VelocityJointInterface
 from station.core.parameters import Parameters
 from station.core.ports.set_point import SetPointElement, SetPointPort
+from station.kernel.publish_timer import PublishTimer
 
 _ZEROS = (0.0,) * 6
 

@@ -5,6 +5,7 @@ src/cartesian_impedance_example_controller.cpp; differs: the equilibrium pose ar
 a set-point of 7 numbers that may expire, and the stiffnesses are run-time parameters.
 """
 
+from collections.abc import Mapping
 from typing import ClassVar
 
 from typing_extensions import override
@@ -23,7 +24,6 @@ from station.controllers.franka_arm import (
 )
 from station.controllers.franka_example_controllers.cartesian_spring import (
     CartesianSpring,
-    Stiffness,
 )
 from station.controllers.franka_example_controllers.pose_target import PoseTarget
 from station.core.control.controller import MultiInterfaceController
@@ -33,6 +33,9 @@ from station.core.franka import FrankaModelInterface, FrankaStateInterface
 from station.core.hardware.interfaces import EffortJointInterface
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
+from station.kernel.publish_timer import PublishTimer
+from station.kernel.spring_update import SpringUpdate
+from station.kernel.usual_update import UsualUpdate
 
 _DEFAULTS = {
     "translational_stiffness": 200.0,
@@ -83,12 +86,21 @@ class CartesianImpedanceExampleController(MultiInterfaceController):
         self.joint_names = names
         self._target = PoseTarget(params, arm_id, self._spring.equilibrium)
         self.set_points = self._target.port
-        self.tunables = Tunables(_SCHEMA, _DEFAULTS)
+        self.tunables = Tunables(_SCHEMA, _DEFAULTS, apply=self._want)
+        self._usual = SpringUpdate(
+            self._target.news, [self._spring.driven], PublishTimer(0.0)
+        )
+
+    @override
+    def usual_update(self) -> UsualUpdate | None:
+        return None if self._spring.is_copy else self._usual
 
     @override
     def starting(self, time: float) -> None:
         """Make the present pose the equilibrium, at which the spring has no force."""
-        self._spring.begin(self.tunables.values["nullspace_stiffness"])
+        gains = self.tunables.values
+        self._spring.begin(gains["nullspace_stiffness"])
+        self._want(gains)
         self._target.begin()
 
     @override
@@ -96,11 +108,12 @@ class CartesianImpedanceExampleController(MultiInterfaceController):
         pose = self._target.newest()
         if pose is not None:
             self._spring.set_target(*pose)
-        gains = self.tunables.values
-        self._spring.update(
-            Stiffness(
-                gains["translational_stiffness"],
-                gains["rotational_stiffness"],
-                gains["nullspace_stiffness"],
-            )
+        self._usual.follow(time)
+        self._spring.write()
+
+    def _want(self, gains: Mapping[str, float]) -> None:
+        self._spring.want(
+            gains["translational_stiffness"],
+            gains["rotational_stiffness"],
+            gains["nullspace_stiffness"],
         )

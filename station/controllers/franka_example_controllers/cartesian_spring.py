@@ -4,8 +4,6 @@ Differs from the originals: every start begins without stiffness, not only the f
 start, and with the null space stiffness that is set.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,21 +12,7 @@ from station.core.franka import Frame, FrankaModelHandle, FrankaStateHandle
 from station.core.hardware.interfaces import JointGroup
 from station.kernel.doubles import put
 from station.kernel.pose_spring import PoseSpring
-
-
-@dataclass(frozen=True, slots=True)
-class Stiffness:
-    """Stiffnesses that the spring approaches.
-
-    Attributes:
-        translational: Stiffness against translations [N/m], >= 0.
-        rotational: Stiffness against rotations [Nm/rad], >= 0.
-        nullspace: Stiffness of the joints in the null space [Nm/rad], >= 0.
-    """
-
-    translational: float
-    rotational: float
-    nullspace: float
+from station.kernel.spring_update import DrivenSpring
 
 
 class CartesianSpring:
@@ -40,6 +24,10 @@ class CartesianSpring:
         model: The arm's model.
         is_angle: Whether the rotation error is a rotation vector, as with two arms;
             otherwise it is the vector part of a quaternion.
+
+    Attributes:
+        driven: Commands the torques of a cycle.
+        is_copy: Whether the torques must be written to the joints after that.
     """
 
     def __init__(
@@ -51,21 +39,28 @@ class CartesianSpring:
         is_angle: bool,
     ) -> None:
         self._joints = joints
-        self._state = state
-        self._model = model
+        self._pose = state.pose_source()
         arm = state.get_robot_state()
         self._spring = PoseSpring(
             arm.doubles("q"),
             arm.doubles("dq"),
-            arm.doubles("O_T_EE"),
             arm.doubles("tau_J_d"),
             LARGEST_STEP,
             is_angle,
         )
+        self.is_copy = joints.commands is None
+        self.driven = DrivenSpring(
+            self._spring,
+            self._pose,
+            model.zero_jacobian_source(Frame.END_EFFECTOR),
+            model.coriolis_source(),
+            self._spring.torques if joints.commands is None else joints.commands,
+        )
 
-    def pose(self) -> NDArray[np.float64]:
-        """Return the measured pose O_T_EE, shape (4, 4)."""
-        return np.reshape(self._state.get_robot_state().O_T_EE, (4, 4)).T
+    def pose(self) -> list[float]:
+        """Return the measured pose O_T_EE, 16 numbers, column-major."""
+        self._pose.write(self._spring.pose)
+        return [*self._spring.pose]
 
     def equilibrium(self) -> list[float]:
         """Return the equilibrium: position [m], then quaternion w x y z, shape (7,)."""
@@ -78,7 +73,7 @@ class CartesianSpring:
         Args:
             nullspace: Stiffness of the null space from the start on [Nm/rad], >= 0.
         """
-        self._state.get_robot_state()
+        self._pose.write(self._spring.pose)
         self._spring.begin(nullspace)
 
     def set_target(
@@ -93,14 +88,17 @@ class CartesianSpring:
         w, x, y, z = rotation.tolist()
         put(self._spring.target, [*position.tolist(), x, y, z, w])
 
-    def update(self, stiffness: Stiffness) -> None:
-        """Command the torques of this cycle, then move on towards the targets."""
-        self._state.get_robot_state()
-        spring, wanted = self._spring, self._spring.wanted
-        put(spring.jacobian, self._model.get_zero_jacobian(Frame.END_EFFECTOR))
-        put(spring.coriolis, self._model.get_coriolis())
-        wanted[0] = stiffness.translational
-        wanted[1] = stiffness.rotational
-        wanted[2] = stiffness.nullspace
-        spring.run()
-        self._joints.set_commands([*spring.torques])
+    def want(self, translational: float, rotational: float, nullspace: float) -> None:
+        """Set the stiffnesses that are approached from now on.
+
+        Args:
+            translational: Stiffness against translations [N/m], >= 0.
+            rotational: Stiffness against rotations [Nm/rad], >= 0.
+            nullspace: Stiffness of the joints in the null space [Nm/rad], >= 0.
+        """
+        put(self._spring.wanted, (translational, rotational, nullspace))
+
+    def write(self) -> None:
+        """Hand the torques to joints that do not keep them side by side in memory."""
+        if self.is_copy:
+            self._joints.set_commands([*self._spring.torques])

@@ -31,7 +31,6 @@ from station.controllers.franka_example_controllers.base_transform import (
 )
 from station.controllers.franka_example_controllers.cartesian_spring import (
     CartesianSpring,
-    Stiffness,
 )
 from station.controllers.franka_example_controllers.pose_target import PoseTarget
 from station.controllers.franka_example_controllers.quaternion import (
@@ -39,7 +38,6 @@ from station.controllers.franka_example_controllers.quaternion import (
     quaternion_of,
 )
 from station.core.control.controller import MultiInterfaceController
-from station.core.control.publish_timer import PublishTimer
 from station.core.control.tunables import Tunable, Tunables
 from station.core.declared_parameter import DeclaredParameter
 from station.core.description.robot_description import ROBOT_DESCRIPTION
@@ -47,6 +45,9 @@ from station.core.franka import FrankaModelInterface, FrankaStateInterface
 from station.core.hardware.interfaces import EffortJointInterface
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
+from station.kernel.publish_timer import PublishTimer
+from station.kernel.spring_update import SpringUpdate
+from station.kernel.usual_update import UsualUpdate
 
 RATE_HZ = 30.0
 """How often the centering frame is published."""
@@ -112,23 +113,29 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
         self._frame_id = left
         self._target = PoseTarget(params, "the centering frame", self._center)
         self.set_points = self._target.port
-        self.tunables = Tunables(_SCHEMA, _DEFAULTS)
-        self._right_to_left = self._left_to_center = np.eye(4)
+        self.tunables = Tunables(_SCHEMA, _DEFAULTS, apply=self._want)
+        springs = [spring.driven for spring in self._springs.values()]
         self._timer = PublishTimer(RATE_HZ)
-        # When it was published last, and the pose of the left end effector then.
-        self._published: tuple[float, NDArray[np.float64]] | None = None
+        self._usual = SpringUpdate(self._target.news, springs, self._timer)
+        self._right_to_left = self._left_to_center = np.eye(4)
+
+    @override
+    def usual_update(self) -> UsualUpdate | None:
+        is_copy = any(spring.is_copy for spring in self._springs.values())
+        return None if is_copy else self._usual
 
     @override
     def starting(self, time: float) -> None:
         """Make the present poses the equilibria, at which the springs have no force."""
         for arm, spring in self._springs.items():
             spring.begin(self.tunables.values[f"{arm}_nullspace_stiffness"])
-        left, right = (self._springs[arm].pose() for arm in ARMS)
+        left, right = (_matrix(self._springs[arm].pose()) for arm in ARMS)
         self._right_to_left = np.linalg.inv(self._left_T_right @ right) @ left
         back = self._right_to_left[:3, :3].T @ self._right_to_left[:3, 3]
         self._left_to_center = np.eye(4)
         self._left_to_center[:3, 3] = -0.5 * back
         self._target.begin()
+        self._want(self.tunables.values)
         self._timer.start(time, at_once=True)
 
     @override
@@ -136,25 +143,18 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
         target = self._target.newest()
         if target is not None:
             self._set_target(*target)
-        gains = self.tunables.values
-        for arm, spring in self._springs.items():
-            spring.update(
-                Stiffness(
-                    gains[f"{arm}_translational_stiffness"],
-                    gains[f"{arm}_rotational_stiffness"],
-                    gains[f"{arm}_nullspace_stiffness"],
-                )
-            )
-        if self._timer.is_due(time):
-            self._published = (time, self._springs["left"].pose())
+        self._usual.follow(time)
+        for spring in self._springs.values():
+            spring.write()
 
     @override
     def published(self) -> Mapping[str, Mapping[str, object]]:
         """Return the topic `centering_frame`, in the form of a set-point."""
-        if self._published is None:
+        published = self._usual.published
+        if published is None:
             return {}
-        time, left = self._published
-        center = left @ self._left_to_center
+        time, left = published
+        center = _matrix(left) @ self._left_to_center
         return {
             "centering_frame": {
                 "stamp": time,
@@ -163,6 +163,14 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
                 "orientation": quaternion_of(center[:3, :3]).tolist(),
             }
         }
+
+    def _want(self, gains: Mapping[str, float]) -> None:
+        for arm, spring in self._springs.items():
+            spring.want(
+                gains[f"{arm}_translational_stiffness"],
+                gains[f"{arm}_rotational_stiffness"],
+                gains[f"{arm}_nullspace_stiffness"],
+            )
 
     def _center(self) -> list[float]:
         """Return the equilibrium of the centering frame in the form of a set-point."""
@@ -182,3 +190,8 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
         right = right @ np.linalg.inv(self._right_to_left)
         for arm, pose in zip(ARMS, (left, right), strict=True):
             self._springs[arm].set_target(pose[:3, 3], quaternion_of(pose[:3, :3]))
+
+
+def _matrix(pose: list[float]) -> NDArray[np.float64]:
+    """Return a pose of 16 numbers, column-major, as a matrix, shape (4, 4)."""
+    return np.reshape(pose, (4, 4)).T

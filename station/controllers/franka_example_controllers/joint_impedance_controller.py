@@ -31,12 +31,13 @@ from station.controllers.franka_arm import (
     saturate_torque_rate,
 )
 from station.core.control.controller import ControllerSample, MultiInterfaceController
-from station.core.control.publish_timer import PUBLISH_RATE, PublishTimer
+from station.core.control.publish_rate import PUBLISH_RATE
 from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.franka import FrankaModelInterface, FrankaPoseCartesianInterface
 from station.core.hardware.interfaces import EffortJointInterface
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
+from station.kernel.publish_timer import PublishTimer
 
 RADIUS = 0.1
 """Default of `radius`, which also replaces a radius that is too small [m]."""

@@ -12,10 +12,10 @@ from typing_extensions import override
 
 from station.controllers.franka_arm import ARM_ID, read_arm_id
 from station.core.control.controller import Controller
-from station.core.control.publish_timer import PublishTimer
 from station.core.declared_parameter import DeclaredParameter
 from station.core.franka import Frame, FrankaModelHandle, FrankaModelInterface
 from station.core.parameters import Parameters
+from station.kernel.publish_timer import PublishTimer
 
 RATE_HZ = 1.0
 """How often the model is evaluated."""

@@ -28,6 +28,7 @@ class PoseTarget:
 
     Attributes:
         port: Receives the poses.
+        news: Whether there may be a new pose.
     """
 
     def __init__(
@@ -38,6 +39,7 @@ class PoseTarget:
             "wxyz", tolerance=_LENGTH_TOLERANCE, timeout=timeout, longest=inf
         )
         self._watched = WatchedSetPoint(self.port, action, subject, rest)
+        self.news = self._watched.news
         self._followed: list[float] = []
 
     def begin(self) -> None:

@@ -37,7 +37,6 @@ from station.controllers.franka_example_controllers.teleop_parameters import (
     teleop_schema,
 )
 from station.core.control.controller import ControllerSample, MultiInterfaceController
-from station.core.control.publish_timer import PublishTimer
 from station.core.control.tunables import Tunables
 from station.core.declared_parameter import DeclaredParameter
 from station.core.description.robot_description import require_robot_description
@@ -45,6 +44,7 @@ from station.core.franka import FrankaStateHandle, FrankaStateInterface, RobotSt
 from station.core.hardware.interfaces import EffortJointInterface, JointGroup
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
+from station.kernel.publish_timer import PublishTimer
 
 RATE_HZ = 60.0
 """Rate at which targets and contacts are published [Hz]."""

@@ -18,7 +18,7 @@ from station.core.hardware.interfaces.resource_manager import (
     ResourceHandle,
 )
 from station.kernel.doubles import Doubles, put
-from station.kernel.pose_sample import PoseSource
+from station.kernel.model_sources import ModelSource
 
 GRAVITY_EARTH = (0.0, 0.0, -9.81)
 """Acceleration of gravity in the base frame of an upright arm [m/s^2]."""
@@ -121,7 +121,7 @@ class FrankaModel(ABC):
 
     def pose_source(
         self, frame: Frame, q: Doubles, F_T_EE: Doubles, EE_T_K: Doubles
-    ) -> PoseSource:
+    ) -> ModelSource:
         """Return what writes the pose of a frame, see `pose`, in every cycle.
 
         Args:
@@ -134,7 +134,7 @@ class FrankaModel(ABC):
         def write(result: Doubles) -> None:
             put(result, self.pose(frame, q, F_T_EE, EE_T_K))
 
-        return PoseSource(write)
+        return ModelSource(write)
 
     @abstractmethod
     def zero_jacobian(
@@ -152,6 +152,37 @@ class FrankaModel(ABC):
             F_T_EE: End effector in the flange frame, 16 numbers.
             EE_T_K: Stiffness frame in the end effector frame, 16 numbers.
         """
+
+    def zero_jacobian_source(
+        self, frame: Frame, q: Doubles, F_T_EE: Doubles, EE_T_K: Doubles
+    ) -> ModelSource:
+        """Return what writes the Jacobian of a frame, see `zero_jacobian`.
+
+        Args:
+            frame: The frame.
+            q: Joint positions [rad], shape (7,); read in every cycle, as the others.
+            F_T_EE: End effector in the flange frame, 16 numbers.
+            EE_T_K: Stiffness frame in the end effector frame, 16 numbers.
+        """
+
+        def write(result: Doubles) -> None:
+            put(result, self.zero_jacobian(frame, q, F_T_EE, EE_T_K))
+
+        return ModelSource(write)
+
+    def coriolis_source(self, state: RobotState) -> ModelSource:
+        """Return what writes C(q, dq) dq with what the arm carries, see `coriolis`.
+
+        Args:
+            state: The arm's live state; read in every cycle.
+        """
+        q, dq = state.doubles("q"), state.doubles("dq")
+        inertia, center = state.doubles("I_total"), state.doubles("F_x_Ctotal")
+
+        def write(result: Doubles) -> None:
+            put(result, self.coriolis(q, dq, inertia, state.m_total, center))
+
+        return ModelSource(write)
 
     @abstractmethod
     def body_jacobian(
@@ -234,13 +265,21 @@ class FrankaModelHandle(ResourceHandle):
         """Return the pose of a frame in the base frame, 16 numbers."""
         return self.model.pose(frame, self._q, *self._frames)
 
-    def pose_source(self, frame: Frame) -> PoseSource:
+    def pose_source(self, frame: Frame) -> ModelSource:
         """Return what writes the pose of a frame in the base frame in every cycle."""
         return self.model.pose_source(frame, self._q, *self._frames)
 
     def get_zero_jacobian(self, frame: Frame) -> list[float]:
         """Return the Jacobian of a frame in the axes of the base, 42 numbers."""
         return self.model.zero_jacobian(frame, self._q, *self._frames)
+
+    def zero_jacobian_source(self, frame: Frame) -> ModelSource:
+        """Return what writes `get_zero_jacobian` in every cycle."""
+        return self.model.zero_jacobian_source(frame, self._q, *self._frames)
+
+    def coriolis_source(self) -> ModelSource:
+        """Return what writes `get_coriolis` in every cycle."""
+        return self.model.coriolis_source(self._state)
 
     def get_body_jacobian(self, frame: Frame) -> list[float]:
         """Return the Jacobian of a frame in its own axes, 42 numbers."""

@@ -23,7 +23,7 @@ from station.hw.franka.arm.franka_kinematics import (
 )
 from station.hw.franka.arm.self_collision import clearance
 from station.kernel.doubles import put, zeros
-from station.kernel.pose_sample import PoseSource
+from station.kernel.model_sources import ModelSource
 from tests.conformance.benches import JOINTS, POSE, panda
 from tests.hw.franka.cartesian_motions import PERIOD, Generator
 
@@ -39,7 +39,7 @@ class Kinematics:
 
     @staticmethod
     def pose_source(*arguments):
-        return PoseSource(lambda result: put(result, frame_pose(*arguments)))
+        return ModelSource(lambda result: put(result, frame_pose(*arguments)))
 
     @staticmethod
     def clearance(q):

@@ -23,6 +23,7 @@ from station.kernel.arm_reading import CalledCycles, Cycles
 from station.kernel.arm_step import ArmStep
 from station.kernel.command_sending import Receiver
 from station.kernel.doubles import Storage
+from station.kernel.model_sources import ModelSource
 
 REST_VELOCITY = 2e-4
 """Joints slower than this are at rest [rad/s]."""
@@ -231,6 +232,10 @@ class RobotArm(ABC):
 
         Costs next to nothing when they are up to date already.
         """
+
+    def pose_source(self) -> ModelSource | None:
+        """Return what writes `O_T_EE` alone in a quicker way; None if nothing does."""
+        return None
 
     @abstractmethod
     def set_joint_impedance(self, stiffness: Sequence[float]) -> None:

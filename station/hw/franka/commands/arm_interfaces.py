@@ -23,7 +23,8 @@ def state_interface(arm: RobotArm, arm_id: str) -> FrankaStateInterface:
     """
     states = FrankaStateInterface()
     name = f"{arm_id}_robot"
-    states.register_handle(FrankaStateHandle(name, arm.state, arm.refresh_state))
+    pose = arm.pose_source()
+    states.register_handle(FrankaStateHandle(name, arm.state, arm.refresh_state, pose))
     return states
 
 

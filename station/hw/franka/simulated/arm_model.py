@@ -6,6 +6,7 @@ from typing_extensions import override
 
 from station.core.description.robot_files import RobotFiles
 from station.core.franka.franka_model import GRAVITY_EARTH, Frame, FrankaModel
+from station.core.franka.franka_robot_state import RobotState
 from station.hw.franka.arm.franka_kinematics import (
     place_frame,
     place_jacobian,
@@ -15,7 +16,7 @@ from station.hw.franka.arm.self_collision import clearance
 from station.hw.franka.simulated.franka_dynamics import FrankaDynamics
 from station.kernel.arm_chain import turn_to_inner_axes
 from station.kernel.doubles import Doubles, doubles
-from station.kernel.pose_sample import PoseSource
+from station.kernel.model_sources import ModelSource
 
 
 class ArmModel(FrankaModel):
@@ -83,7 +84,7 @@ class ArmModel(FrankaModel):
     @override
     def pose_source(
         self, frame: Frame, q: Doubles, F_T_EE: Doubles, EE_T_K: Doubles
-    ) -> PoseSource:
+    ) -> ModelSource:
         if frame is not Frame.END_EFFECTOR:
             return super().pose_source(frame, q, F_T_EE, EE_T_K)
         return self._dynamics.tool_pose_source(q, F_T_EE)
@@ -99,6 +100,21 @@ class ArmModel(FrankaModel):
         links = self._dynamics.move_to(q)
         pose = place_frame(frame, links, F_T_EE, EE_T_K)
         return [*place_jacobian(frame, links, pose)]
+
+    @override
+    def zero_jacobian_source(
+        self, frame: Frame, q: Doubles, F_T_EE: Doubles, EE_T_K: Doubles
+    ) -> ModelSource:
+        if frame is not Frame.END_EFFECTOR:
+            return super().zero_jacobian_source(frame, q, F_T_EE, EE_T_K)
+        return self._dynamics.tool_jacobian_source(q, F_T_EE)
+
+    @override
+    def coriolis_source(self, state: RobotState) -> ModelSource:
+        inertia, center = state.doubles("I_total"), state.doubles("F_x_Ctotal")
+        return self._dynamics.coriolis_source(
+            state, lambda: self._load_of(inertia, state.m_total, center)
+        )
 
     @override
     def body_jacobian(

@@ -5,7 +5,7 @@ is mounted at the flange is the load, as libfranka has it. `station.kernel.arm_d
 does the arithmetic, once for each set of joint positions, however much is asked of it.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from station.core.description.robot_files import RobotFiles
 from station.core.description.urdf import Joint, Pose
 from station.core.errors import RobotDescriptionError
 from station.core.franka.franka_model import GRAVITY_EARTH
+from station.core.franka.franka_robot_state import RobotState
 from station.hw.franka.arm.arm_names import find_prefix
 from station.hw.franka.arm.franka_kinematics import CHAIN, DOF, FLANGE_OFFSET
 from station.hw.franka.arm.load import Load
@@ -23,7 +24,12 @@ from station.hw.urdf_loader import load_urdf
 from station.kernel.arm_chain import new_links, place_links
 from station.kernel.arm_dynamics import ArmDynamics
 from station.kernel.doubles import Doubles, put, zeros
-from station.kernel.pose_sample import PoseSource, ToolPoseSource
+from station.kernel.model_sources import (
+    CoriolisSource,
+    ModelSource,
+    ToolJacobianSource,
+    ToolPoseSource,
+)
 
 _NO_LOAD = Load()
 _MOMENTS = 10
@@ -134,7 +140,7 @@ class FrankaDynamics:
         self._kernel.move_to(q)
         return self.links
 
-    def tool_pose_source(self, q: Doubles, tool: Doubles) -> PoseSource:
+    def tool_pose_source(self, q: Doubles, tool: Doubles) -> ToolPoseSource:
         """Return what writes the pose of something that is fixed to the flange.
 
         Args:
@@ -142,6 +148,32 @@ class FrankaDynamics:
             tool: What is fixed, in the frame of the flange, 16 numbers.
         """
         return ToolPoseSource(self._kernel, q, self.links[16 * DOF :], tool)
+
+    def tool_jacobian_source(self, q: Doubles, tool: Doubles) -> ModelSource:
+        """Return what writes the Jacobian of something fixed to the flange, (42,).
+
+        Args:
+            q: Joint positions [rad], shape (7,); read in every cycle, as `tool`.
+            tool: What is fixed, in the frame of the flange, 16 numbers.
+        """
+        return ToolJacobianSource(self.tool_pose_source(q, tool), self.links)
+
+    def coriolis_source(
+        self, state: RobotState, load: Callable[[], Load]
+    ) -> ModelSource:
+        """Return what writes the Coriolis torques of a state, shape (7,).
+
+        Args:
+            state: The arm's state; read in every cycle.
+            load: Returns what it carries; called when that may have changed.
+        """
+        q, dq = state.doubles("q"), state.doubles("dq")
+        center, inertia = state.doubles("F_x_Ctotal"), state.doubles("I_total")
+
+        def put_load() -> None:
+            self._set(q, load())
+
+        return CoriolisSource(self._kernel, state, q, dq, center, inertia, put_load)
 
     def _set(self, q: Sequence[float], load: Load) -> None:
         self._kernel.move_to(q)

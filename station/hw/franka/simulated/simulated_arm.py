@@ -28,6 +28,7 @@ from station.kernel.arm_codes import POSITIONS, UNUSUAL, VELOCITIES
 from station.kernel.arm_reading import Cycles, SimulatedCycles
 from station.kernel.command_sending import JointReceiver, TorqueReceiver
 from station.kernel.doubles import Storage
+from station.kernel.model_sources import ModelSource
 
 _ZEROS = [0.0] * 7
 _SUPERVISED = (
@@ -129,6 +130,10 @@ class SimulatedArm(RobotArm):
     @override
     def refresh_state(self) -> None:
         self.frames.refresh()
+
+    @override
+    def pose_source(self) -> ModelSource:
+        return self.frames.pose_source()
 
     @override
     def refusal(

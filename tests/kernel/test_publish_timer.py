@@ -1,8 +1,11 @@
 """The rhythm of publications."""
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from station.core.control.publish_timer import PublishTimer
+from station.kernel.publish_timer import PublishTimer
+from tests.kernel.both_modes import assert_same, needs_both, numbers
 
 
 def _due(timer, times):
@@ -47,3 +50,14 @@ def test_a_rate_that_is_not_positive_is_never_due(rate):
 
 def test_nothing_is_due_before_the_start():
     assert not PublishTimer(10.0).is_due(5.0)
+
+
+@needs_both
+@given(numbers, st.lists(numbers, max_size=6), st.booleans())
+def test_both_modes_agree_bit_for_bit(rate, times, at_once):
+    def scenario(module):
+        timer = module.PublishTimer(rate)
+        timer.start(0.0, at_once)
+        return [float(timer.is_due(time)) for time in times]
+
+    assert_same("publish_timer", scenario)

@@ -1,13 +1,6 @@
 """Decide in which cycles a controller publishes."""
 
-from station.core.declared_parameter import DeclaredParameter, ParameterType
-
-PUBLISH_RATE = DeclaredParameter(
-    name="publish_rate",
-    type=ParameterType.NUMBER,
-    unit="Hz",
-    description="rate of publication; 0: nothing is published",
-)
+_NEVER = float("-inf")
 
 
 class PublishTimer:
@@ -18,18 +11,18 @@ class PublishTimer:
     """
 
     def __init__(self, rate: float) -> None:
-        self._interval = 1.0 / rate if rate > 0.0 else 0.0
-        self._last: float | None = None
+        self.interval = 1.0 / rate if rate > 0.0 else 0.0
+        self.last = _NEVER
 
-    def start(self, time: float, *, at_once: bool) -> None:
+    def start(self, time: float, at_once: bool) -> None:  # noqa: FBT001 - for the compiler
         """Start to count; a timer that was started before is not changed.
 
         Args:
             time: Station time [s].
             at_once: Whether a publication is due in the next cycle already.
         """
-        if self._last is None:
-            self._last = time - 1.001 * self._interval if at_once else time
+        if self.last == _NEVER:
+            self.last = time - 1.001 * self.interval if at_once else time
 
     def is_due(self, time: float) -> bool:
         """Return whether a publication is due, once per publication.
@@ -39,10 +32,8 @@ class PublishTimer:
         Args:
             time: Station time [s].
         """
-        if self._interval == 0.0 or self._last is None:
+        due = self.last + self.interval
+        if self.last == _NEVER or self.interval == 0.0 or due >= time:
             return False
-        due = self._last + self._interval
-        if due >= time:
-            return False
-        self._last = due if time - due < self._interval else time
+        self.last = due if time - due < self.interval else time
         return True
