@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import viser
 
 from station.client import ApiError, AsyncStationClient
+from station.ui.color_scheme import paint
 from station.ui.gateway_state import BarState, bar_state
 from station.ui.layers.push_layer import Pusher, Pushing
 from station.ui.layers.scene_facts import (
@@ -54,7 +55,6 @@ VIEWS_PERIOD = 1.0 / 15.0
 PANEL_PERIOD = 0.1
 _ENDING_TIME = 0.5
 _PANEL_WIDTH = 430.0
-_BRAND = (34, 110, 196)
 
 
 async def _push_nothing(key: str, arm_id: str, push: ExternalForce) -> None:
@@ -113,7 +113,7 @@ class Dashboard:
         pushing = Pushing(push, self._reporter.refused)
         self.views = SceneViews(placed, session_key, pushing)
         self._trails = Trails(placed)
-        _set_theme(server)
+        _arrange(server)
         recovery = RecoveryPanel(server.gui, self._link, self._reporter)
         if not_drawn:
             server.gui.add_html(warning(f"There is no picture. {not_drawn}"))
@@ -290,13 +290,8 @@ def _placed(robots: Sequence[RobotModel | None]) -> list[PlacedRobot]:
     ]
 
 
-def _set_theme(server: viser.ViserServer) -> None:
-    server.gui.configure_theme(
-        dark_mode=False,
-        show_logo=False,
-        show_share_button=False,
-        brand_color=_BRAND,
-    )
+def _arrange(server: viser.ViserServer) -> None:
+    paint(server, is_dark=False)
     server.gui.main_panel.dock_right()
     server.gui.main_panel.set_width(_PANEL_WIDTH)
     # The docks of the page do what this panel does; a click on its rail opens it.

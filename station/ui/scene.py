@@ -139,7 +139,6 @@ def prepare_room(server: viser.ViserServer) -> None:
     # Shadows draw the meshes four times. Without a GPU that takes so much time that a
     # browser on the station's own machine would delay the control loop.
     server.scene.configure_default_lights(cast_shadow=False)
-    server.scene.set_background_image(_backdrop(), format="png")
     server.initial_camera.fov = _FIELD_OF_VIEW
 
 
@@ -172,14 +171,6 @@ def _draw_stand(
             color=(128, 138, 150),
             position=(x, y, middle),
         )
-
-
-def _backdrop() -> NDArray[np.uint8]:
-    """Return a soft vertical gradient, shape (rows, 2, 3)."""
-    rows = np.linspace(0.0, 1.0, 64)[:, None]
-    top, bottom = np.array([214.0, 222.0, 231.0]), np.array([246.0, 248.0, 250.0])
-    column = (1.0 - rows) * top + rows * bottom  # (64, 3)
-    return np.repeat(column[:, None, :], 2, axis=1).astype(np.uint8)
 
 
 def _draw(server: viser.ViserServer, robot: RobotModel, root: str) -> list[MovingFrame]:

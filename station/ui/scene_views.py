@@ -10,6 +10,7 @@ from typing import TypeVar
 
 import viser
 
+from station.ui.color_scheme import paint
 from station.ui.joint_frames import is_drawn_moving
 from station.ui.layers.camera import look
 from station.ui.layers.collision_layer import CollisionLayer
@@ -85,6 +86,7 @@ class SceneViews:
         self._key_of = key_of
         self._ghosts: dict[str, Ghost] = {}
         self._chosen: dict[str, frozenset[str]] = {}
+        self._dark: dict[str, bool] = {}
         self._facts = SceneFacts()
         self._drawn: dict[int, _Drawn] = {}
 
@@ -100,6 +102,8 @@ class SceneViews:
     def joined(self, client: viser.ClientHandle) -> None:
         """Show a browser that has just connected what its session has chosen."""
         self._drawn[client.client_id] = _Drawn(client)
+        if self._dark.get(self._key_of(client)):
+            paint(client, is_dark=True)
         self._lay(self._drawn[client.client_id])
         self._show_ghost(self._drawn[client.client_id])
 
@@ -143,6 +147,17 @@ class SceneViews:
         """
         for drawn in self._of(key):
             look(drawn.client, preset, self._robots, self._facts.positions)
+
+    def paint(self, key: str, *, is_dark: bool) -> None:
+        """Let the views of one session be light or dark, as its page is.
+
+        Args:
+            key: Key of the session.
+            is_dark: Whether its page is dark.
+        """
+        _keep(self._dark, key, is_dark)
+        for drawn in self._of(key):
+            paint(drawn.client, is_dark=is_dark)
 
     def alive(self, key: str) -> None:
         """Note that the page of a session lives: what it holds goes on.

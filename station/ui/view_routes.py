@@ -4,6 +4,7 @@
 asks, e.g. a recorded or a planned pose; `DELETE /ui/ghost` hides it. A ghost is a
 picture: no controller is told of it, so a viewer may show one, too. `PUT /ui/layers`
 chooses what is laid over the robots, and `POST /ui/camera` from where they are seen.
+`PUT /ui/scheme` says whether the page is dark, so that its 3D view is, too.
 A page in which links can be pulled says with `POST /ui/alive` that it lives.
 """
 
@@ -56,6 +57,16 @@ class LayersRequest(_Body):
     shown: list[str] = Field(max_length=32)
 
 
+class SchemeRequest(_Body):
+    """How the page looks.
+
+    Attributes:
+        dark: Whether it is dark.
+    """
+
+    dark: bool
+
+
 class CameraRequest(_Body):
     """From where to look.
 
@@ -101,6 +112,7 @@ class ViewRoutes:
             Route("/ui/ghost", self._show_ghost, methods=["POST"]),
             Route("/ui/ghost", self._hide_ghost, methods=["DELETE"]),
             Route("/ui/layers", self._layers, methods=["PUT"]),
+            Route("/ui/scheme", self._scheme, methods=["PUT"]),
             Route("/ui/alive", self._alive, methods=["POST"]),
             Route("/ui/camera", self._camera, methods=["POST"]),
         ]
@@ -145,6 +157,16 @@ class ViewRoutes:
             return refused(422, "unknown_layer", detail)
         self._in_viser(lambda: self._views.choose(session.key, wanted.shown))
         return JSONResponse({"shown": wanted.shown})
+
+    async def _scheme(self, request: "Request") -> Response:
+        session = self._find(request)
+        if session is None:
+            return _no_session()
+        wanted = await _read(request, SchemeRequest)
+        if isinstance(wanted, Response):
+            return wanted
+        self._in_viser(lambda: self._views.paint(session.key, is_dark=wanted.dark))
+        return JSONResponse({"dark": wanted.dark})
 
     async def _alive(self, request: "Request") -> Response:
         session = self._find(request)

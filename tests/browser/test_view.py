@@ -229,3 +229,18 @@ def test_the_hand_follows_the_dragged_target_and_stays_where_it_was_let_go(
     assert wait_until(lambda: at_rest.status().cycle > cycle + 1000)
     assert height() == pytest.approx(rest, abs=2e-3)
     assert hand.state().O_T_EE[12:14] == pytest.approx([0.307, 0.0], abs=0.02)
+
+
+SCHEME = """
+(wanted) => document.getElementById("view").contentDocument
+  .documentElement.dataset.mantineColorScheme === wanted
+"""
+
+
+@pytest.mark.usefixtures("view")
+def test_the_view_is_dark_while_the_page_is(page):
+    page.emulate_media(color_scheme="dark")
+    page.wait_for_function(SCHEME, arg="dark")
+    keep_screenshot(page, "dark.png")
+    page.emulate_media(color_scheme="light")
+    page.wait_for_function(SCHEME, arg="light")

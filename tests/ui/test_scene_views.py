@@ -109,3 +109,22 @@ def test_only_the_page_of_a_session_keeps_its_push_alive(views, client):
     views.alive("mine")
     views.left(client)
     assert client.scene.get_handle_by_name("/robot/panda_link0/push") is None
+
+
+def test_a_view_is_as_dark_as_its_page_also_after_it_connects_again(
+    views, client, monkeypatch
+):
+    painted = []
+
+    def paint(browser, *, is_dark):
+        painted.append((browser.client_id, is_dark))
+
+    monkeypatch.setattr("station.ui.scene_views.paint", paint)
+    views.paint("somebody else's", is_dark=True)
+    assert painted == []
+    views.paint("mine", is_dark=True)
+    views.left(client)
+    views.joined(client)
+    views.paint("mine", is_dark=False)
+    here = client.client_id
+    assert painted == [(here, True), (here, True), (here, False)]

@@ -26,6 +26,9 @@ class _Views:
     def choose(self, key, layers):
         self.chosen.append((key, layers))
 
+    def paint(self, key, *, is_dark):
+        self.chosen.append((key, is_dark))
+
     def look(self, key, preset):
         self.chosen.append((key, preset))
 
@@ -93,14 +96,16 @@ def test_nothing_is_shown_without_a_session(browser, bench):
     assert browser.delete("/ui/ghost").status_code == 401
     assert browser.put("/ui/layers", json={"shown": []}).status_code == 401
     assert browser.post("/ui/camera", json={"preset": "fit"}).status_code == 401
+    assert browser.put("/ui/scheme", json={"dark": True}).status_code == 401
     assert (bench.views.ghosts, bench.views.chosen) == ({}, [])
 
 
-def test_layers_and_camera_are_those_of_the_session_that_asks(browser, bench):
+def test_layers_camera_and_colours_are_those_of_the_session_that_asks(browser, bench):
     browser.put("/ui/layers", json={"shown": ["frames"]}).raise_for_status()
     browser.post("/ui/camera", json={"preset": "hand"}).raise_for_status()
+    browser.put("/ui/scheme", json={"dark": True}).raise_for_status()
     key = bench.session.key
-    assert bench.views.chosen == [(key, ["frames"]), (key, "hand")]
+    assert bench.views.chosen == [(key, ["frames"]), (key, "hand"), (key, True)]
 
 
 @pytest.mark.parametrize(
@@ -113,6 +118,7 @@ def test_layers_and_camera_are_those_of_the_session_that_asks(browser, bench):
             "no layer 'walls'; choose among command",
         ),
         ("PUT", "layers", {}, "shown: Field required"),
+        ("PUT", "scheme", {"dark": "yes"}, "dark: Input should be a valid boolean"),
         ("POST", "camera", {"preset": "moon"}, "no 'moon'; choose among fit, front"),
         ("POST", "camera", {"preset": 1}, "preset: Input should be a valid string"),
     ],

@@ -135,10 +135,16 @@ export function showViewTools(place) {
   folder.open = kept.get("view-tools", innerWidth > 700);
   folder.addEventListener("toggle", () => kept.set("view-tools", folder.open));
   place.append(folder);
+  const system = matchMedia("(prefers-color-scheme: dark)");
+  const paint = () => send("PUT", "/ui/scheme", { dark: system.matches }).catch((error) => console.warn(error.message));
+  system.addEventListener("change", paint);
   // A dashboard that was started anew knows no choice any more.
   let link = "";
   window.addEventListener("station-bar", (event) => {
-    if (event.detail.link === "live" && link !== "live") tell();
+    if (event.detail.link === "live" && link !== "live") {
+      tell();
+      paint();
+    }
     link = event.detail.link;
   });
 }
