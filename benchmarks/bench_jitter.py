@@ -167,7 +167,6 @@ CONDITIONS = {
     "dual": Condition("loop alone, 2 arms under impedance", _in_process("dual")),
     "streams10": Condition("API, 10 streams of 100 Hz", _served(10, None)),
     "streams50": Condition("API, 50 streams of 100 Hz", _served(50, None)),
-    "dashboard5": Condition("dashboard, 5 streams of 100 Hz", _served(5, 0)),
     "browser1": Condition("dashboard, 1 browser", _served(0, 1)),
     "browser3": Condition("dashboard, 3 browsers", _served(0, 3)),
     "busy": Condition("API, busy neighbours", _served(0, None), is_busy=True),

@@ -208,6 +208,8 @@ def test_the_hand_follows_the_dragged_target_and_stays_where_it_was_let_go(
     view.wait_for_function(
         "() => window.sceneHidden['/robot/panda_link0/target'] === false"
     )
+    # The offer to enable sliders instead does not cover the hand.
+    page.wait_for_function("() => document.getElementById('enable').offsetHeight < 30")
     hand = at_rest.robot("panda")
 
     def height():

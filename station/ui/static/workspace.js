@@ -216,6 +216,8 @@ function showEnable() {
   const button = element("enable");
   button.hidden = !wanted;
   button.disabled = Boolean(enabling?.reason);
+  // While another controller moves the robot, the picture matters more than the offer.
+  button.classList.toggle("small", Boolean(enabling?.replaces?.length));
   const stops = enabling?.replaces?.length ? ` ${enabling.replaces.join(", ")} stops.` : "";
   button.title = enabling?.reason || `Starts ${[enabling?.name, ...(enabling?.also ?? [])].join(" and ")}, so that the joints take values.${stops}`;
 }
