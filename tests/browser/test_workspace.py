@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from station.api.errors import ROUTES
 from station.wire import Fault
 from tests.browser.conftest import keep_screenshot
 from tests.browser.workspace_page import (
@@ -90,7 +91,26 @@ def test_stop_is_shown_at_once_and_refused_values_offer_the_release(workspace, e
     assert wait_until(lambda: enabled.status().stop_state == "armed")
     page.locator("#log-button").click()
     assert page.locator("#log .row").count() >= 1
+    assert "/api/v1" not in page.locator("#log").inner_text()
     page.locator("#log-button").click()
+
+
+@pytest.mark.parametrize(
+    ("for_scripts", "for_people"),
+    [
+        *((sentence, "") for sentence in ROUTES.values()),
+        ("Stop it first. GET /api/v1/loop has more.", "Stop it first."),
+        ("Take control first: POST /api/v1/control.", "Take control first."),
+        ("Move it by hand (POST /robots/panda/error_recovery)", "Move it by hand"),
+        ("Stay within 0.5 rad. Ask again.", "Stay within 0.5 rad. Ask again."),
+    ],
+)
+def test_a_person_is_not_told_routes(workspace, for_scripts, for_people):
+    told = workspace.page.evaluate(
+        "async (text) => (await import('/static/lib/refusals.js')).forPerson(text)",
+        for_scripts,
+    )
+    assert told == for_people
 
 
 def test_a_switch_says_what_it_does_before_the_click(workspace, enabled):

@@ -1,6 +1,7 @@
 // The alarms of the station: what asks for a person, and who has seen it. The strip counts
 // those that nobody has seen; the dock Timeline lists and acknowledges them.
 import { h, show } from "./dom.js";
+import { forPerson } from "./refusals.js";
 import { act, api, follow } from "./station.js";
 import { store } from "./store.js";
 
@@ -67,7 +68,7 @@ function row(alarm) {
     { class: `row ${alarm.severity}` },
     h("time", { title: new Date(alarm.raised_at * 1e3).toISOString() }, clock(alarm.raised_at)),
     h("b", {}, `${alarm.severity === "error" ? "✖" : "▲"} ${alarm.text} `),
-    h("span", { class: "remedy" }, alarm.remedy),
+    h("span", { class: "remedy" }, forPerson(alarm.remedy ?? "")),
     h("small", {}, ` ${state} `),
     seen ? null : button,
   );

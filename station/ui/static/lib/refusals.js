@@ -1,5 +1,18 @@
 // The log of refusals: what was refused, why, what to do, and a button that does it.
 
+const ROUTE = "(?:GET|POST|PUT|PATCH|DELETE) /";
+const ASIDE = new RegExp(`\\s*\\(${ROUTE}[^)]*\\)|:\\s*${ROUTE}\\S*(?=\\.$)`, "g");
+const ABOUT_ROUTES = new RegExp(ROUTE);
+
+/** Return a remedy without routes of the API: who reads it here has the page. */
+export function forPerson(remedy) {
+  return remedy
+    .split(/(?<=[.!?])\s+(?=[A-Z])/)
+    .map((sentence) => sentence.replace(ASIDE, ""))
+    .filter((sentence) => !ABOUT_ROUTES.test(sentence))
+    .join(" ");
+}
+
 class Refusals extends EventTarget {
   constructor() {
     super();

@@ -1,5 +1,5 @@
 // The station as the page sees it: requests, streams and the desk, through the gateway.
-import { refusals } from "./refusals.js";
+import { forPerson, refusals } from "./refusals.js";
 
 const API = "/api/v1";
 const AGAIN_MS = 700;
@@ -49,14 +49,14 @@ async function fetched(method, path, options) {
   }
 }
 
-/** A refusal of the station, in its own words. */
+/** A refusal of the station, in its own words but for the routes. */
 export class Refusal extends Error {
   constructor(status, problem) {
     super(problem.detail ?? `The request failed (${status}).`);
     this.status = status;
     this.code = problem.code ?? "";
     this.detail = this.message;
-    this.remedy = problem.remedy ?? "";
+    this.remedy = forPerson(problem.remedy ?? "");
     this.errors = problem.errors ?? [];
     this.details = problem.details ?? {};
   }
