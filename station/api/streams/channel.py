@@ -167,7 +167,7 @@ class StateChannel(Channel):
             return
         self._cycle = payload.cycle
         self._made_at = now
-        self._right_of_way.give(pieces=2)
+        self._right_of_way.give()
         self._frame = encode(
             self._topic.name,
             payload,

@@ -11,13 +11,13 @@ PERIOD = 0.001
 WOKE = 100.0
 
 
-def waited(after: float, *, pieces: int = 1, real_time_factor: float = 1.0) -> float:
+def waited(after: float, *, real_time_factor: float = 1.0) -> float:
     """Return how long a thread waits that looks so long after the last wake-up [s]."""
     heartbeat = Heartbeat()
     heartbeat.beats[0] = WOKE
     clock = ManualClock(WOKE + after)
     right = RightOfWay(clock, heartbeat, PERIOD, Pace(real_time_factor))
-    right.give(pieces)
+    right.give()
     return clock.now() - (WOKE + after)
 
 
@@ -29,12 +29,6 @@ def test_a_piece_that_ends_before_the_next_cycle_begins_at_once():
 def test_a_piece_that_would_last_into_the_next_cycle_waits_until_it_has_begun():
     after = PERIOD - 0.5 * PIECE
     assert waited(after) == pytest.approx(0.5 * PIECE + HEAD_START, abs=1e-9)
-
-
-def test_a_long_piece_looks_further_ahead():
-    after = PERIOD - 1.5 * PIECE
-    assert waited(after) == 0.0
-    assert waited(after, pieces=2) == pytest.approx(1.5 * PIECE + HEAD_START, abs=1e-9)
 
 
 def test_a_late_cycle_is_waited_for_and_a_loop_that_hangs_is_not():
