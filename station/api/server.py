@@ -185,7 +185,8 @@ class ApiServer:
 
     async def _serve(self, listener: socket.socket) -> None:
         self._loop = asyncio.get_running_loop()
-        # Its first use imports its backend: for the first request, 30 ms beside cycles.
+        # anyio imports a backend when it is first used. In the first request that would
+        # keep the interpreter from the control thread, for up to 30 ms.
         await anyio.lowlevel.checkpoint()
         self._running.set()  # the listener queues connections from now on
         try:

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.routing import BaseRoute
 
+    from station.ui.sessions import Session
     from station.ui.workspace_routes import FindSession
 
 _MOST_JOINTS = 128
@@ -118,12 +119,10 @@ class ViewRoutes:
         ]
 
     async def _show_ghost(self, request: "Request") -> Response:
-        session = self._find(request)
-        if session is None:
-            return _no_session()
-        wanted = await _read(request, GhostRequest)
-        if isinstance(wanted, Response):
-            return wanted
+        asked = await self._asked(request, GhostRequest)
+        if isinstance(asked, Response):
+            return asked
+        session, wanted = asked
         known = self._views.joint_names()
         unknown = sorted(wanted.positions.keys() - known)
         if unknown:
@@ -144,12 +143,10 @@ class ViewRoutes:
         return JSONResponse({"shown": False})
 
     async def _layers(self, request: "Request") -> Response:
-        session = self._find(request)
-        if session is None:
-            return _no_session()
-        wanted = await _read(request, LayersRequest)
-        if isinstance(wanted, Response):
-            return wanted
+        asked = await self._asked(request, LayersRequest)
+        if isinstance(asked, Response):
+            return asked
+        session, wanted = asked
         known = (*LAYERS, PUSH)
         unknown = sorted(set(wanted.shown).difference(known))
         if unknown:
@@ -159,12 +156,10 @@ class ViewRoutes:
         return JSONResponse({"shown": wanted.shown})
 
     async def _scheme(self, request: "Request") -> Response:
-        session = self._find(request)
-        if session is None:
-            return _no_session()
-        wanted = await _read(request, SchemeRequest)
-        if isinstance(wanted, Response):
-            return wanted
+        asked = await self._asked(request, SchemeRequest)
+        if isinstance(asked, Response):
+            return asked
+        session, wanted = asked
         self._in_viser(lambda: self._views.paint(session.key, is_dark=wanted.dark))
         return JSONResponse({"dark": wanted.dark})
 
@@ -176,17 +171,25 @@ class ViewRoutes:
         return JSONResponse({})
 
     async def _camera(self, request: "Request") -> Response:
-        session = self._find(request)
-        if session is None:
-            return _no_session()
-        wanted = await _read(request, CameraRequest)
-        if isinstance(wanted, Response):
-            return wanted
+        asked = await self._asked(request, CameraRequest)
+        if isinstance(asked, Response):
+            return asked
+        session, wanted = asked
         if wanted.preset not in PRESETS:
             detail = f"preset: there is no '{wanted.preset}'; {_among(PRESETS)}."
             return refused(422, "unknown_preset", detail)
         self._in_viser(lambda: self._views.look(session.key, wanted.preset))
         return JSONResponse({"preset": wanted.preset})
+
+    async def _asked(
+        self, request: "Request", kind: type[_Wanted]
+    ) -> "tuple[Session, _Wanted] | Response":
+        """Return whose request it is and its body, or what refuses it."""
+        session = self._find(request)
+        if session is None:
+            return _no_session()
+        wanted = await _read(request, kind)
+        return wanted if isinstance(wanted, Response) else (session, wanted)
 
 
 def _among(names: Iterable[str]) -> str:

@@ -8,7 +8,7 @@ Source: franka_ros@c11f000 franka_hw/include/franka_hw/franka_model_interface.h.
 # ruff: noqa: N803 - the arguments have libfranka's names.
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from enum import Enum
 from typing import ClassVar
 
@@ -130,11 +130,7 @@ class FrankaModel(ABC):
             F_T_EE: End effector in the flange frame, 16 numbers.
             EE_T_K: Stiffness frame in the end effector frame, 16 numbers.
         """
-
-        def write(result: Doubles) -> None:
-            put(result, self.pose(frame, q, F_T_EE, EE_T_K))
-
-        return ModelSource(write)
+        return _written(self.pose, frame, q, F_T_EE, EE_T_K)
 
     @abstractmethod
     def zero_jacobian(
@@ -164,11 +160,7 @@ class FrankaModel(ABC):
             F_T_EE: End effector in the flange frame, 16 numbers.
             EE_T_K: Stiffness frame in the end effector frame, 16 numbers.
         """
-
-        def write(result: Doubles) -> None:
-            put(result, self.zero_jacobian(frame, q, F_T_EE, EE_T_K))
-
-        return ModelSource(write)
+        return _written(self.zero_jacobian, frame, q, F_T_EE, EE_T_K)
 
     def coriolis_source(self, state: RobotState) -> ModelSource:
         """Return what writes C(q, dq) dq with what the arm carries, see `coriolis`.
@@ -210,6 +202,18 @@ class FrankaModel(ABC):
         Args:
             q: Joint positions [rad], shape (7,).
         """
+
+
+def _written(
+    compute: Callable[
+        [Frame, Doubles, Doubles, Doubles],
+        Sequence[float],
+    ],
+    frame: Frame,
+    *memory: Doubles,
+) -> ModelSource:
+    """Return what writes the result of a function of a frame and of memory."""
+    return ModelSource(lambda result: put(result, compute(frame, *memory)))
 
 
 class FrankaModelHandle(ResourceHandle):

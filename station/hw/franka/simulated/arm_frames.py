@@ -83,6 +83,7 @@ class ArmFrames:
     def pose_source(self) -> ModelSource:
         """Return what writes `O_T_EE` in every cycle, without the other fields."""
         field, links = self._state.doubles, new_links(CHAIN)
+        # Without masses: it is asked for poses alone.
         chain = ArmDynamics(CHAIN, zeros(10 * DOF), links)
         return ToolPoseSource(chain, field("q"), links[16 * DOF :], field("F_T_EE"))
 
