@@ -7,8 +7,7 @@ cdef class Piece:
     cpdef write(self)
 
 cdef class CommandPiece(Piece):
-    cdef readonly object storage
-    cdef readonly Py_ssize_t start
+    cdef readonly object slots
     cdef readonly double[::1] memory
     cdef readonly double[::1] values
     cdef readonly Py_ssize_t size

@@ -1,6 +1,6 @@
 """Commands of a robot in flat memory: copied, checked, compared and written anew."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from station.kernel.copying import copy_into
@@ -27,21 +27,18 @@ class CommandPiece(Piece):
     """Commands that lie side by side, and a copy of them.
 
     Args:
-        storage: The memory of these and of other commands.
-        start: Index of the first command.
-        size: Number n of the commands.
+        memory: The commands, shape (n,).
+        slots: Where whoever writes one of them finds it; kept for reports.
 
     Attributes:
-        storage: As given.
-        start: As given.
+        slots: As given.
         values: The copy, shape (n,).
     """
 
-    def __init__(self, storage: Doubles, start: int, size: int) -> None:
-        self.storage = storage
-        self.start = start
-        self.memory = storage[start : start + size]
-        self.size = size
+    def __init__(self, memory: Doubles, slots: Sequence[Any] = ()) -> None:
+        self.slots = slots
+        self.memory = memory
+        self.size = len(memory)
         self.values = zeros(self.size)
         self.take()
 

@@ -32,7 +32,7 @@ def test_the_first_number_that_is_not_finite_is_found(values, bad):
 
 def test_a_piece_of_commands_tells_what_changed_and_writes_it_back():
     memory = doubles([1.0, 2.0])
-    piece = interpreted("command_pieces").CommandPiece(memory, 0, 2)
+    piece = interpreted("command_pieces").CommandPiece(memory)
     assert not piece.differs()
     memory[1] = nan
     assert piece.differs()
@@ -45,9 +45,7 @@ def test_a_piece_of_commands_tells_what_changed_and_writes_it_back():
 def test_pieces_of_commands_are_written_back_together():
     module = interpreted("command_pieces")
     memories = [doubles([1.0]), doubles([2.0, 3.0])]
-    pieces = module.CommandPieces([
-        module.CommandPiece(one, 0, len(one)) for one in memories
-    ])
+    pieces = module.CommandPieces([module.CommandPiece(one) for one in memories])
     for memory in memories:
         memory[0] = nan
     pieces.keep()
@@ -97,7 +95,7 @@ def test_both_modes_give_the_same_bits(values, target, step):
         return [module.FiniteCheck(doubles(values)).first_bad()]
 
     def pieces(module):
-        piece = module.CommandPiece(doubles(values), 0, len(values))
+        piece = module.CommandPiece(doubles(values))
         return [piece.take(), piece.differs(), *piece.values]
 
     def durations(module):

@@ -21,14 +21,12 @@ limits, which depend on the measured state and on the period.
 from collections import Counter
 from collections.abc import Iterable
 
-from station.core.control.command_guard import all_guards, as_pieces
-from station.core.control.command_piece import (
-    KeptPiece,
-    make_piece,
-)
+from station.core.control.command_guard import all_guards
+from station.core.control.command_piece import KeptPiece, make_pieces
 from station.core.control.controller import ControllerState
 from station.core.control.loaded_controller import LoadedController
 from station.core.hardware.robot_hw import RobotHW
+from station.core.hardware.slots import Slot, in_memory_order
 from station.kernel.command_pieces import CommandPieces
 from station.kernel.doubles import Storage
 from station.kernel.flags import OwnerFlags
@@ -38,7 +36,7 @@ _RUNNING = ControllerState.RUNNING
 TRACED_CYCLES = 1000
 """How long the gate looks for whoever writes commands without a claim [cycles]."""
 
-Slot = tuple[int, int]
+SlotId = tuple[int, int]
 """Identity of a storage and an index into it."""
 
 Remembered = list[tuple[Storage, int, float]]
@@ -72,16 +70,14 @@ class CommandGate(OwnerFlags):
         self._resting: list[KeptPiece] = []
         self._note_rows([])
         self._owned_names: set[str] = set()
-        self._names: dict[Slot, str] = {
+        self._names: dict[SlotId, str] = {
             (id(storage), index): guard.name
             for guard in self._guards
             for storage, index in guard.slots
         }
-
-        self._slots: dict[Slot, tuple[Storage, int]] = {
-            (id(storage), index): (storage, index)
-            for guard in self._guards
-            for storage, index in guard.slots
+        commands = in_memory_order(slot for one in self._guards for slot in one.slots)
+        self._slots: dict[SlotId, Slot] = {
+            (id(storage), index): (storage, index) for storage, index in commands
         }
 
     def remember(self, one: LoadedController) -> Remembered:
@@ -194,26 +190,24 @@ class CommandGate(OwnerFlags):
         """
         owned = _count_owners(loaded)
         before = {
-            (id(piece.storage), index): value
+            (id(storage), index): value
             for piece in self._resting
-            for index, value in enumerate(piece.values, piece.start)
+            for (storage, index), value in zip(piece.slots, piece.values, strict=True)
         }
-        free: dict[Slot, tuple[Storage, int]] = {}
         for guard in self._guards:
             begun = []
             for position, (storage, index) in enumerate(guard.slots):
                 slot = (id(storage), index)
                 if slot in owned:
                     continue
-                free[slot] = (storage, index)
                 if slot in before and guard.name not in self._owned_names:
                     storage[index] = before[slot]
                 else:
                     begun.append(position)
             if begun:
                 guard.write_rest(begun)
-        pieces = as_pieces([free[slot] for slot in sorted(free)])
-        self._resting = [make_piece(storage, piece) for storage, piece in pieces]
+        free = [slot for name, slot in self._slots.items() if name not in owned]
+        self._resting = make_pieces(free)
         self.running = tuple(one for one in loaded if one.controller.state is _RUNNING)
         running = self.running
         self._owned_names = {g.name for one in running for g in one.commands.guards}
@@ -230,10 +224,10 @@ class CommandGate(OwnerFlags):
         self.kept = CommandPieces([*rows], self._report)
 
     def _changed(self, piece: KeptPiece) -> str:
-        for index, value in enumerate(piece.values, piece.start):
-            now = piece.storage[index]
+        for (storage, index), value in zip(piece.slots, piece.values, strict=True):
+            now = storage[index]
             if not (type(now) is float and now == value):
-                return self._names[id(piece.storage), index]
+                return self._names[id(storage), index]
         return "an unknown resource"
 
     def _report(self, piece: KeptPiece) -> None:
@@ -246,7 +240,7 @@ class CommandGate(OwnerFlags):
         self.traced_cycles = TRACED_CYCLES
 
 
-def _count_owners(loaded: Iterable[LoadedController]) -> Counter[Slot]:
+def _count_owners(loaded: Iterable[LoadedController]) -> Counter[SlotId]:
     """Count the owners of every command, and note who shares commands."""
     running = [one for one in loaded if one.controller.state is _RUNNING]
     owned = Counter(

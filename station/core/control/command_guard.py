@@ -9,7 +9,7 @@ from station.core.hardware.interfaces.actuator import ActuatorCommandInterface
 from station.core.hardware.interfaces.interface_manager import interface_type_name
 from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
 from station.core.hardware.robot_hw import InterfaceResources, RobotHW
-from station.kernel.doubles import Storage
+from station.core.hardware.slots import Slot
 
 MAX_TEXT = 60
 """Longest text of a refused command in a message [characters]."""
@@ -30,7 +30,7 @@ class CommandGuard:
         interface: HardwareResourceManager,  # type: ignore[type-arg]  # any handle
         interface_name: str,
         name: str,
-        slots: list[tuple[Storage, int]],
+        slots: list[Slot],
     ) -> None:
         self.interface = interface
         self.claim = (interface_name, name)
@@ -209,18 +209,3 @@ def _find_interface(
             interface = hw.get(interface_type)
             return interface if isinstance(interface, HardwareResourceManager) else None
     return None
-
-
-def as_pieces(slots: list[tuple[Storage, int]]) -> list[tuple[Storage, slice]]:
-    """Return as few (storage, slice) as cover `slots`.
-
-    Args:
-        slots: Where commands are, as (storage, index).
-    """
-    pieces: list[tuple[Storage, slice]] = []
-    for storage, index in slots:
-        if pieces and pieces[-1][0] is storage and pieces[-1][1].stop == index:
-            pieces[-1] = (storage, slice(pieces[-1][1].start, index + 1))
-        else:
-            pieces.append((storage, slice(index, index + 1)))
-    return pieces

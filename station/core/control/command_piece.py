@@ -1,12 +1,13 @@
 """Commands that lie side by side, with a copy of them: in a list or in doubles."""
 
+from collections.abc import Iterable, Sequence
 from typing import TypeAlias
 
 from typing_extensions import override
 
 from station.core.faults import CONTAINED
+from station.core.hardware.slots import Slot, SlotRun, side_by_side
 from station.kernel.command_pieces import CommandPiece, Piece
-from station.kernel.doubles import Storage
 
 _FLOAT = {float}
 
@@ -17,16 +18,19 @@ class ListPiece(Piece):
     Args:
         storage: The list.
         piece: Which of its elements.
+        slots: Where each of them is.
 
     Attributes:
         storage: As given.
-        start: Index of the first command in the storage.
+        slots: As given.
         values: The copy, a list that is changed in place.
     """
 
-    def __init__(self, storage: list[float], piece: slice) -> None:
+    def __init__(
+        self, storage: list[float], piece: slice, slots: Sequence[Slot]
+    ) -> None:
         self.storage = storage
-        self.start: int = piece.start
+        self.slots = slots
         self.values = storage[piece]
         self._piece = piece
 
@@ -57,8 +61,12 @@ class ListPiece(Piece):
 KeptPiece: TypeAlias = ListPiece | CommandPiece
 
 
-def make_piece(storage: Storage, piece: slice) -> KeptPiece:
-    """Return the commands at `piece` of a storage, with a copy of what they are now."""
-    if isinstance(storage, list):
-        return ListPiece(storage, piece)
-    return CommandPiece(storage, piece.start, piece.stop - piece.start)
+def make_pieces(slots: Iterable[Slot]) -> list[KeptPiece]:
+    """Return the commands in some slots, with a copy of what they are now."""
+    return [_make_piece(run) for run in side_by_side(slots)]
+
+
+def _make_piece(run: SlotRun) -> KeptPiece:
+    if isinstance(run.storage, list):
+        return ListPiece(run.storage, slice(run.begin, run.end), run.slots)
+    return CommandPiece(run.storage[run.begin : run.end], run.slots)

@@ -1,7 +1,7 @@
 """The commands of one controller: checked after each of its calls, rested, compared."""
 
-from station.core.control.command_guard import CommandGuard, as_pieces
-from station.core.control.command_piece import make_piece
+from station.core.control.command_guard import CommandGuard
+from station.core.control.command_piece import make_pieces
 
 
 class ControllerCommands:
@@ -23,7 +23,7 @@ class ControllerCommands:
         self.guards = guards
         self.slots = [slot for guard in guards for slot in guard.slots]
         self.is_shared = False
-        self.pieces = [make_piece(*piece) for piece in as_pieces(self.slots)]
+        self.pieces = make_pieces(self.slots)
 
     def refused(self) -> str | None:
         """Return which command is not a real finite number; None when all are.

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from station.core.control.command_guard import as_pieces, find_guards
+from station.core.control.command_guard import find_guards
 from station.core.hardware.interfaces import (
     EffortJointInterface,
     JointHandle,
@@ -114,14 +114,3 @@ def test_an_excessive_step_comes_with_its_limit():
     command[0] = 7.0
 
     assert guard.excess() == (7.0, 5.0)
-
-
-def test_neighbouring_slots_make_one_piece():
-    first, second = [0.0] * 5, [0.0] * 5
-    slots = [(first, 1), (first, 2), (first, 4), (second, 0)]
-
-    assert as_pieces(slots) == [
-        (first, slice(1, 3)),
-        (first, slice(4, 5)),
-        (second, slice(0, 1)),
-    ]

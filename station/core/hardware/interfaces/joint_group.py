@@ -10,20 +10,8 @@ from collections.abc import Callable, Sequence
 from typing import cast
 
 from station.core.hardware.interfaces.joint import JointHandle, JointStateHandle
+from station.core.hardware.slots import side_by_side
 from station.kernel.doubles import Doubles, Storage, zeros
-
-
-def _pieces(
-    storages: list[Storage], indices: list[int]
-) -> list[tuple[Storage, int, int]]:
-    """Return the parts of storages in which the slots lie side by side, in order."""
-    found: list[tuple[Storage, int, int]] = []
-    for storage, index in zip(storages, indices, strict=True):
-        if found and found[-1][0] is storage and found[-1][2] == index:
-            found[-1] = (storage, found[-1][1], index + 1)
-        else:
-            found.append((storage, index, index + 1))
-    return found
 
 
 def _list_reader(storage: list[float], piece: slice) -> Callable[[], list[float]]:
@@ -36,31 +24,26 @@ class _Column:
     Attributes:
         read: Return the values, shape (n,), a new list.
         view: The values themselves, if they lie side by side in a block of doubles.
-        pieces: The values, part after part; None for one that is in a list.
+        slots: Where the values are.
     """
 
     def __init__(self, storages: list[Storage], indices: list[int]) -> None:
-        self._slots = list(zip(storages, indices, strict=True))
-        pieces = _pieces(storages, indices)
-        self._slice = slice(*pieces[0][1:]) if len(pieces) == 1 else None
+        self.slots = list(zip(storages, indices, strict=True))
+        runs = side_by_side(self.slots)
+        self._slice = slice(runs[0].begin, runs[0].end) if len(runs) == 1 else None
         self._list: list[float] | None = None
         self.view: Doubles | None = None
-        self.pieces = [
-            None if isinstance(storage, list) else storage[begin:end]
-            for storage, begin, end in pieces
-        ]
         self.read: Callable[[], list[float]] = self._read_slots
         if self._slice is not None:
-            storage = storages[0]
+            storage, self.view = runs[0].storage, runs[0].view
             if isinstance(storage, list):
                 self._list = storage
                 self.read = _list_reader(storage, self._slice)
-            else:
-                self.view = storage[self._slice]
+            elif self.view is not None:
                 self.read = cast("Callable[[], list[float]]", self.view.tolist)
 
     def _read_slots(self) -> list[float]:
-        return [storage[index] for storage, index in self._slots]
+        return [storage[index] for storage, index in self.slots]
 
     def write(self, values: list[float]) -> None:
         if self.view is not None:
@@ -68,7 +51,7 @@ class _Column:
         elif self._list is not None and self._slice is not None:
             self._list[self._slice] = values
         else:
-            for (storage, index), value in zip(self._slots, values, strict=True):
+            for (storage, index), value in zip(self.slots, values, strict=True):
                 storage[index] = value
 
 
@@ -99,7 +82,8 @@ class JointStateGroup:
         self.get_velocities = velocity.read
         self.get_efforts = effort.read
         columns = (position, velocity, effort)
-        found = [piece for column in columns for piece in column.pieces]
+        slots = [slot for column in columns for slot in column.slots]
+        found = [run.view for run in side_by_side(slots)]
         self._columns = columns if None in found else ()
         size = len(handles)
         self._copies = [zeros(size) for _ in self._columns]

@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from math import nan
 
 from station.core.errors import HardwareInterfaceError
-from station.core.hardware.transmissions.transmission_handle import JointData, Slot
+from station.core.hardware.slots import Slot
+from station.core.hardware.transmissions.transmission_handle import JointData
 from station.kernel.doubles import Storage, doubles
 
 

@@ -12,14 +12,11 @@ from dataclasses import dataclass, field, fields
 from enum import Enum
 
 from station.core.hardware.interfaces.resource_manager import ResourceHandle
+from station.core.hardware.slots import Slot
 from station.core.hardware.transmissions.transmission import (
     Transmission,
     TransmissionInterfaceError,
 )
-from station.kernel.doubles import Storage
-
-Slot = tuple[Storage, int]
-"""A place for one value: the list that holds it, and the index in that list."""
 
 STATE = ("position", "velocity", "effort")
 """The quantities that both sides of a transmission have."""

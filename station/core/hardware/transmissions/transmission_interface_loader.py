@@ -11,7 +11,7 @@ the order of their roles.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from station.core.errors import HardwareInterfaceError, ResourceNotFoundError
 from station.core.hardware.interfaces.actuator import (
@@ -43,10 +43,7 @@ from station.core.hardware.transmissions.transmission import (
     Transmission,
     TransmissionInterfaceError,
 )
-from station.core.hardware.transmissions.transmission_handle import (
-    ActuatorData,
-    Slot,
-)
+from station.core.hardware.transmissions.transmission_handle import ActuatorData
 from station.core.hardware.transmissions.transmission_interface import (
     ActuatorToJointStateInterface,
     JointToActuatorStateInterface,
@@ -56,6 +53,9 @@ from station.core.hardware.transmissions.transmission_loader import (
     TransmissionFactory,
     load_transmission,
 )
+
+if TYPE_CHECKING:
+    from station.core.hardware.slots import Slot
 
 _Handle = TypeVar("_Handle", bound=ResourceHandle)
 

@@ -52,7 +52,7 @@ class CartesianCommands:
 
     def __init__(self, arm: RobotArm, arm_id: str, limits: ArmLimits) -> None:
         self._arm = arm
-        block = Block({"pose": 16, "pose_elbow": 2, "twist": 6, "twist_elbow": 2})
+        block = Block({"pose": 16, "twist": 6, "pose_elbow": 2, "twist_elbow": 2})
         self._pose, self._pose_elbow = block["pose"], block["pose_elbow"]
         self._twist, self._twist_elbow = block["twist"], block["twist_elbow"]
         put(self._pose, IDENTITY)

@@ -1,0 +1,108 @@
+"""Slots, where a robot keeps single numbers, and runs of slots that lie side by side.
+
+What lies side by side is read and written at once, which is faster than number by
+number. Views of one block of doubles may be neighbours, too.
+"""
+
+from collections.abc import Iterable
+from ctypes import addressof, c_char
+from typing import TypeAlias
+
+from typing_extensions import Buffer
+
+from station.kernel.doubles import Doubles, Storage
+
+Slot: TypeAlias = tuple[Storage, int]
+"""A storage and an index into it."""
+Place: TypeAlias = tuple[int, int]
+"""Identity of what holds a slot, and the slot's place in it."""
+
+_BYTES = 8
+
+
+class SlotRun:
+    """Slots that lie side by side, in their order.
+
+    Args:
+        slots: The slots, at least one.
+
+    Attributes:
+        slots: As given.
+        storage: A list that holds them, or doubles.
+        begin: Index of the first one in `storage`.
+        end: Index after the last one.
+    """
+
+    def __init__(self, slots: list[Slot]) -> None:
+        self.slots = slots
+        storage, begin = slots[0]
+        end = begin + len(slots)
+        if end > len(storage) and not isinstance(storage, list):
+            # They reach into another view of the same memory.
+            begin, storage = _place(storage) + begin, _all_of(storage)
+            end = begin + len(slots)
+        self.storage: Storage = storage
+        self.begin, self.end = begin, end
+
+    @property
+    def view(self) -> Doubles | None:
+        """The slots themselves; None if a list holds them."""
+        if isinstance(self.storage, list):
+            return None
+        return self.storage[self.begin : self.end]
+
+
+def side_by_side(slots: Iterable[Slot]) -> list[SlotRun]:
+    """Return the slots as few runs, in their order."""
+    found: list[list[Slot]] = []
+    places = _Places()
+    due: Place | None = None
+    for slot in slots:
+        base, place = places.of(slot)
+        if (base, place) == due:
+            found[-1].append(slot)
+        else:
+            found.append([slot])
+        due = base, place + 1
+    return [SlotRun(run) for run in found]
+
+
+def in_memory_order(slots: Iterable[Slot]) -> list[Slot]:
+    """Return the slots in the order in which they lie in memory."""
+    return sorted(slots, key=_Places().of)
+
+
+class _Places:
+    """Finds the places of slots; asks each storage once."""
+
+    def __init__(self) -> None:
+        self._known: dict[int, Place] = {}
+
+    def of(self, slot: Slot) -> Place:
+        storage, index = slot
+        known = self._known.get(id(storage))
+        if known is None:
+            known = self._known[id(storage)] = _base(storage)
+        base, begin = known
+        return base, begin + index
+
+
+def _base(storage: Storage) -> Place:
+    """Return the identity of what holds a storage, and where it begins there."""
+    if isinstance(storage, list) or not isinstance(storage.obj, bytearray):
+        return id(storage), 0
+    return id(storage.obj), _place(storage)
+
+
+def _place(view: Doubles) -> int:
+    """Return where a view begins in its memory, counted in doubles."""
+    return (_address(view) - _address(view.obj)) // _BYTES
+
+
+def _all_of(view: Doubles) -> Doubles:
+    """Return a view of all the memory that a view is a part of."""
+    return memoryview(view.obj).cast("d")
+
+
+def _address(memory: Buffer) -> int:
+    return addressof(c_char.from_buffer(memory))
