@@ -1,4 +1,4 @@
-from station.kernel.copying cimport copy_into
+from station.kernel.at_once cimport any_of, are_finite, copy_into
 from station.kernel.cartesian_step cimport CartesianStep
 from station.kernel.cycle_log cimport CycleLog
 from station.kernel.desired_motion cimport DesiredMotion

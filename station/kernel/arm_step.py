@@ -3,7 +3,7 @@
 from station.kernel import arm_codes as codes
 from station.kernel.cartesian_step import CartesianStep
 from station.kernel.command_check import CommandCheck
-from station.kernel.copying import copy_into
+from station.kernel.at_once import any_of, are_finite, copy_into
 from station.kernel.cycle_log import CycleLog
 from station.kernel.desired_motion import DesiredMotion
 from station.kernel.doubles import Doubles
@@ -100,7 +100,7 @@ class ArmStep(Preparation):
             values: Torques [Nm], shape (n,).
 
         Returns:
-            Whether they are n finite numbers; if not, nothing has changed.
+            Whether they certainly are n finite numbers; if not, nothing has changed.
         """
         return self.receive(values, self.size, self.memory.torques)
 
@@ -130,15 +130,10 @@ class ArmStep(Preparation):
         """
         if len(values) != size:
             return False
-        for i in range(size):
-            value = values[i]
-            if value - value != 0.0:
-                return False
-        command = self.log.command
-        for i in range(size):
-            value = values[i]
-            place[i] = value
-            command[i] = value
+        if not are_finite(values, size):
+            return False
+        copy_into(place, 0, values, size)
+        copy_into(self.log.command, 0, values, size)
         self.log.command_size = size
         self.is_fresh = True
         return True
@@ -214,11 +209,9 @@ class ArmStep(Preparation):
         """
         self.time = time
         self.motors.sense()
-        result = 0
-        forces, mode = self.simulator.constraint_forces, self.mode[0]
-        for i in range(self.size):
-            if forces[i] != 0.0:
-                result = _CONTACT
+        result, mode = 0, self.mode[0]
+        if any_of(self.simulator.constraint_forces, self.size):
+            result = _CONTACT
         supervised = mode == _MOVE or mode == _IDLE or mode == _RECOVERY
         if supervised:
             is_quiet = self.watch.is_quiet(self.is_following)

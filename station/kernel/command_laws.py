@@ -1,6 +1,6 @@
 """How controllers compute commands from what is desired and what is measured."""
 
-from station.kernel.copying import copy_into
+from station.kernel.at_once import copy_into
 from station.kernel.doubles import Doubles
 from station.kernel.joint_errors import JointErrors
 from station.kernel.pid import PidGroup, add_feed_forward

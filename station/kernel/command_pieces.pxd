@@ -1,4 +1,4 @@
-from station.kernel.copying cimport copy_into
+from station.kernel.at_once cimport are_finite, copy_into, differ
 cimport cython
 
 cdef class Piece:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from station.kernel.copying import copy_into
+from station.kernel.at_once import are_finite, copy_into, differ
 from station.kernel.doubles import Doubles, zeros
 
 
@@ -43,23 +43,13 @@ class CommandPiece(Piece):
         self.take()
 
     def take(self) -> bool:
-        """Copy the commands; return whether all of them are finite."""
-        memory, values = self.memory, self.values
-        is_finite = True
-        for i in range(self.size):
-            value = memory[i]
-            if value - value != 0.0:
-                is_finite = False
-            values[i] = value
-        return is_finite
+        """Copy the commands; return whether all of them certainly are finite."""
+        copy_into(self.values, 0, self.memory, self.size)
+        return are_finite(self.values, self.size)
 
     def differs(self) -> bool:
         """Return whether a command is not what was copied."""
-        memory, values = self.memory, self.values
-        for i in range(self.size):
-            if memory[i] != values[i]:
-                return True
-        return False
+        return differ(self.memory, self.values, self.size)
 
     def write(self) -> None:
         """Write the copied commands."""

@@ -1,5 +1,5 @@
 cimport cython
-from station.kernel.copying cimport copy_into
+from station.kernel.at_once cimport copy_into
 from station.kernel.functions cimport square_root
 from station.kernel.joint_memory cimport JointMemory
 

@@ -6,7 +6,7 @@ limitRate; src/control_loop.cpp, convertMotion and ControlLoop::spinControl.
 
 from collections.abc import Iterable
 
-from station.kernel.copying import copy_into
+from station.kernel.at_once import copy_into
 from station.kernel.doubles import Doubles, doubles, own, zeros
 from station.kernel.functions import square_root
 from station.kernel.joint_memory import JointMemory

@@ -1,4 +1,4 @@
-from station.kernel.copying cimport copy_into
+from station.kernel.at_once cimport copy_into
 from station.kernel.joint_memory cimport JointMemory
 
 cdef class CycleLog:

@@ -1,6 +1,6 @@
 """The last cycles of an arm, kept in a ring for the report of an error."""
 
-from station.kernel.copying import copy_into
+from station.kernel.at_once import copy_into
 from station.kernel.doubles import zeros
 from station.kernel.joint_memory import JointMemory
 

@@ -1,3 +1,4 @@
+from station.kernel.at_once cimport any_of
 from station.kernel.joint_memory cimport JointMemory
 
 cdef class DesiredMotion:

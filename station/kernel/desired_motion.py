@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 
+from station.kernel.at_once import any_of
 from station.kernel.doubles import own, put, zeros
 from station.kernel.joint_memory import JointMemory
 
@@ -40,11 +41,7 @@ class DesiredMotion:
 
     def is_at_rest(self) -> bool:
         """Return whether all desired velocities are zero."""
-        dq_d = self.memory.dq_d
-        for i in range(self.size):
-            if dq_d[i] != 0.0:
-                return False
-        return True
+        return not any_of(self.memory.dq_d, self.size)
 
     def seed(self, q: Iterable[float], dq: Iterable[float]) -> None:
         """Continue from another motion, e.g. the measured motion.
@@ -60,12 +57,7 @@ class DesiredMotion:
     def hold(self) -> None:
         """Slow down to rest, then hold the positions."""
         dq_d, ddq_d = self.memory.dq_d, self.memory.ddq_d
-        moves = False
-        for i in range(self.size):
-            if dq_d[i] != 0.0 or ddq_d[i] != 0.0:
-                moves = True
-                break
-        if not moves:
+        if not any_of(dq_d, self.size) and not any_of(ddq_d, self.size):
             return
         wanted, largest_step = self.wanted, self.largest_step
         for i in range(self.size):

@@ -1,3 +1,5 @@
+from station.kernel.at_once cimport are_finite
+
 cdef class FiniteCheck:
     cdef double[::1] memory
     cdef readonly Py_ssize_t size

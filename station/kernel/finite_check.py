@@ -1,5 +1,6 @@
 """Whether all numbers of some memory are finite."""
 
+from station.kernel.at_once import are_finite
 from station.kernel.doubles import Doubles
 
 
@@ -17,14 +18,10 @@ class FiniteCheck:
     def first_bad(self) -> int:
         """Return the index of the first number that is not finite; -1 for none."""
         memory, size = self.memory, self.size
-        total = 0.0
-        for i in range(size):
-            total += memory[i]
-        if total - total == 0.0:
-            return -1  # the usual case; a sum that overflows is looked at closer
+        if are_finite(memory, size):
+            return -1  # the usual case
         for i in range(size):
             value = memory[i]
-            # A difference of infinities is no number, and no number equals itself.
             if value - value != 0.0:
                 return i
         return -1

@@ -10,6 +10,8 @@ cdef class JointMotors:
     cdef public double[::1] damping
     cdef public double[::1] load_weight
     cdef double[::1] unloaded
+    cdef double[::1] passive
+    cdef double[::1] armature
     cdef public bint is_late
     cdef public bint are_commands
     cdef bint is_new

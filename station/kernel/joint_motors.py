@@ -8,7 +8,7 @@ The motors of a real arm act on a command in the cycle after the one in which it
 noticed: so do these when they are late.
 """
 
-from station.kernel.doubles import zeros
+from station.kernel.doubles import own
 from station.kernel.joint_memory import JointMemory
 from station.kernel.simulator_memory import SimulatorMemory
 
@@ -36,18 +36,21 @@ class JointMotors:
         self.simulator = simulator
         self.size = memory.size
         self.period = period
-        self.stiffness = zeros(self.size)
-        self.damping = zeros(self.size)
-        self.load_weight = zeros(self.size)
-        self.unloaded = zeros(self.size)  # controls of the impedance without a load
+        none = [0.0] * self.size
+        self.stiffness = own(none)
+        self.damping = own(none)
+        self.load_weight = own(none)
+        self.unloaded = own(none)  # controls of the impedance without a load
+        self.passive = own(simulator.passive_damping)
+        self.armature = own(simulator.armature)
         self.is_late = False
         self.are_commands = False
         self.is_new = True
         # What was wanted in the cycle before.
-        self.late_torques = zeros(self.size)
-        self.late_q = zeros(self.size)
-        self.late_dq = zeros(self.size)
-        self.late_ddq = zeros(self.size)
+        self.late_torques = own(none)
+        self.late_q = own(none)
+        self.late_dq = own(none)
+        self.late_ddq = own(none)
 
     def begin(self) -> None:
         """Forget what was wanted before: something else drives the motors now."""
@@ -90,13 +93,12 @@ class JointMotors:
         inertia, diagonal = simulator.inertia, simulator.diagonal
         controls, load, unloaded = simulator.controls, self.load_weight, self.unloaded
         for i in range(self.size):
+            wanted = ddq_d[i]
             control = (
-                stiffness[i] * q_d[i]
-                + damping[i] * dq_d[i]
-                + bias[i]
-                - compensation[i]
-                + inertia[diagonal[i]] * ddq_d[i]
+                stiffness[i] * q_d[i] + damping[i] * dq_d[i] + bias[i] - compensation[i]
             )
+            if wanted != 0.0:
+                control += inertia[diagonal[i]] * wanted
             unloaded[i] = control
             controls[i] = control + load[i]
         if is_late:
@@ -142,7 +144,7 @@ class JointMotors:
         positions, velocities = simulator.positions, simulator.velocities
         motor_forces, brake_forces = simulator.motor_forces, simulator.brake_forces
         compensation, damping = simulator.compensation, self.damping
-        passive, armature = simulator.passive_damping, simulator.armature
+        passive, armature = self.passive, self.armature
         limits = simulator.limits
         for i in range(self.size):
             velocity, force = velocities[i], motor_forces[i]

@@ -30,7 +30,7 @@ cdef class JointWatch:
     cdef double elbow
     cdef public double room
     cdef readonly double total_power
-    @cython.locals(i=Py_ssize_t, position=double, velocity=double, torque=double, total=double, power=double, away=double, is_good=bint, is_slow=bint, is_close=bint)
+    @cython.locals(i=Py_ssize_t, position=double, speed=double, torque=double, total=double, power=double, away=double, is_good=bint, is_slow=bint, is_close=bint)
     cpdef bint is_quiet(self, bint is_following)
     cdef bint is_slow(self)
     @cython.locals(i=Py_ssize_t)

@@ -100,15 +100,15 @@ class JointWatch:
         away = 0.0
         is_good = True
         for i in range(self.size):
-            position, velocity, torque = q[i], dq[i], tau[i]
+            position, speed, torque = q[i], abs(dq[i]), abs(tau[i])
             if not (
                 lower[i] <= position <= upper[i]
-                and -fastest[i] <= velocity <= fastest[i]
-                and -largest[i] <= torque <= largest[i]
+                and speed <= fastest[i]
+                and torque <= largest[i]
             ):
                 is_good = False
-            total += abs(velocity)
-            power += abs(velocity * torque)
+            total += speed
+            power += speed * torque
             away += abs(position - q_d[i])
         self.total_power = power
         self.room -= total * self.reach_in_a_cycle

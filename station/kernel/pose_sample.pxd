@@ -1,4 +1,4 @@
-from station.kernel.copying cimport copy_into
+from station.kernel.at_once cimport copy_into
 from station.kernel.model_sources cimport ModelSource
 from station.kernel.rigid_motion cimport numbers_of
 from station.kernel.sample_columns cimport SampleColumns

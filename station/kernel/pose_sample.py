@@ -1,6 +1,6 @@
 """Keep what a controller of an end effector did in a cycle, as numbers of poses."""
 
-from station.kernel.copying import copy_into
+from station.kernel.at_once import copy_into
 from station.kernel.doubles import Doubles, doubles, zeros
 from station.kernel.model_sources import ModelSource
 from station.kernel.rigid_motion import numbers_of

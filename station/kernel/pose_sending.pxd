@@ -1,5 +1,5 @@
 from station.kernel.arm_step cimport ArmStep
-from station.kernel.copying cimport copy_into
+from station.kernel.at_once cimport copy_into
 from station.kernel.pose_rates cimport PoseRates
 
 cdef int _CARTESIAN

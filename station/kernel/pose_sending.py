@@ -2,7 +2,7 @@
 
 from station.kernel import arm_codes as codes
 from station.kernel.arm_step import ArmStep
-from station.kernel.copying import copy_into
+from station.kernel.at_once import copy_into
 from station.kernel.doubles import Doubles, zeros
 from station.kernel.pose_rates import PoseRates
 

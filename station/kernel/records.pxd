@@ -1,5 +1,5 @@
 cimport cython
-from station.kernel.copying cimport copy_into
+from station.kernel.at_once cimport copy_into
 from station.kernel.sample_columns cimport SampleColumns
 
 cdef Py_ssize_t _HEAD

@@ -7,7 +7,7 @@ freed in a cycle, and the cycle touches few lines of the processor's cache.
 
 from collections.abc import Sequence
 
-from station.kernel.copying import copy_into
+from station.kernel.at_once import copy_into
 from station.kernel.doubles import Doubles, zeros
 from station.kernel.sample_columns import SampleColumns
 

@@ -5,7 +5,7 @@ from math import isnan
 
 import cython
 
-from station.kernel.copying import copy_into
+from station.kernel.at_once import copy_into
 from station.kernel.doubles import Doubles, zeros
 
 PackedColumns = tuple[float, bytes, int]

@@ -1,5 +1,5 @@
 cimport cython
-from station.kernel.copying cimport copy_into
+from station.kernel.at_once cimport copy_into
 from station.kernel.model_sources cimport ModelSource
 from station.kernel.pose_spring cimport PoseSpring
 from station.kernel.publish_timer cimport PublishTimer

@@ -1,6 +1,6 @@
 """Drive the springs of a controller in the cycles in which no set-point arrives."""
 
-from station.kernel.copying import copy_into
+from station.kernel.at_once import copy_into
 from station.kernel.doubles import Doubles
 from station.kernel.model_sources import ModelSource
 from station.kernel.pose_spring import PoseSpring
