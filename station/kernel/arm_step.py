@@ -1,9 +1,9 @@
 """What happens in an arm before and after every step of its world."""
 
 from station.kernel import arm_codes as codes
+from station.kernel.at_once import any_of, are_finite, copy_into
 from station.kernel.cartesian_step import CartesianStep
 from station.kernel.command_check import CommandCheck
-from station.kernel.at_once import any_of, are_finite, copy_into
 from station.kernel.cycle_log import CycleLog
 from station.kernel.desired_motion import DesiredMotion
 from station.kernel.doubles import Doubles

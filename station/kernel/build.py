@@ -13,6 +13,7 @@ import os
 import shutil
 import subprocess
 import sys
+import sysconfig
 import tempfile
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -46,6 +47,19 @@ from station.kernel.toolchain import find_compiler, include_directories, missing
 _COMPILER_FLAGS = (
     *("-O2", "-fPIC", "-shared", "-pthread", "-fwrapv", "-w"),
     *("-ffp-contract=off", "-fno-fast-math"),
+)
+# Cython counts the users of a view with atomic operations, some fifty in a cycle, each
+# of which waits for a line of the cache. All of them hold the interpreter lock, where
+# there is one.
+_PLAIN_COUNTS = (
+    "-D__STDC_NO_ATOMICS__",
+    "-D__sync_fetch_and_add(place, change)=((*(place) += (change)) - (change))",
+    "-D__sync_fetch_and_sub(place, change)=((*(place) -= (change)) + (change))",
+)
+# A view in an object takes 64 bytes in place of 208 if arrays have one dimension alone.
+_CYTHON = (
+    "from Cython.Compiler import Options; Options.buffer_max_dims = 2; "
+    "from Cython.Compiler.Main import main; main(command_line=1)"
 )
 _DIRECTIVES = {
     "boundscheck": False,
@@ -129,7 +143,7 @@ def build_into(directory: Path, scratch: Path, *, jobs: int) -> None:
         shutil.copy(SOURCES / f"{name}.py", package)
         shutil.copy(SOURCES / f"{name}.pxd", package)
     directory.mkdir()
-    how = f"{cython.__version__} {_COMPILER_FLAGS} {_DIRECTIVES}"
+    how = f"{cython.__version__} {_CYTHON} {_compiler_flags()} {_DIRECTIVES}"
     recipes = {_SHARED: f"{how} {target()}", **module_recipes(how)}
     compiled = compiled_modules()
 
@@ -176,10 +190,16 @@ def _build_in(place: Path, jobs: int) -> Path:
     return final
 
 
+def _compiler_flags() -> tuple[str, ...]:
+    if sysconfig.get_config_var("Py_GIL_DISABLED"):
+        return _COMPILER_FLAGS
+    return *_COMPILER_FLAGS, *_PLAIN_COUNTS
+
+
 def _compile(name: str, tree: Path, directory: Path) -> Path:
     """Compile one module and return the file that Python can import."""
     code = f"{name}.c"
-    cython = [sys.executable, "-m", "cython", "-3"]
+    cython = [sys.executable, "-c", _CYTHON, "-3"]
     if name == _SHARED:
         _run([*cython, "--generate-shared", code], tree)
     else:
@@ -190,7 +210,9 @@ def _compile(name: str, tree: Path, directory: Path) -> Path:
     result = directory / module_file(name)
     includes = [f"-I{folder}" for folder in include_directories()]
     compiler = find_compiler() or ["cc"]
-    _run([*compiler, *_COMPILER_FLAGS, *includes, code, "-o", str(result), "-lm"], tree)
+    _run(
+        [*compiler, *_compiler_flags(), *includes, code, "-o", str(result), "-lm"], tree
+    )
     return result
 
 

@@ -10,6 +10,8 @@ import pytest
 from station.kernel import STATUS, functions
 from station.kernel.built import SWITCH
 from station.kernel.manifest import module_file
+from station.kernel.speed_check import SpeedCheck
+from tests.kernel.both_modes import needs_both
 
 PRINT_RESULTS = """
 from station.kernel import STATUS, functions
@@ -49,3 +51,9 @@ def test_both_kernels_return_the_same_bits():
 
     assert (mode, other_mode) == ("compiled", "interpreted")
     assert compiled == interpreted
+
+
+@needs_both
+def test_a_view_in_a_compiled_object_takes_a_line_of_the_cache():
+    # Two views, a number, and what every object has.
+    assert SpeedCheck.__basicsize__ <= 2 * 64 + 40

@@ -88,6 +88,22 @@ def test_fingers_go_to_their_target_step_by_step_and_not_too_far_ahead():
     assert memory["controls"][0] == pytest.approx(3.5)
 
 
+@pytest.mark.parametrize(
+    ("values", "finite", "some"),
+    [
+        ([0.0, -0.0], True, False),
+        ([0.0, 5e-324], True, True),
+        ([1.0, nan], False, True),
+        ([inf, -inf], False, True),
+        ([1e308, 1e308], False, True),
+    ],
+)
+def test_many_numbers_are_looked_at_at_once(values, finite, some):
+    module, memory = interpreted("at_once"), doubles(values)
+    assert (module.are_finite(memory, 2), module.any_of(memory, 2)) == (finite, some)
+    assert module.differ(memory, doubles([0.0, 0.0]), 2) == some
+
+
 @needs_both
 @given(arrays(4), numbers, numbers)
 def test_both_modes_give_the_same_bits(values, target, step):
@@ -117,6 +133,15 @@ def test_both_modes_give_the_same_bits(values, target, step):
         motor.before()
         return [motor.place, memory["controls"][0]]
 
+    def at_once(module):
+        memory, size = doubles(values), len(values)
+        return [
+            module.are_finite(memory, size),
+            module.any_of(memory, size),
+            module.differ(memory, doubles([*values[:3], target]), size),
+        ]
+
+    assert_same("at_once", at_once)
     assert_same("finite_check", finite)
     assert_same("command_pieces", pieces)
     assert_same("durations", durations)
