@@ -1,3 +1,4 @@
+from station.kernel.at_once cimport copy_into
 from station.kernel.wrench_equation cimport WrenchEquation
 
 cdef class LinearKinematics:

@@ -4,7 +4,8 @@ The arm has seven joints or more, of which joint 3, the elbow, is moved by itsel
 others follow the end effector by a damped inverse of the Jacobian.
 """
 
-from station.kernel.doubles import Doubles, zeros
+from station.kernel.at_once import copy_into
+from station.kernel.doubles import Doubles, own
 from station.kernel.wrench_equation import WrenchEquation
 
 # Small enough for full accuracy; keeps the matrix invertible at a singular pose.
@@ -24,10 +25,10 @@ class LinearKinematics:
         self.size = len(q)
         self.q = q
         self.jacobian = jacobian
-        self.dq = zeros(self.size)
-        self.motion = zeros(6)
+        self.dq = own([0.0] * self.size)
+        self.motion = own([0.0] * 6)
         # Transposed, 6 numbers per joint; those of joint 3 are zero.
-        self.inverse = zeros(6 * self.size)
+        self.inverse = own([0.0] * (6 * self.size))
         self.equation = WrenchEquation()
 
     def invert(self) -> None:
@@ -42,6 +43,7 @@ class LinearKinematics:
         for joint in range(self.size):
             column = inverse[6 * joint : 6 * joint + 6]
             self.equation.solve(column, column)
+            copy_into(inverse, 6 * joint, column, 6)
         if not is_known:
             for k in range(len(inverse)):
                 inverse[k] = 0.0

@@ -35,6 +35,8 @@ class MotionGenerator:
         positions: Desired positions [rad or m], shape (n,), a new list each cycle.
         velocities: Desired velocities [rad/s or m/s], shape (n,), a new list each
             cycle.
+        accelerations: Desired accelerations [rad/s^2 or m/s^2], shape (n,), a new list
+            each cycle.
         is_still: Whether the axes rest, and nothing but rest is wanted: `advance` does
             nothing.
     """
@@ -43,6 +45,7 @@ class MotionGenerator:
         size = len(limits.velocity)
         self.positions = [0.0] * size
         self.velocities = [0.0] * size
+        self.accelerations = [0.0] * size
         self.is_still = False
         self._size = size
         # The target velocities; empty while the target is a position.
@@ -76,7 +79,8 @@ class MotionGenerator:
         self._ruckig.reset()
         self._input.current_position = positions
         self._input.current_velocity = velocities
-        self._input.current_acceleration = [0.0] * self._size
+        self.accelerations = [0.0] * self._size
+        self._input.current_acceleration = self.accelerations
         self._input.target_acceleration = [0.0] * self._size
         self.brake()
 
@@ -87,16 +91,10 @@ class MotionGenerator:
     def restore(self, state: tuple[list[float], list[float], list[float]]) -> None:
         """Return to a result of `state`. Set the target again afterwards."""
         self.is_still = False
-        self.positions, self.velocities, accelerations = state
+        self.positions, self.velocities, self.accelerations = state
         self._input.current_position = self.positions
         self._input.current_velocity = self.velocities
-        self._input.current_acceleration = accelerations
-
-    @property
-    def accelerations(self) -> list[float]:
-        """Desired accelerations [rad/s^2 or m/s^2], shape (n,), a new list."""
-        result: list[float] = self._input.current_acceleration
-        return result
+        self._input.current_acceleration = self.accelerations
 
     def relocate(self, positions: list[float]) -> None:
         """Change the coordinates of the present positions without changing the motion.
@@ -182,10 +180,11 @@ class MotionGenerator:
         self._output.pass_to_input(self._input)
         self.positions = self._output.new_position
         self.velocities = self._output.new_velocity
+        self.accelerations = self._output.new_acceleration
         if self._held and not any(self._held) and self._has_ended():
-            self.velocities = [0.0] * self._size
+            self.velocities = self.accelerations = [0.0] * self._size
             self._input.current_velocity = self.velocities
-            self._input.current_acceleration = self.velocities
+            self._input.current_acceleration = self.accelerations
             self.is_still = True
 
     def _has_ended(self) -> bool:

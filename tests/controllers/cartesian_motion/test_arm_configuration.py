@@ -8,9 +8,11 @@ from station.controllers.cartesian_motion.arm_configuration import (
     ArmConfiguration,
 )
 from station.core.franka import Frame
+from station.core.franka.franka_robot_state import RobotState
 from station.core.numerics.rigid_motion import twist_between
-from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
+from station.hw.franka.arm.franka_kinematics import frame_pose
 from station.kernel.doubles import doubles, zeros
+from tests.controllers.cartesian_motion.conftest import Kinematics
 
 Q = [0.2, -0.6, 0.3, -2.0, 0.4, 1.7, 0.5]
 TWIST = [0.1, -0.2, 0.05, 0.3, 0.1, -0.4]
@@ -18,7 +20,9 @@ STEP = 1e-5
 
 
 def configuration(q):
-    return ArmConfiguration(list(q), zero_jacobian(Frame.END_EFFECTOR, q))
+    result = ArmConfiguration(Kinematics(), RobotState())
+    result.move_to(doubles(q))
+    return result
 
 
 def twist_of(q, dq):
@@ -98,6 +102,21 @@ def test_the_joint_that_exceeds_its_bounds_most_is_found(which):
         assert fastest(far, bounds) == joint
         bounds[joint] = 0.99 * abs(dq[joint])
         assert fastest(bounds, far) == joint
+
+
+def test_a_configuration_places_the_end_effector_and_moves_on():
+    it, pose = configuration(Q), zeros(16)
+    it.place(pose)
+    assert [*pose] == frame_pose(Frame.END_EFFECTOR, Q)
+    there = [value + 0.1 for value in Q]
+    it.move_to(doubles(there))
+    it.place(pose)
+
+    assert [*pose] == frame_pose(Frame.END_EFFECTOR, there)
+    moved, new = zeros(7), zeros(7)
+    it.motion.follow(doubles(TWIST), moved)
+    configuration(there).motion.follow(doubles(TWIST), new)
+    assert [*moved] == [*new]
 
 
 def test_a_stretched_arm_has_no_dexterity():
