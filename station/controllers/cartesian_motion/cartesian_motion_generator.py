@@ -127,7 +127,11 @@ class CartesianMotionGenerator:
         if self._wanted is not None:
             generator.go_to(motion.aim())
         generator.advance(period)
-        generator.relocate(motion.move(*generator.state()))
+        generator.relocate(
+            motion.move(
+                generator.positions, generator.velocities, generator.accelerations
+            )
+        )
 
     def undo(self) -> None:
         """Return to the state before the last `advance`; the target stays."""

@@ -146,9 +146,12 @@ class JointLookahead:
             return Obstacle.JOINT_LIMIT
         dexterity = self._dexterity
         if resting is not self._resting:
-            dexterity = resting.dexterity()
-            if dexterity < min(self._settings.least_dexterity, self._dexterity):
-                return Obstacle.SINGULARITY
+            dexterity = least = self._settings.least_dexterity
+            # Singular values take long to compute, so only where they matter.
+            if not resting.motion.is_dexterous(least):
+                dexterity = resting.dexterity()
+                if dexterity < min(least, self._dexterity):
+                    return Obstacle.SINGULARITY
         if self._preview.may_collide():
             clearance = self._model.clearance(self._new)
             if clearance < min(self._settings.least_clearance, self._clearance):

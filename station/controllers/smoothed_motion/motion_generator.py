@@ -5,6 +5,8 @@ microseconds and without allocating memory. No other module of the controllers i
 anything but core and NumPy.
 """
 
+from typing import NoReturn
+
 from ruckig import (
     ControlInterface,
     InputParameter,
@@ -150,7 +152,9 @@ class MotionGenerator:
         braking.current_position = self._input.current_position
         braking.current_velocity = self._input.current_velocity
         braking.current_acceleration = self._input.current_acceleration
-        _check(self._ruckig.calculate(braking, self._trajectory))
+        result = self._ruckig.calculate(braking, self._trajectory)
+        if int(result) < 0:
+            _refuse(result)
         positions: list[float] = self._trajectory.at_time(self._trajectory.duration)[0]
         return positions
 
@@ -176,7 +180,9 @@ class MotionGenerator:
             self._input.synchronization = Synchronization.No
             self._goes_to_positions = False
             result = self._ruckig.update(self._input, self._output)
-        _check(result)
+        # All errors are negative; members of the enumeration compare more slowly.
+        if int(result) < 0:
+            _refuse(result)
         self._output.pass_to_input(self._input)
         self.positions = self._output.new_position
         self.velocities = self._output.new_velocity
@@ -194,10 +200,8 @@ class MotionGenerator:
         return max(map(abs, self.accelerations)) <= _AT_REST
 
 
-def _check(result: Result) -> None:
-    # All errors are negative. To compare members of this enumeration takes longer.
-    if int(result) < 0:
-        raise InvalidCommandError(
-            f"There is no motion to the target: {result}.",
-            remedy="Send finite targets within the limits and restart the controller.",
-        )
+def _refuse(result: Result) -> NoReturn:
+    raise InvalidCommandError(
+        f"There is no motion to the target: {result}.",
+        remedy="Send finite targets within the limits and restart the controller.",
+    )

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from station.controllers.cartesian_motion.arm_configuration import (
     ELBOW,
@@ -122,3 +124,17 @@ def test_a_configuration_places_the_end_effector_and_moves_on():
 def test_a_stretched_arm_has_no_dexterity():
     assert configuration(Q).dexterity() > 0.1
     assert configuration([0.0] * 7).dexterity() < 1e-6
+    assert configuration(Q).motion.is_dexterous(0.05)
+    assert not configuration([0.0] * 7).motion.is_dexterous(0.01)
+    assert not configuration(Q).motion.is_dexterous(1.0)
+
+
+@given(st.lists(st.floats(-2.5, 2.5), min_size=7, max_size=7), st.floats(0.01, 1.0))
+def test_an_arm_is_called_dexterous_only_if_it_is(q, least):
+    it = configuration(q)
+
+    if it.motion.is_dexterous(least):
+        assert it.dexterity() > least
+    # The column of joint 3 is counted for more than it is.
+    else:
+        assert it.dexterity() < 4.0 * least
