@@ -44,3 +44,9 @@ def exponential(value: float) -> float:
     """Return e to the power of a number that is not above 700."""
     result: float = _exp(value)
     return result
+
+
+if not cython.compiled:
+    # The same functions, without a call of Python around each of them.
+    square_root, sine, cosine = _sqrt, _sin, _cos
+    arctangent, exponential = _atan2, _exp

@@ -1,4 +1,5 @@
 from station.kernel.arm_chain cimport place_links, torques_of, zero_jacobian
+from station.kernel.at_once cimport copy_into
 from station.kernel.rigid_motion cimport compose, twist_between
 from station.kernel.wrench_equation cimport WrenchEquation
 
@@ -11,6 +12,7 @@ cdef class InverseKinematics:
     cdef readonly double[::1] target
     cdef double[::1] step
     cdef double[::1] links
+    cdef Py_ssize_t end
     cdef double[::1] flange
     cdef double[::1] pose
     cdef double[::1] jacobian

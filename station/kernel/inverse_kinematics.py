@@ -5,7 +5,8 @@ position of one joint, the elbow, is therefore given too, which makes the motion
 """
 
 from station.kernel.arm_chain import new_links, place_links, torques_of, zero_jacobian
-from station.kernel.doubles import Doubles, zeros
+from station.kernel.at_once import copy_into
+from station.kernel.doubles import Doubles, own
 from station.kernel.rigid_motion import compose, twist_between
 from station.kernel.wrench_equation import WrenchEquation
 
@@ -30,24 +31,24 @@ class InverseKinematics:
     def __init__(
         self, chain: Doubles, q: Doubles, tool: Doubles, target: Doubles, step: Doubles
     ) -> None:
-        size, links = len(q), new_links(chain)
+        size = len(q)
         self.chain = chain
         self.q = q
         self.tool = tool
         self.target = target
         self.step = step
-        self.links = links
-        self.flange = links[16 * size :]
-        self.pose = zeros(16)
-        self.jacobian = zeros(6 * size)
-        self.error = zeros(6)
-        self.wrench = zeros(6)
+        self.links = own(new_links(chain))
+        self.end = 16 * size
+        self.flange, self.pose = own([0.0] * 16), own([0.0] * 16)
+        self.jacobian = own([0.0] * (6 * size))
+        self.error, self.wrench = own([0.0] * 6), own([0.0] * 6)
         self.equation = WrenchEquation()
 
     def advance(self, elbow: float) -> None:
         """Write the step that leads to the target, with joint 3 at a position [rad]."""
         step, jacobian, error = self.step, self.jacobian, self.error
         place_links(self.chain, self.q, self.links)
+        copy_into(self.flange, 0, self.links[self.end :], 16)
         compose(self.flange, self.tool, self.pose)
         zero_jacobian(self.links, self.pose, jacobian)
         twist_between(self.pose, self.target, 1.0, error)

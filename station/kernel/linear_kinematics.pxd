@@ -1,4 +1,7 @@
+from station.kernel.at_once cimport copy_into
 from station.kernel.wrench_equation cimport WrenchEquation
+
+cdef double _ROUNDING, _DAMPING
 
 cdef class LinearKinematics:
     cdef Py_ssize_t size
@@ -7,9 +10,11 @@ cdef class LinearKinematics:
     cdef double[::1] dq
     cdef double[::1] motion
     cdef double[::1] inverse
+    cdef double[::1] others
     cdef WrenchEquation equation
 
     cpdef void invert(self) noexcept
+    cpdef bint is_dexterous(self, double least) noexcept
     cpdef void joint_step(self, double[::1] way, double elbow, double[::1] step) noexcept
     cpdef void follow(self, double[::1] motion, double[::1] result) noexcept
     cpdef void drift(self, double[::1] dq, double[::1] result) noexcept

@@ -4,11 +4,14 @@ The arm has seven joints or more, of which joint 3, the elbow, is moved by itsel
 others follow the end effector by a damped inverse of the Jacobian.
 """
 
-from station.kernel.doubles import Doubles, zeros
+from station.kernel.at_once import copy_into
+from station.kernel.doubles import Doubles, own
 from station.kernel.wrench_equation import WrenchEquation
 
 # Small enough for full accuracy; keeps the matrix invertible at a singular pose.
 _DAMPING = 1e-9
+# More than rounding can change singular values.
+_ROUNDING = 1.001
 
 
 class LinearKinematics:
@@ -24,10 +27,11 @@ class LinearKinematics:
         self.size = len(q)
         self.q = q
         self.jacobian = jacobian
-        self.dq = zeros(self.size)
-        self.motion = zeros(6)
+        self.dq = own([0.0] * self.size)
+        self.motion = own([0.0] * 6)
         # Transposed, 6 numbers per joint; those of joint 3 are zero.
-        self.inverse = zeros(6 * self.size)
+        self.inverse = own([0.0] * (6 * self.size))
+        self.others = own([0.0] * (6 * self.size))
         self.equation = WrenchEquation()
 
     def invert(self) -> None:
@@ -42,9 +46,38 @@ class LinearKinematics:
         for joint in range(self.size):
             column = inverse[6 * joint : 6 * joint + 6]
             self.equation.solve(column, column)
+            copy_into(inverse, 6 * joint, column, 6)
         if not is_known:
             for k in range(len(inverse)):
                 inverse[k] = 0.0
+
+    def is_dexterous(self, least: float) -> bool:
+        """Return True only if the extended Jacobian is far from a singular one.
+
+        The extended Jacobian A has the row of joint 3 below the Jacobian, so that A dq
+        is the twist and the velocity of joint 3. With the column c of joint 3 and the
+        other columns J, all singular values of A are above s < 1 if, and only if,
+        J J^T - s^2 - c c^T s^2 / (1 - s^2) is positive definite. That holds if
+        J J^T - s^2 - |c|^2 s^2 / (1 - s^2) is, which is looked at here.
+
+        Args:
+            least: Bound of the singular values, >= 0.
+
+        Returns:
+            True if all singular values are above the bound; False if that is unknown.
+        """
+        jacobian, others = self.jacobian, self.others
+        for k in range(len(jacobian)):
+            others[k] = jacobian[k]
+        square = 0.0
+        for k in range(12, 18):
+            square += jacobian[k] * jacobian[k]
+            others[k] = 0.0
+        share = (_ROUNDING * least) * (_ROUNDING * least)
+        if not share < 1.0:
+            return False
+        share += square * (share / (1.0 - share))
+        return self.equation.factorise(others, -share)
 
     def joint_step(self, way: Doubles, elbow: float, step: Doubles) -> None:
         """Write the joint motion that displaces the end effector by a small way.

@@ -57,7 +57,8 @@ def test_both_modes_agree_bit_for_bit(jacobian, q, motions, limits, elbow):
         low, high = doubles([-1.0] * 7), doubles([1.0] * 7)
         found[1] = module.limited_joint(step, rates, low, high)
         after = zeros(7)
+        found_dexterous = [kernel.is_dexterous(each) for each in (0.05, elbow)]
         sums = [module.way_between(step, rates), module.moved(rates, step, after)]
-        return [*found, *step, *drift, *rates, *after, *sums]
+        return [*found, *step, *drift, *rates, *after, *sums, *found_dexterous]
 
     assert_same("linear_kinematics", scenario)

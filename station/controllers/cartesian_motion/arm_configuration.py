@@ -4,12 +4,13 @@ Six coordinates of the end effector do not determine the motion of seven joints.
 arm therefore keeps the position of joint 3, which makes the motion unique.
 """
 
-from collections.abc import Sequence
-
 import numpy as np
 
-from station.kernel import linear_kinematics
-from station.kernel.doubles import doubles
+from station.core.franka import Frame
+from station.core.franka.franka_model import FrankaModel
+from station.core.franka.franka_robot_state import RobotState
+from station.kernel.doubles import Doubles, own
+from station.kernel.linear_kinematics import LinearKinematics
 
 _DOF = 7
 ELBOW = 2
@@ -20,20 +21,34 @@ class ArmConfiguration:
     """The linearised kinematics at one configuration of an arm with seven joints.
 
     Args:
-        q: Joint positions [rad], shape (7,).
-        jacobian: Jacobian of the end effector in the axes of the base, 42 numbers,
-            column-major.
+        model: The arm's model.
+        state: Its state, which tells what the end effector is.
 
     Attributes:
-        q: Joint positions [rad], shape (7,).
         motion: Motions of the joints that belong to motions of the end effector.
     """
 
-    def __init__(self, q: Sequence[float], jacobian: Sequence[float]) -> None:
-        self.q = doubles(q)
-        self._jacobian = doubles(jacobian)
-        self.motion = linear_kinematics.LinearKinematics(self.q, self._jacobian)
+    def __init__(self, model: FrankaModel, state: RobotState) -> None:
+        self._q, self._jacobian = own([0.0] * _DOF), own([0.0] * (6 * _DOF))
+        frame = Frame.END_EFFECTOR
+        tool = state.doubles("F_T_EE"), state.doubles("EE_T_K")
+        self._pose_source = model.pose_source(frame, self._q, *tool)
+        self._jacobian_source = model.zero_jacobian_source(frame, self._q, *tool)
+        self.motion = LinearKinematics(self._q, self._jacobian)
+
+    def move_to(self, q: Doubles) -> None:
+        """Take another configuration.
+
+        Args:
+            q: Joint positions [rad], shape (7,).
+        """
+        self._q[:] = q
+        self._jacobian_source.write(self._jacobian)
         self.motion.invert()
+
+    def place(self, pose: Doubles) -> None:
+        """Write the pose of the end effector, 16 numbers."""
+        self._pose_source.write(pose)
 
     def dexterity(self) -> float:
         """Return the smallest singular value of the extended Jacobian.

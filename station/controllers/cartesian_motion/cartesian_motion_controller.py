@@ -190,7 +190,10 @@ class CartesianMotionController(MultiInterfaceController):
     def _advance(self, time: float, period: float) -> None:
         generator = self.generator
         generator.advance(period)
-        if period == 0.0 or generator.is_at_rest():
+        if period == 0.0 or self.lookahead.passes(generator):
+            self._note(Obstacle.NONE, None, time)
+            return
+        if generator.is_at_rest():
             self._note(Obstacle.NONE, None, time)
             return
         can_rest = self.lookahead.allows(generator)

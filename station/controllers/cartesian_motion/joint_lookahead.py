@@ -9,23 +9,19 @@ cycle.
 
 from enum import Enum
 
-from station.controllers.cartesian_motion.arm_configuration import (
-    ELBOW,
-    ArmConfiguration,
-)
+from station.controllers.cartesian_motion.arm_configuration import ArmConfiguration
 from station.controllers.cartesian_motion.cartesian_motion_generator import (
     CartesianMotionGenerator,
 )
 from station.controllers.cartesian_motion.lookahead_settings import LookaheadSettings
 from station.core.description.robot_description import JointDescription
-from station.core.franka import Frame, FrankaModelHandle
+from station.core.franka import FrankaModelHandle
 from station.core.franka.franka_robot_state import RobotState
-from station.kernel.doubles import Doubles, doubles, put, zeros
-from station.kernel.linear_kinematics import limited_joint, moved, way_between
-from station.kernel.rigid_motion import twist_between
+from station.kernel.doubles import zeros
+from station.kernel.joint_preview import JointPreview
+from station.kernel.linear_kinematics import LinearKinematics
+from station.kernel.pose_motion import PoseMotion
 
-# Results for one configuration are used for configurations within this distance [rad].
-_NEAR = 0.01
 # Largest distance of a part of the arm from a joint axis that moves it [m].
 _REACH = 1.2
 
@@ -62,26 +58,26 @@ class JointLookahead:
         self._model = model.model
         self._joints = joints
         self._settings = settings
-        margin = settings.joint_limit_margin
-        self._lower = doubles(joint.lower + margin for joint in joints)
-        self._upper = doubles(joint.upper - margin for joint in joints)
-        share = settings.joint_velocity_share
-        self._velocity = doubles(joint.velocity * share for joint in joints)
-        self._acceleration = doubles(settings.max_joint_acceleration)
+        margin, share = settings.joint_limit_margin, settings.joint_velocity_share
+        # Pose of the end effector at the configuration at rest, and joint positions at
+        # rest after a new step.
+        self._pose, self._new = zeros(16), zeros(7)
+        self._preview = JointPreview(
+            self._pose,
+            self._new,
+            lower=[joint.lower + margin for joint in joints],
+            upper=[joint.upper - margin for joint in joints],
+            velocity=[joint.velocity * share for joint in joints],
+            acceleration=settings.max_joint_acceleration,
+        )
         self.obstacle = Obstacle.NONE
         self.joint: str | None = None
-        self._state = RobotState()
-        self._elbow = 0.0
-        self._q_d = self._state.doubles("q_d")
-        nowhere = ArmConfiguration([0.0] * 7, [0.0] * 42)
-        self._present = self._resting = nowhere
-        # Pose of the end effector at the configuration at rest.
-        self._pose = zeros(16)
-        # Joint positions at rest: after the last allowed step, and after a new one.
-        self._rest, self._new = zeros(7), zeros(7)
-        self._way, self._step = zeros(6), zeros(7)
-        self._dexterity = 0.0
-        self._clearance, self._clear_at = 0.0, zeros(7)
+        # One near the desired positions, one near those at rest, and one for the next.
+        self._present: ArmConfiguration
+        self._resting: ArmConfiguration
+        self._other: ArmConfiguration
+        self._know(RobotState())
+        self._dexterity, self._clearance = 0.0, 0.0
 
     def start(self, state: RobotState) -> None:
         """Start at rest at the desired joint positions.
@@ -89,14 +85,28 @@ class JointLookahead:
         Args:
             state: The arm's state, which is updated in every cycle.
         """
-        self._state, self._q_d = state, state.doubles("q_d")
-        self._elbow = self._q_d[ELBOW]
+        self._know(state)
         self.obstacle, self.joint = Obstacle.NONE, None
-        self._rest[:] = self._new[:] = self._clear_at[:] = self._q_d
-        self._present = self._resting = self._configuration(self._q_d)
-        self._place_pose()
+        self._preview.begin(self._q_d)
+        for each in (self._present, self._resting):
+            each.move_to(self._q_d)
+        self._resting.place(self._pose)
         self._dexterity = self._resting.dexterity()
-        self._clearance = self._model.clearance(self._q_d)
+        self._note_clearance(self._model.clearance(self._q_d))
+
+    def passes(self, motion: CartesianMotionGenerator) -> bool:
+        """Allow a usual step in one call; return whether it was allowed.
+
+        Of a step that comes near a limit or leads away from the known configurations
+        nothing is decided: `allows` has to look at it.
+
+        Args:
+            motion: The motion after the step.
+        """
+        if not self._preview.passes(motion.motion):
+            return False
+        self.obstacle, self.joint = Obstacle.NONE, None
+        return True
 
     def allows(self, motion: CartesianMotionGenerator) -> bool:
         """Return whether the joints can follow a step; note the obstacle if not.
@@ -107,21 +117,21 @@ class JointLookahead:
         Args:
             motion: The motion after the step.
         """
-        resting, q, step = self._resting, self._new, self._step
-        twist_between(self._pose, motion.resting_pose(), 1.0, self._way)
-        resting.motion.joint_step(self._way, self._elbow, step)
-        if moved(resting.q, step, q) > _NEAR:
-            resting = self._configuration(q)
+        resting = self._resting
+        if self._preview.leads_away(motion.motion):
+            resting = self._other
+            resting.move_to(self._new)
         self.joint = None
         self.obstacle = self._obstacle_at(resting)
         if self.obstacle is Obstacle.NONE:
-            self.obstacle = self._speed_obstacle(resting, motion)
+            self.obstacle = self._speed_obstacle(resting.motion, motion.motion)
         if self.obstacle is not Obstacle.NONE:
             return False
         if resting is not self._resting:
-            self._resting = resting
-            self._place_pose()
-        self._rest[:] = q
+            self._resting, self._other = resting, self._resting
+            self._preview.resting = resting.motion
+            resting.place(self._pose)
+        self._preview.accept()
         return True
 
     def _obstacle_at(self, resting: ArmConfiguration) -> Obstacle:
@@ -130,50 +140,53 @@ class JointLookahead:
         Args:
             resting: A configuration near these positions.
         """
-        q = self._new
-        limited = limited_joint(q, self._rest, self._lower, self._upper)
+        limited = self._preview.limited_joint()
         if limited >= 0:
             self.joint = self._joints[limited].name
             return Obstacle.JOINT_LIMIT
         dexterity = self._dexterity
         if resting is not self._resting:
-            dexterity = resting.dexterity()
-            if dexterity < min(self._settings.least_dexterity, self._dexterity):
-                return Obstacle.SINGULARITY
-        least = self._settings.least_clearance
-        room = max(_NEAR, (self._clearance - least) / _REACH)
-        if way_between(q, self._clear_at) > room:
-            clearance = self._model.clearance(q)
-            if clearance < min(least, self._clearance):
+            dexterity = least = self._settings.least_dexterity
+            # Singular values take long to compute, so only where they matter.
+            if not resting.motion.is_dexterous(least):
+                dexterity = resting.dexterity()
+                if dexterity < min(least, self._dexterity):
+                    return Obstacle.SINGULARITY
+        if self._preview.may_collide():
+            clearance = self._model.clearance(self._new)
+            if clearance < min(self._settings.least_clearance, self._clearance):
                 return Obstacle.SELF_COLLISION
-            self._clearance = clearance
-            self._clear_at[:] = q
+            self._note_clearance(clearance)
         self._dexterity = dexterity
         return Obstacle.NONE
 
     def _speed_obstacle(
-        self, resting: ArmConfiguration, motion: CartesianMotionGenerator
+        self, resting: LinearKinematics, motion: PoseMotion
     ) -> Obstacle:
-        if way_between(self._q_d, self._present.q) > _NEAR:
-            self._present = self._configuration(self._q_d)
-        for configuration in (self._present, resting):
-            fastest = configuration.motion.fastest_joint(
-                motion.twist,
-                motion.accelerations,
-                self._velocity,
-                self._acceleration,
-            )
+        preview = self._preview
+        if preview.has_left():
+            self._present.move_to(self._q_d)
+        for kinematics in (self._present.motion, resting):
+            fastest = preview.fastest_joint(kinematics, motion)
             if fastest >= 0:
                 self.joint = self._joints[fastest].name
                 return Obstacle.JOINT_SPEED
         return Obstacle.NONE
 
-    def _configuration(self, q: Doubles) -> ArmConfiguration:
-        state, model, frame = self._state, self._model, Frame.END_EFFECTOR
-        jacobian = model.zero_jacobian(frame, q, state.F_T_EE, state.EE_T_K)
-        return ArmConfiguration(q, jacobian)
+    def _note_clearance(self, clearance: float) -> None:
+        """Note the least distance of parts of the arm [m] at the new positions."""
+        self._clearance = clearance
+        # No part of the arm moves further than its distance from a joint times the way
+        # of that joint.
+        self._preview.note_clearance(
+            (clearance - self._settings.least_clearance) / _REACH
+        )
 
-    def _place_pose(self) -> None:
-        state, model, frame = self._state, self._model, Frame.END_EFFECTOR
-        q = self._resting.q
-        put(self._pose, model.pose(frame, q, state.F_T_EE, state.EE_T_K))
+    def _know(self, state: RobotState) -> None:
+        """Make room for configurations of an arm with this state."""
+        self._q_d = state.doubles("q_d")
+        self._present, self._resting, self._other = (
+            ArmConfiguration(self._model, state) for _ in range(3)
+        )
+        self._preview.present = self._present.motion
+        self._preview.resting = self._resting.motion

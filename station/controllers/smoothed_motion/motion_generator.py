@@ -5,6 +5,8 @@ microseconds and without allocating memory. No other module of the controllers i
 anything but core and NumPy.
 """
 
+from typing import NoReturn
+
 from ruckig import (
     ControlInterface,
     InputParameter,
@@ -35,6 +37,8 @@ class MotionGenerator:
         positions: Desired positions [rad or m], shape (n,), a new list each cycle.
         velocities: Desired velocities [rad/s or m/s], shape (n,), a new list each
             cycle.
+        accelerations: Desired accelerations [rad/s^2 or m/s^2], shape (n,), a new list
+            each cycle.
         is_still: Whether the axes rest, and nothing but rest is wanted: `advance` does
             nothing.
     """
@@ -43,6 +47,7 @@ class MotionGenerator:
         size = len(limits.velocity)
         self.positions = [0.0] * size
         self.velocities = [0.0] * size
+        self.accelerations = [0.0] * size
         self.is_still = False
         self._size = size
         # The target velocities; empty while the target is a position.
@@ -76,7 +81,8 @@ class MotionGenerator:
         self._ruckig.reset()
         self._input.current_position = positions
         self._input.current_velocity = velocities
-        self._input.current_acceleration = [0.0] * self._size
+        self.accelerations = [0.0] * self._size
+        self._input.current_acceleration = self.accelerations
         self._input.target_acceleration = [0.0] * self._size
         self.brake()
 
@@ -87,16 +93,10 @@ class MotionGenerator:
     def restore(self, state: tuple[list[float], list[float], list[float]]) -> None:
         """Return to a result of `state`. Set the target again afterwards."""
         self.is_still = False
-        self.positions, self.velocities, accelerations = state
+        self.positions, self.velocities, self.accelerations = state
         self._input.current_position = self.positions
         self._input.current_velocity = self.velocities
-        self._input.current_acceleration = accelerations
-
-    @property
-    def accelerations(self) -> list[float]:
-        """Desired accelerations [rad/s^2 or m/s^2], shape (n,), a new list."""
-        result: list[float] = self._input.current_acceleration
-        return result
+        self._input.current_acceleration = self.accelerations
 
     def relocate(self, positions: list[float]) -> None:
         """Change the coordinates of the present positions without changing the motion.
@@ -152,7 +152,9 @@ class MotionGenerator:
         braking.current_position = self._input.current_position
         braking.current_velocity = self._input.current_velocity
         braking.current_acceleration = self._input.current_acceleration
-        _check(self._ruckig.calculate(braking, self._trajectory))
+        result = self._ruckig.calculate(braking, self._trajectory)
+        if int(result) < 0:
+            _refuse(result)
         positions: list[float] = self._trajectory.at_time(self._trajectory.duration)[0]
         return positions
 
@@ -178,14 +180,17 @@ class MotionGenerator:
             self._input.synchronization = Synchronization.No
             self._goes_to_positions = False
             result = self._ruckig.update(self._input, self._output)
-        _check(result)
+        # All errors are negative; members of the enumeration compare more slowly.
+        if int(result) < 0:
+            _refuse(result)
         self._output.pass_to_input(self._input)
         self.positions = self._output.new_position
         self.velocities = self._output.new_velocity
+        self.accelerations = self._output.new_acceleration
         if self._held and not any(self._held) and self._has_ended():
-            self.velocities = [0.0] * self._size
+            self.velocities = self.accelerations = [0.0] * self._size
             self._input.current_velocity = self.velocities
-            self._input.current_acceleration = self.velocities
+            self._input.current_acceleration = self.accelerations
             self.is_still = True
 
     def _has_ended(self) -> bool:
@@ -195,10 +200,8 @@ class MotionGenerator:
         return max(map(abs, self.accelerations)) <= _AT_REST
 
 
-def _check(result: Result) -> None:
-    # All errors are negative. To compare members of this enumeration takes longer.
-    if int(result) < 0:
-        raise InvalidCommandError(
-            f"There is no motion to the target: {result}.",
-            remedy="Send finite targets within the limits and restart the controller.",
-        )
+def _refuse(result: Result) -> NoReturn:
+    raise InvalidCommandError(
+        f"There is no motion to the target: {result}.",
+        remedy="Send finite targets within the limits and restart the controller.",
+    )

@@ -13,7 +13,7 @@ from typing_extensions import override
 from station.core.franka.franka_robot_state import RobotState
 from station.core.franka.franka_state import FrankaStateHandle
 from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
-from station.kernel.doubles import Doubles, Storage, put
+from station.kernel.doubles import Doubles, Storage, put, zeros
 
 POSE_SIZE = 16
 """Numbers in a pose."""
@@ -23,6 +23,8 @@ POSE_START_JUMP = 0.005
 """Largest distance of a first pose command from rest, per element [m or 1]."""
 TWIST_START_JUMP = 0.02
 """Largest distance of a first twist command from rest, per element [m/s or rad/s]."""
+# Memory is copied faster than a tuple, and that in every cycle.
+_ANY_ELBOW = zeros(2)
 
 
 class FrankaCartesianHandle(FrankaStateHandle):
@@ -54,7 +56,7 @@ class FrankaCartesianHandle(FrankaStateHandle):
         return list(self._command)
 
     def set_command(
-        self, command: Sequence[float], elbow: Sequence[float] = (0.0, 0.0)
+        self, command: Sequence[float], elbow: Sequence[float] = _ANY_ELBOW
     ) -> None:
         """Command the end effector; the robot checks the command when it sends it.
 

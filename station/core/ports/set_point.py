@@ -155,8 +155,6 @@ class SetPointPort:
         While there is no news, none of the other methods has anything to tell. Control
         thread only.
         """
-        if not self.news.is_possible():
-            return False
         return bool(self._slot) or self.news.is_void or self._has_expired()
 
     def take(self) -> list[float] | None:

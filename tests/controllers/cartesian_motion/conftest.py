@@ -42,6 +42,10 @@ class Kinematics:
         return ModelSource(lambda result: put(result, frame_pose(*arguments)))
 
     @staticmethod
+    def zero_jacobian_source(*arguments):
+        return ModelSource(lambda result: put(result, zero_jacobian(*arguments)))
+
+    @staticmethod
     def clearance(q):
         return clearance(q, has_hand=True).distance
 

@@ -2,15 +2,19 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from station.controllers.cartesian_motion.arm_configuration import (
     ELBOW,
     ArmConfiguration,
 )
 from station.core.franka import Frame
+from station.core.franka.franka_robot_state import RobotState
 from station.core.numerics.rigid_motion import twist_between
-from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
+from station.hw.franka.arm.franka_kinematics import frame_pose
 from station.kernel.doubles import doubles, zeros
+from tests.controllers.cartesian_motion.conftest import Kinematics
 
 Q = [0.2, -0.6, 0.3, -2.0, 0.4, 1.7, 0.5]
 TWIST = [0.1, -0.2, 0.05, 0.3, 0.1, -0.4]
@@ -18,7 +22,9 @@ STEP = 1e-5
 
 
 def configuration(q):
-    return ArmConfiguration(list(q), zero_jacobian(Frame.END_EFFECTOR, q))
+    result = ArmConfiguration(Kinematics(), RobotState())
+    result.move_to(doubles(q))
+    return result
 
 
 def twist_of(q, dq):
@@ -100,6 +106,35 @@ def test_the_joint_that_exceeds_its_bounds_most_is_found(which):
         assert fastest(bounds, far) == joint
 
 
+def test_a_configuration_places_the_end_effector_and_moves_on():
+    it, pose = configuration(Q), zeros(16)
+    it.place(pose)
+    assert [*pose] == frame_pose(Frame.END_EFFECTOR, Q)
+    there = [value + 0.1 for value in Q]
+    it.move_to(doubles(there))
+    it.place(pose)
+
+    assert [*pose] == frame_pose(Frame.END_EFFECTOR, there)
+    moved, new = zeros(7), zeros(7)
+    it.motion.follow(doubles(TWIST), moved)
+    configuration(there).motion.follow(doubles(TWIST), new)
+    assert [*moved] == [*new]
+
+
 def test_a_stretched_arm_has_no_dexterity():
     assert configuration(Q).dexterity() > 0.1
     assert configuration([0.0] * 7).dexterity() < 1e-6
+    assert configuration(Q).motion.is_dexterous(0.05)
+    assert not configuration([0.0] * 7).motion.is_dexterous(0.01)
+    assert not configuration(Q).motion.is_dexterous(1.0)
+
+
+@given(st.lists(st.floats(-2.5, 2.5), min_size=7, max_size=7), st.floats(0.01, 1.0))
+def test_an_arm_is_called_dexterous_only_if_it_is(q, least):
+    it = configuration(q)
+
+    if it.motion.is_dexterous(least):
+        assert it.dexterity() > least
+    # The column of joint 3 is counted for more than it is.
+    else:
+        assert it.dexterity() < 4.0 * least
