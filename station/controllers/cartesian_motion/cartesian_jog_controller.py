@@ -10,15 +10,15 @@ from station.controllers.cartesian_motion.cartesian_motion_controller import (
     CartesianMotionController,
 )
 from station.controllers.cartesian_motion.twist_set_point import TwistSetPointPort
-from station.core.control.controller import ControllerSample
 from station.core.control.tunables import Tunable, Tunables
 from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.errors import InvalidGainError
 from station.core.franka import Frame
 from station.core.hardware.robot_hw import RobotHW
-from station.core.numerics.rigid_motion import times, to_inner_axes, to_outer_axes
+from station.core.numerics.rigid_motion import to_outer_axes
 from station.core.parameters import Parameters
 from station.core.ports.set_point import SetPointPort
+from station.kernel.end_effector_sample import TwistSample
 
 FRAMES = ("O", "EE")
 """Axes in which a twist may be given: of the base O, or of the end effector EE."""
@@ -42,6 +42,8 @@ class CartesianJogController(CartesianMotionController):
     set-points are given. The run-time parameter `frame` is 0 for `O` and 1 for `EE`.
     """
 
+    sample_of: TwistSample
+
     @classmethod
     @override
     def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
@@ -50,14 +52,15 @@ class CartesianJogController(CartesianMotionController):
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:
         super().init(hw, params)
-        self._frame = FRAMES.index(_FRAME.read_str(params))
+        frame = float(FRAMES.index(_FRAME.read_str(params)))
         text = "axes of the twist: 0 of the base, 1 of the end effector"
         self.tunables = Tunables(
             {_FRAME.name: Tunable("", 0.0, 1.0, text)},
-            {_FRAME.name: float(self._frame)},
+            {_FRAME.name: frame},
             check=_check_frame,
             apply=self._set_frame,
         )
+        self._set_frame({_FRAME.name: frame})
 
     @override
     def make_port(self, limits: CartesianLimits, timeout: float) -> SetPointPort:
@@ -69,25 +72,23 @@ class CartesianJogController(CartesianMotionController):
 
     @override
     def steer(self, set_point: list[float]) -> None:
-        if self._frame == 0:
-            self.generator.go_at(set_point)
-            return
-        self.generator.go_at(to_outer_axes(self.generator.pose, set_point))
+        if self.sample_of.is_inner:
+            set_point = to_outer_axes(self.generator.pose, set_point)
+        self.generator.go_at(set_point)
 
     @override
-    def keep_sample(self, time: float) -> None:
-        desired = [*self.generator.twist]
-        if self._frame == 0:
-            jacobian = self.model.get_zero_jacobian(Frame.END_EFFECTOR)
-        else:
-            desired = to_inner_axes(self.generator.pose, desired)
-            jacobian = self.model.get_body_jacobian(Frame.END_EFFECTOR)
-        actual = times(jacobian, self._state.dq)
-        errors = [d - a for d, a in zip(desired, actual, strict=True)]
-        self.sample = ControllerSample(time, desired, actual, errors, desired)
+    def make_sample(self) -> TwistSample:
+        frame = Frame.END_EFFECTOR
+        return TwistSample(
+            self.generator.pose,
+            self.generator.twist,
+            self.model.pose_source(frame),
+            self.model.zero_jacobian_source(frame),
+            self.handle.get_robot_state().doubles("dq"),
+        )
 
     def _set_frame(self, values: Mapping[str, float]) -> None:
-        self._frame = int(values[_FRAME.name])
+        self.sample_of.is_inner = values[_FRAME.name] != 0.0
 
 
 def _check_frame(values: Mapping[str, float]) -> None:

@@ -48,6 +48,9 @@ from station.core.franka import (
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
 from station.core.ports.set_point import SetPointPort
+from station.kernel.end_effector_sample import EndEffectorSample, RestingEndEffector
+from station.kernel.sample_columns import SampleColumns
+from station.kernel.usual_update import UsualUpdate
 
 DEFAULT_TIMEOUT = 0.2
 """Default of `command_timeout` [s]."""
@@ -80,6 +83,8 @@ class CartesianMotionController(MultiInterfaceController):
     namespace gives the limits of the joints.
     """
 
+    sampled: SampleColumns
+    sample_of: EndEffectorSample
     required_interfaces: ClassVar[tuple[type, ...]] = (
         FrankaPoseCartesianInterface,
         FrankaModelInterface,
@@ -117,8 +122,15 @@ class CartesianMotionController(MultiInterfaceController):
         self.set_points = self.make_port(self.limits, timeout)
         self.joint_names = [element.name for element in self.set_points.elements]
         self._watched = WatchedSetPoint(self.set_points, action, arm_id, self.rest)
+        self.sample_of = self.make_sample()
+        self.sampled = self.sample_of.sampled
+        self._usual = RestingEndEffector(self._watched.news, self.sample_of)
         self._obstacle, self._until = Obstacle.NONE, 0.0
         self._joint: str | None = None
+
+    @override
+    def usual_update(self) -> UsualUpdate:
+        return self._usual
 
     @property
     def is_free(self) -> bool:
@@ -146,12 +158,8 @@ class CartesianMotionController(MultiInterfaceController):
         """
         raise NotImplementedError
 
-    def keep_sample(self, time: float) -> None:
-        """Keep the sample of this cycle, in the coordinates of the set-point.
-
-        Args:
-            time: Station time [s].
-        """
+    def make_sample(self) -> EndEffectorSample:
+        """Return what is kept of a cycle, in the coordinates of the set-point."""
         raise NotImplementedError
 
     @override
@@ -162,6 +170,7 @@ class CartesianMotionController(MultiInterfaceController):
         self.lookahead.start(state)
         self._obstacle, self._joint, self._until = Obstacle.NONE, None, time
         self.handle.set_command(self.generator.pose)
+        self._usual.is_resting = False
         self._watched.begin()
 
     @override
@@ -173,7 +182,9 @@ class CartesianMotionController(MultiInterfaceController):
         else:
             self._advance(time, period)
             self.handle.set_command(self.generator.pose)
-        self.keep_sample(time)
+        self.sample_of.keep(time)
+        # While an obstacle is published, `update` has to end that.
+        self._usual.is_resting = self.generator.is_still and self.is_free
 
     @override
     def published(self) -> Mapping[str, Mapping[str, object]]:

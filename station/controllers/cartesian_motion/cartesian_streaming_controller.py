@@ -14,10 +14,8 @@ from station.core.numerics.rigid_motion import pose_of
 from station.core.parameters import Parameters
 from station.core.ports.set_point import SetPointPort
 from station.kernel.doubles import zeros
-from station.kernel.pose_sample import PoseSample, RestingPose
+from station.kernel.end_effector_sample import PoseSample
 from station.kernel.rigid_motion import numbers_of
-from station.kernel.sample_columns import SampleColumns
-from station.kernel.usual_update import UsualUpdate
 
 
 class CartesianStreamingController(CartesianMotionController):
@@ -30,7 +28,7 @@ class CartesianStreamingController(CartesianMotionController):
     holds.
     """
 
-    sampled: SampleColumns
+    sample_of: PoseSample
 
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:
@@ -38,15 +36,11 @@ class CartesianStreamingController(CartesianMotionController):
         self._followed: list[float] = []
         self._resting: list[float] = []
         self._target: list[float] = []
-        self._sample_of_pose = PoseSample(
-            self.generator.pose, self.model.pose_source(Frame.END_EFFECTOR)
-        )
-        self.sampled = self._sample_of_pose.sampled
-        self._usual = RestingPose(self._watched.news, self._sample_of_pose)
 
     @override
-    def usual_update(self) -> UsualUpdate:
-        return self._usual
+    def make_sample(self) -> PoseSample:
+        source = self.model.pose_source(Frame.END_EFFECTOR)
+        return PoseSample(self.generator.pose, source)
 
     @override
     def make_port(self, limits: CartesianLimits, timeout: float) -> SetPointPort:
@@ -57,7 +51,7 @@ class CartesianStreamingController(CartesianMotionController):
     @override
     def rest(self) -> list[float]:
         resting = zeros(7)
-        near = self._sample_of_pose.near
+        near = self.sample_of.near
         numbers_of(self.generator.resting_pose(), near, resting)
         self._resting = [*resting]
         return self._resting
@@ -71,18 +65,3 @@ class CartesianStreamingController(CartesianMotionController):
             self._followed = set_point
             self._target = pose_of(set_point[:3], set_point[3:])
         self.generator.go_to(self._target)
-
-    @override
-    def starting(self, time: float) -> None:
-        self._usual.is_resting = False
-        super().starting(time)
-
-    @override
-    def update(self, time: float, period: float) -> None:
-        super().update(time, period)
-        # While an obstacle is published, `update` has to end that.
-        self._usual.is_resting = self.generator.is_still and self.is_free
-
-    @override
-    def keep_sample(self, time: float) -> None:
-        self._sample_of_pose.keep(time)

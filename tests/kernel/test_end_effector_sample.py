@@ -7,8 +7,12 @@ from hypothesis import strategies as st
 
 from station.hw.franka.arm.franka_kinematics import CHAIN
 from station.kernel.doubles import doubles, put, zeros
+from station.kernel.end_effector_sample import (
+    PoseSample,
+    RestingEndEffector,
+    TwistSample,
+)
 from station.kernel.model_sources import ModelSource
-from station.kernel.pose_sample import PoseSample, RestingPose
 from station.kernel.set_points import SetPointNews
 from tests.kernel.both_modes import arrays, assert_same, needs_both, sibling
 
@@ -50,13 +54,42 @@ def test_quaternions_do_not_jump_over_a_whole_turn():
         last = now
 
 
+@pytest.mark.parametrize("is_inner", [False, True])
+def test_twists_are_kept_in_the_axes_that_are_asked_for(is_inner):
+    rng = np.random.default_rng(3)
+    jacobian, dq = rng.normal(size=(6, 7)), rng.normal(size=7)
+    wanted = rng.normal(size=6)
+    sample = TwistSample(
+        doubles(turned(0.3)),
+        doubles(wanted),
+        ModelSource(lambda result: put(result, turned(-0.4))),
+        ModelSource(lambda result: put(result, jacobian.T.ravel())),
+        doubles(dq),
+    )
+    sample.is_inner = is_inner
+    sample.keep(1.0)
+
+    def seen(angle, twist):
+        axes = np.reshape(turned(angle), (4, 4))[:3, :3].T  # columns are the axes
+        return np.concatenate([axes.T @ twist[:3], axes.T @ twist[3:]])
+
+    actual = jacobian @ dq
+    if is_inner:
+        wanted, actual = seen(0.3, wanted), seen(-0.4, actual)
+    _, packed, size = sample.sampled.newest
+    columns = np.frombuffer(packed).reshape(4, size)
+    assert columns[0] == pytest.approx(wanted)
+    assert columns[1] == pytest.approx(actual)
+    assert columns[2] == pytest.approx(wanted - actual)
+
+
 @pytest.mark.parametrize("news", ["none", "waiting", "void"])
 def test_rest_ends_with_news(news):
     slot = ["a set-point"] if news == "waiting" else []
     told = SetPointNews(slot)
     told.is_void = news == "void"
     sample = PoseSample(doubles(HERE), ModelSource(lambda result: put(result, HERE)))
-    resting = RestingPose(told, sample)
+    resting = RestingEndEffector(told, sample)
 
     assert not resting.run(1.0, 0.001)
     assert sample.sampled.newest is None
@@ -75,13 +108,24 @@ def test_both_modes_agree_bit_for_bit(cycles, tool):
         source = sibling(module, "model_sources").ToolPoseSource(
             arm, q, links[16 * 7 :], doubles(tool)
         )
-        sample, found = module.PoseSample(pose, source), []
+        sources = sibling(module, "model_sources")
+        jacobian = sources.ToolJacobianSource(source, links)
+        twist = zeros(6)
+        samples = [
+            module.PoseSample(pose, source),
+            module.TwistSample(pose, twist, source, jacobian, q),
+            module.TwistSample(pose, twist, source, jacobian, q),
+        ]
+        samples[2].is_inner = True
+        found = []
         for values, joints in cycles:
             put(pose, values)
             # Python's sine refuses infinity; no arm is there.
             put(q, [v if abs(v) < 1e3 else 0.0 for v in joints])
-            sample.keep(0.0)
-            found += [*sample.desired, *sample.actual, *sample.errors]
+            put(twist, values[:6])
+            for sample in samples:
+                sample.keep(0.0)
+                found += [*sample.desired, *sample.actual, *sample.errors]
         return found
 
-    assert_same("pose_sample", scenario)
+    assert_same("end_effector_sample", scenario)
