@@ -155,6 +155,8 @@ class SceneViews:
             key: Key of the session.
             is_dark: Whether its page is dark.
         """
+        if self._dark.get(key, False) == is_dark:
+            return  # A page says so again whenever its station is back.
         _keep(self._dark, key, is_dark)
         for drawn in self._of(key):
             paint(drawn.client, is_dark=is_dark)

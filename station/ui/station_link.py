@@ -89,6 +89,7 @@ class StationLink:
         self._arms: dict[str, ArmFacts] = {}
         self._base_follower: asyncio.Task[None] | None = None
         self._woken = asyncio.Event()
+        self._wakes = 0
 
     @property
     def positions(self) -> dict[str, float]:
@@ -153,11 +154,20 @@ class StationLink:
 
     def wake(self) -> None:
         """Ask the station at once for what would be asked for a moment later."""
+        self._wakes += 1
         self._woken.set()
         self._woken.clear()
 
-    async def _pause(self, seconds: float) -> None:
-        """Wait, at most until `wake` is called."""
+    async def _pause(self, seconds: float, wakes: int) -> None:
+        """Wait, at most until `wake` is called.
+
+        Args:
+            seconds: Longest wait [s].
+            wakes: `_wakes` before the request that this pause follows. A request that
+                was on its way when `wake` was called went to the former station.
+        """
+        if wakes != self._wakes:
+            return
         # Not `wait_for`: before Python 3.12 it may swallow a cancellation.
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(seconds):
@@ -249,11 +259,12 @@ class StationLink:
         self, refresh: Callable[[], Awaitable[None]], period: float
     ) -> None:
         while True:
+            wakes = self._wakes
             try:
                 await refresh()
             except ApiError as error:
                 self._failure = str(error)
-            await self._pause(period)
+            await self._pause(period, wakes)
 
     async def _follow_joints(self) -> None:
         async for frame in self._frames("joint_states", JOINT_RATE):
@@ -293,13 +304,14 @@ class StationLink:
         when the stream is opened again.
         """
         while True:
+            wakes = self._wakes
             with contextlib.suppress(ApiError):  # Polling says what is wrong.
                 stream = self.client.stream(
                     topic, rate=rate, fields=fields, reconnect=False
                 )
                 async for frame in stream:
                     yield frame
-            await self._pause(_RETRY)
+            await self._pause(_RETRY, wakes)
 
 
 def _position_limits(hardware: Hardware) -> dict[str, tuple[float, float]]:
