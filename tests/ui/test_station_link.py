@@ -85,6 +85,24 @@ def test_a_request_that_went_to_the_former_station_is_repeated_at_once(monkeypat
     assert asked == [0, 1]
 
 
+def test_who_draws_the_robot_is_woken_by_its_positions(fake_station):
+    async def script(link):
+        async with asyncio.timeout(5.0):
+            await link.wait_for_motion(60.0)
+        assert link.positions
+
+    _follow(fake_station.url, script)
+
+
+def test_who_draws_the_robot_is_woken_in_time_when_nothing_moves():
+    async def script(link):
+        async with asyncio.timeout(5.0):
+            await link.wait_for_motion(0.0)
+        assert not link.positions
+
+    _follow("http://127.0.0.1:9", script)
+
+
 def test_watched_controllers_are_sampled_and_others_forgotten(fake_station):
     fake_station.load("arm", running=True)
 
