@@ -119,17 +119,24 @@ class ApiRelay:
     ) -> None:
         """Pass a stream's frames to a browser until either closes or the session ends.
 
+        While the station has ended and none has taken its place, the socket waits: the
+        page then has its frames again as soon as the station is back, without asking.
+
         Args:
             browser: The browser's WebSocket, not accepted yet.
             session: The browser's session.
             wait_for_end: Returns when that session has ended.
         """
         topic = str(browser.path_params["topic"])
+        # A browser learns why a socket closes only of a socket that was opened.
+        with contextlib.suppress(WebSocketDisconnect):  # It may have gone already.
+            await browser.accept()
         if not may_stream(topic):
-            await _refuse(browser, _NOT_FOUND, "the dashboard does not forward this")
+            await close_socket(
+                browser, _NOT_FOUND, "the dashboard does not forward this"
+            )
             return
-        if self._access.is_lost:
-            await _refuse(browser, _STATION_GONE, "the station has ended")
+        if self._access.is_lost and not await self._is_back(browser, wait_for_end):
             return
         address = self._access.url.replace("http", "ws", 1)
         query = f"?{browser.url.query}" if browser.url.query else ""
@@ -146,24 +153,24 @@ class ApiRelay:
                 close_timeout=0.5,
             )
         except InvalidStatus:
-            await _refuse(browser, _NOT_FOUND, "the station has no such stream")
+            await close_socket(browser, _NOT_FOUND, "the station has no such stream")
             return
         except (OSError, WebSocketException):
-            await _refuse(browser, _STATION_GONE, "the station does not answer")
+            await close_socket(browser, _STATION_GONE, "the station does not answer")
             return
         async with upstream:
-            try:
-                await browser.accept()
-            except WebSocketDisconnect:
-                return  # The browser has gone while the station was asked.
             await _pass_frames(browser, upstream, wait_for_end)
 
-
-async def _refuse(browser: WebSocket, code: int, reason: str) -> None:
-    # A browser learns the code only of a socket that was opened.
-    with contextlib.suppress(WebSocketDisconnect):  # It may have gone meanwhile.
-        await browser.accept()
-        await browser.close(code, reason)
+    async def _is_back(
+        self, browser: WebSocket, wait_for_end: Callable[[], Awaitable[None]]
+    ) -> bool:
+        """Wait for a station; return False when the browser or its session is gone."""
+        ended = asyncio.ensure_future(wait_for_end())
+        back = asyncio.create_task(self._access.wait_for_station())
+        await until_first(ended, back, asyncio.create_task(_until_gone(browser)))
+        if not ended.cancelled():
+            await close_socket(browser, _SESSION_ENDED, "the session has ended")
+        return not back.cancelled() and ended.cancelled()
 
 
 async def _pass_frames(

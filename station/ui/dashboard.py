@@ -50,7 +50,9 @@ if TYPE_CHECKING:
 
 _logger = logging.getLogger(__name__)
 
-SCENE_PERIOD = 1.0 / 50.0
+SCENE_PERIOD = 0.1
+"""Longest time between two looks at what has moved in the scene [s]. The robot is drawn
+as soon as its positions come: a look at a fixed rate would make them older."""
 VIEWS_PERIOD = 1.0 / 15.0
 PANEL_PERIOD = 0.1
 _ENDING_TIME = 0.5
@@ -230,7 +232,7 @@ class Dashboard:
             tasks.create_task(self._jog.run())
             tasks.create_task(self._target.run())
             tasks.create_task(self._tune.run())
-            tasks.create_task(self._repeat(self._show_robot, SCENE_PERIOD))
+            tasks.create_task(self._follow_robot())
             tasks.create_task(self._repeat(self._refresh_views, VIEWS_PERIOD))
             tasks.create_task(self._repeat(self._refresh_panels, PANEL_PERIOD))
 
@@ -269,16 +271,26 @@ class Dashboard:
         self._link.watch(watched)
 
     async def _repeat(self, refresh: Callable[[], None], period: float) -> None:
-        """Call `refresh` until cancelled; a failure is logged once and shown."""
+        """Call `refresh` until cancelled."""
         while True:
-            try:
-                refresh()
-            except Exception as error:  # the boundary of the screen's updates
-                self._failures += 1
-                if self._failures in {1, 10, 100, 1000}:
-                    _logger.exception("update %d of the screen failed", self._failures)
-                self._reporter.say("The dashboard failed", repr(error), None)
+            self._try(refresh)
             await asyncio.sleep(period)
+
+    async def _follow_robot(self) -> None:
+        """Draw the robot whenever it has moved, until cancelled."""
+        while True:
+            self._try(self._show_robot)
+            await self._link.wait_for_motion(SCENE_PERIOD)
+
+    def _try(self, refresh: Callable[[], None]) -> None:
+        """Call `refresh`; a failure is logged once and shown."""
+        try:
+            refresh()
+        except Exception as error:  # the boundary of the screen's updates
+            self._failures += 1
+            if self._failures in {1, 10, 100, 1000}:
+                _logger.exception("update %d of the screen failed", self._failures)
+            self._reporter.say("The dashboard failed", repr(error), None)
 
 
 def _placed(robots: Sequence[RobotModel | None]) -> list[PlacedRobot]:

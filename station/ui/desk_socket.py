@@ -159,7 +159,7 @@ class DeskSocket:
     _refusal = ""
 
     async def _send(self) -> None:
-        rounds = 0
+        rounds, link = 0, ""
         while True:
             await asyncio.sleep(SEND_PERIOD)
             view = self._view()
@@ -171,10 +171,11 @@ class DeskSocket:
             for set_point in set_points if hand is None else (*set_points, hand):
                 await self._command(set_point)
             rounds += 1
+            before, link = link, view.link
             if self._refusal:
                 refused, self._refusal = self._refusal, ""
                 await self._tell(refused=refused)
-            elif rounds % _TELL_EVERY == 0:
+            elif rounds % _TELL_EVERY == 0 or link != before:
                 await self._tell()
 
     def _look_at_control(self) -> None:
@@ -199,8 +200,13 @@ class DeskSocket:
             await self._tell(refused=error.detail, code=error.code, remedy=error.remedy)
 
     async def _tell(self, **more: str) -> None:
-        """Tell the page what is commanded, and what was refused."""
+        """Tell the page what is commanded, what was refused, and how the link is.
+
+        A page that draws slowly would learn by its own questions only some pictures
+        later that the station is back.
+        """
         content = {
+            "link": self._view().link,
             "controller": ", ".join(self._joints.controllers),
             "reason": self._joints.reason,
             "remaining": self._joints.remaining,

@@ -138,15 +138,17 @@ class SceneViews:
         for drawn in self._of(key):
             self._lay(drawn)
 
-    def look(self, key: str, preset: str) -> None:
+    def look(self, key: str, preset: str, covered: float = 0.0) -> None:
         """Let the browsers of one session look from another place.
 
         Args:
             key: Key of the session.
             preset: One of `camera.PRESETS`.
+            covered: Part of the picture that the page hides, see `camera.look`.
         """
+        positions = self._facts.positions
         for drawn in self._of(key):
-            look(drawn.client, preset, self._robots, self._facts.positions)
+            look(drawn.client, preset, self._robots, positions, covered)
 
     def paint(self, key: str, *, is_dark: bool) -> None:
         """Let the views of one session be light or dark, as its page is.
@@ -155,6 +157,8 @@ class SceneViews:
             key: Key of the session.
             is_dark: Whether its page is dark.
         """
+        if self._dark.get(key, False) == is_dark:
+            return  # A page says so again whenever its station is back.
         _keep(self._dark, key, is_dark)
         for drawn in self._of(key):
             paint(drawn.client, is_dark=is_dark)

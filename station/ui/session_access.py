@@ -4,6 +4,7 @@ None of them ever reaches a page. Any thread may ask; only the gateway's event l
 changes anything.
 """
 
+import asyncio
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -57,6 +58,8 @@ class SessionAccess:
         self._station = station
         self._follows = follows
         self._is_lost = False
+        self._is_back = asyncio.Event()
+        self._is_back.set()
         self._lease_changed = lease_changed
         self._now = now
         self._lease: _Lease | None = None
@@ -77,6 +80,10 @@ class SessionAccess:
         """Whether the station has ended and no other has taken its place yet."""
         return self._is_lost
 
+    async def wait_for_station(self) -> None:
+        """Wait while `is_lost`; in the gateway's event loop."""
+        await self._is_back.wait()
+
     def move_to(self, station: StationAccess | None) -> None:
         """Serve another station from now on, at which nobody holds control.
 
@@ -87,6 +94,10 @@ class SessionAccess:
         self._is_lost = station is None
         self._station = station or self._station
         self._set(None)
+        if station is None:
+            self._is_back.clear()
+        else:
+            self._is_back.set()
 
     def own_token(self, token: str) -> str:
         """Return what a session keeps of the token that it logged in with.

@@ -30,8 +30,8 @@ from station.wire import (
     StreamFrame,
 )
 
-JOINT_RATE = 60.0
-"""Joint states per second for the 3D view [Hz]."""
+JOINT_RATE = 50.0
+"""Joint states per second, each of which is drawn at once in the 3D view [Hz]."""
 BASE_RATE = 30.0
 """Poses of a floating or planar base per second for the 3D view [Hz]."""
 ARM_RATE = 10.0
@@ -88,7 +88,9 @@ class StationLink:
         self._arm_followers: dict[str, asyncio.Task[None]] = {}
         self._arms: dict[str, ArmFacts] = {}
         self._base_follower: asyncio.Task[None] | None = None
+        self._moved = asyncio.Event()
         self._woken = asyncio.Event()
+        self._wakes = 0
 
     @property
     def positions(self) -> dict[str, float]:
@@ -114,6 +116,17 @@ class StationLink:
     def contacts(self) -> tuple[Contact, ...]:
         """Where bodies of a simulated world touch; empty while nobody wants to know."""
         return self._contacts
+
+    async def wait_for_motion(self, most: float) -> None:
+        """Wait for the next positions of the joints or of a base; one task may wait.
+
+        Args:
+            most: Longest wait [s].
+        """
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(most):
+                await self._moved.wait()
+        self._moved.clear()
 
     def view(self) -> StationView:
         """Return a frozen view of the newest data."""
@@ -153,11 +166,20 @@ class StationLink:
 
     def wake(self) -> None:
         """Ask the station at once for what would be asked for a moment later."""
+        self._wakes += 1
         self._woken.set()
         self._woken.clear()
 
-    async def _pause(self, seconds: float) -> None:
-        """Wait, at most until `wake` is called."""
+    async def _pause(self, seconds: float, wakes: int) -> None:
+        """Wait, at most until `wake` is called.
+
+        Args:
+            seconds: Longest wait [s].
+            wakes: `_wakes` before the request that this pause follows. A request that
+                was on its way when `wake` was called went to the former station.
+        """
+        if wakes != self._wakes:
+            return
         # Not `wait_for`: before Python 3.12 it may swallow a cancellation.
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(seconds):
@@ -249,11 +271,12 @@ class StationLink:
         self, refresh: Callable[[], Awaitable[None]], period: float
     ) -> None:
         while True:
+            wakes = self._wakes
             try:
                 await refresh()
             except ApiError as error:
                 self._failure = str(error)
-            await self._pause(period)
+            await self._pause(period, wakes)
 
     async def _follow_joints(self) -> None:
         async for frame in self._frames("joint_states", JOINT_RATE):
@@ -264,6 +287,7 @@ class StationLink:
                     for name, position in zip(joints.name, joints.position, strict=True)
                     if position is not None
                 }
+                self._moved.set()
                 self._heard()
 
     async def _follow_base(self) -> None:
@@ -271,6 +295,7 @@ class StationLink:
             scene = Scene.model_validate({"objects": [], **frame.data})
             # The names of the drawn joints have no robot in them: one base can move.
             self._bases = base_positions(scene.bases[0]) if scene.bases else {}
+            self._moved.set()
 
     async def _follow_sample(self, name: str) -> None:
         async for frame in self._frames(f"controller_state/{name}", SAMPLE_RATE):
@@ -293,13 +318,14 @@ class StationLink:
         when the stream is opened again.
         """
         while True:
+            wakes = self._wakes
             with contextlib.suppress(ApiError):  # Polling says what is wrong.
                 stream = self.client.stream(
                     topic, rate=rate, fields=fields, reconnect=False
                 )
                 async for frame in stream:
                     yield frame
-            await self._pause(_RETRY)
+            await self._pause(_RETRY, wakes)
 
 
 def _position_limits(hardware: Hardware) -> dict[str, tuple[float, float]]:

@@ -73,9 +73,11 @@ class CameraRequest(_Body):
 
     Attributes:
         preset: Name of the place.
+        covered: Part of the picture at its left that the page covers by something else.
     """
 
     preset: str
+    covered: float = Field(default=0.0, ge=0.0, le=0.6)
 
 
 _Wanted = TypeVar("_Wanted", bound=_Body)
@@ -178,7 +180,8 @@ class ViewRoutes:
         if wanted.preset not in PRESETS:
             detail = f"preset: there is no '{wanted.preset}'; {_among(PRESETS)}."
             return refused(422, "unknown_preset", detail)
-        self._in_viser(lambda: self._views.look(session.key, wanted.preset))
+        preset, covered = wanted.preset, wanted.covered
+        self._in_viser(lambda: self._views.look(session.key, preset, covered))
         return JSONResponse({"preset": wanted.preset})
 
     async def _asked(

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from tests.browser.conftest import keep_screenshot, logged_in, run_station
-from tests.browser.viser_page import SceneWords, ViserPage
+from tests.browser.viser_page import SceneNodes, SceneWords, ViserPage
 from tests.browser.workspace_page import CONTROLLER, WorkspacePage, position, wait_until
 
 pytestmark = pytest.mark.slow
@@ -79,6 +79,12 @@ def words(view):
 
 
 @pytest.fixture
+def nodes(view):
+    """What is drawn in the 3D view."""
+    return SceneNodes(view)
+
+
+@pytest.fixture
 def workspace(page):
     return WorkspacePage(page)
 
@@ -123,11 +129,34 @@ def _lean_on_the_wall(page, workspace, client):
     """Press the hand to the wall, so softly that the arm does not stop itself."""
     _enable(page)
     client.set_gains(CONTROLLER, {"panda_joint1/p": 40.0})
-    speed = workspace.dock("joints").get_by_label("Top speed in degrees per second")
-    speed.evaluate(
-        "(e) => { e.value = 12; e.dispatchEvent(new Event('input', {bubbles: true})); }"
+    _move(workspace, "joint1", 27, speed=12)
+
+
+def _move(workspace, joint, degrees, *, speed):
+    """Type where a joint shall be, and how fast it may go there [deg/s]."""
+    field = workspace.dock("joints").get_by_label("Top speed in degrees per second")
+    field.evaluate(
+        "(e, speed) => {"
+        " e.value = speed; e.dispatchEvent(new Event('input', {bubbles: true})); }",
+        speed,
     )
-    workspace.type_into("joints", "Command of joint1", "27")
+    workspace.type_into("joints", f"Command of {joint}", str(degrees))
+
+
+def _toggle(page, layer):
+    """Click one of the buttons after *Show*."""
+    tools = page.locator("#view-tools")
+    tools.get_by_role("button", name=layer, exact=True).click()
+
+
+def _matrix(elements):
+    """Return a homogeneous matrix of 16 numbers in column-major order."""
+    return np.reshape(elements, (4, 4), order="F")
+
+
+def _flange(state):
+    """Return the pose of the flange in the base, by the station."""
+    return _matrix(state.O_T_EE) @ np.linalg.inv(_matrix(state.F_T_EE))
 
 
 @pytest.fixture
@@ -174,6 +203,97 @@ def test_what_is_not_laid_over_the_robot_is_not_explained(page):
     key.get_by_text("contact", exact=True).wait_for(state="detached")
     forces.dispatch_event("click")
     key.get_by_text("contact", exact=True).wait_for()
+
+
+def _stands_at(nodes, pattern, pose):
+    """Return whether a node comes to a pose; it has none before its first picture.
+
+    The tolerance is how far the arm's own weight and its motion bend its joints.
+    """
+
+    def pose_now():
+        node = nodes.find(pattern)
+        return _matrix(node["pose"]) if node else np.full((4, 4), np.inf)
+
+    return wait_until(lambda: np.allclose(pose_now(), pose, rtol=0.0, atol=0.01))
+
+
+def test_the_frames_are_where_the_station_says(page, nodes, words, at_rest):
+    hand = at_rest.robot("panda")
+    tip = np.eye(4)
+    tip[2, 3] = 0.05
+    hand.set_K_frame(tip.flatten(order="F").tolist())
+    _toggle(page, "Frames")
+    for name in ("O", "F", "EE", "K"):
+        words.wait_for(name)
+    state = hand.state()
+    tool = _matrix(state.O_T_EE)
+    wanted = {"O": np.eye(4), "F": _flange(state), "EE": tool, "K": tool @ tip}
+    for name, pose in wanted.items():
+        assert _stands_at(nodes, f".*/frame_{name}", pose), name
+    key = page.locator("#view-tools .key")
+    assert key.get_by_text("z axis", exact=True).is_visible()
+    _toggle(page, "Frames")
+    for name in wanted:
+        nodes.wait_for_end(f".*/frame_{name}")
+    hand.set_K_frame(np.eye(4).flatten().tolist())
+
+
+def test_the_trail_ends_at_the_flange_and_a_waypoint_is_previewed_as_a_ghost(
+    page, nodes, words, workspace, at_rest
+):
+    hand = at_rest.robot("panda")
+    _enable(page)
+    dock = workspace.dock("move")
+    dock.get_by_role("button", name="+ Capture").click()
+    captured = _flange(hand.state())
+    _toggle(page, "Trail")
+    _move(workspace, "joint1", -35, speed=85)
+    assert wait_until(lambda: position(at_rest, "panda_joint1") < math.radians(-34))
+
+    def here():
+        return _flange(hand.state())[:3, 3]
+
+    def trail():
+        node = nodes.find("/trail_0")
+        return np.reshape(node["points"] if node else [9.0] * 3, (-1, 3))
+
+    assert wait_until(lambda: np.linalg.norm(trail()[-1] - here()) < 0.01)
+    arrived = here()
+    assert np.linalg.norm(trail() - captured[:3, 3], axis=1).min() < 0.01
+    dock.get_by_role("button", name=re.compile("Move to this waypoint")).hover()
+    words.wait_for("waypoint .*")
+    ghost = "/ghost_0/.*/panda_link8"
+    assert _stands_at(nodes, ghost, captured)
+    preview = dock.get_by_role("button", name="Preview", exact=True)
+    preview.click()
+    words.wait_for("preview, to .*")
+    preview.click()
+    nodes.wait_for_end(ghost)
+    # The robot has not moved for the picture's sake.
+    assert here() == pytest.approx(arrived, abs=0.015)
+    _toggle(page, "Trail")
+    nodes.wait_for_end("/trail_0")
+    at_rest.waypoint_paths.delete(at_rest.waypoint_paths.names()[0])
+
+
+def test_the_link_of_a_joint_near_its_limit_is_tinted_and_explained(
+    page, nodes, words, workspace, at_rest
+):
+    _enable(page)
+    _move(workspace, "joint7", 160, speed=85)
+    assert wait_until(lambda: position(at_rest, "panda_joint7") > math.radians(159))
+    # The words are of the moment at which they came, a picture ago.
+    room = 166 - math.degrees(position(at_rest, "panda_joint7"))
+    words.wait_for(rf"panda_joint7: {room:.0f}° to its upper limit")
+    assert nodes.wait_for(".*/panda_link7/tint")["color"] == [235, 94, 0]
+    key = page.locator("#view-tools .key").get_by_text("joint near its limit")
+    assert key.is_visible()
+    _toggle(page, "Limits")
+    nodes.wait_for_end(".*/tint")
+    assert not key.is_visible()
+    _toggle(page, "Limits")
+    nodes.wait_for(".*/panda_link7/tint")
 
 
 def _flange_in_the_page(page, below):

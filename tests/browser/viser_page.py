@@ -63,6 +63,51 @@ class SceneWords:
         return shown.json_value()
 
 
+class SceneNodes:
+    """What is in the 3D view, as the browser draws it.
+
+    Args:
+        frame: The part of the page that Viser draws.
+    """
+
+    # Drawn where it is, and as it was sent; a node of which a parent is hidden is not.
+    _FIND = """
+(pattern) => {
+  const nodes = Object.entries(window.__viserSceneTree.getState());
+  const wanted = new RegExp(`^${pattern}$`);
+  const [name, node] = nodes.find(([name]) => wanted.test(name)) ?? [];
+  const drawn = window.__viserMutable.nodeRefFromName[name];
+  const world = window.__viserMutable.nodeRefFromName["/base_axes"];
+  if (!drawn || !world || !node.effectiveVisibility) return null;
+  drawn.updateWorldMatrix(true, false);
+  world.updateWorldMatrix(true, false);
+  const pose = world.matrixWorld.clone().invert().multiply(drawn.matrixWorld);
+  const { points, color } = node.message.props;
+  return {pose: pose.elements, points: points && Array.from(points), color};
+}
+"""
+
+    def __init__(self, frame):
+        self._frame = frame
+
+    def find(self, pattern):
+        """Return the first shown node whose name matches a pattern, or None.
+
+        Returns:
+            Its `pose` in the world in column-major order, shape (16,), and the `points`
+            and the `color` that it was made with, if it has some.
+        """
+        return self._frame.evaluate(self._FIND, pattern)
+
+    def wait_for(self, pattern):
+        """Wait until a node is shown; return it."""
+        return self._frame.wait_for_function(self._FIND, arg=pattern).json_value()
+
+    def wait_for_end(self, pattern):
+        """Wait until a node is not shown any more."""
+        self._frame.wait_for_function(f"(p) => ({self._FIND})(p) === null", arg=pattern)
+
+
 class ViserPage:
     """The part of a dashboard's page that Viser draws, an iframe.
 

@@ -32,6 +32,7 @@ class _Page:
     """A relay that serves one browser, without the gateway before it."""
 
     def __init__(self, url, tls=None):
+        self.url = url
         self.access = SessionAccess(_station(url))
         self.relay = ApiRelay(self.access, tls)
         self.session = Session("cookie", Role.OPERATOR, OPERATOR)
@@ -48,10 +49,22 @@ class _Page:
             await self.relay.close()
             return JSONResponse({})
 
+        def does(act):
+            async def answer(_):
+                act()
+                return JSONResponse({})
+
+            return answer
+
+        station = _station(self.url)
         methods = ["GET", "POST", "PUT", "DELETE"]
         return Starlette(
             routes=[
                 Route("/close", close),
+                # In the event loop of the gateway, as the dashboard does it.
+                Route("/lose", does(lambda: self.access.move_to(None))),
+                Route("/find", does(lambda: self.access.move_to(station))),
+                Route("/log_out", does(self.logged_out.set)),
                 WebSocketRoute("/api/v1/streams/{topic:path}", self.stream),
                 Route("/api/v1/{path:path}", self.forward, methods=methods),
             ]
@@ -135,13 +148,32 @@ def test_who_answers_in_the_place_of_an_ended_station_is_not_asked(
     page.access.move_to(None)
     try:
         answer = browser.get("/status")
-        with _socket(served, "loop") as socket, pytest.raises(ConnectionClosed) as end:
-            socket.recv(timeout=5.0)
     finally:
         page.access.move_to(_station(served[0].url))
     assert (answer.status_code, answer.json()["code"]) == (502, "unreachable")
-    assert end.value.rcvd.code == 1012
     assert len(served[0].requests) == before
+
+
+def test_a_stream_waits_for_the_station_and_has_its_frames_without_asking_again(served):
+    httpx.get(served[2] + "/lose")
+    with _socket(served, "joint_states") as socket:
+        with pytest.raises(TimeoutError):
+            socket.recv(timeout=0.05)
+        httpx.get(served[2] + "/find")
+        assert "hello" in socket.recv(timeout=5.0)
+
+
+def test_a_stream_that_waits_for_the_station_ends_with_its_session(served, page):
+    httpx.get(served[2] + "/lose")
+    try:
+        with _socket(served, "loop") as socket:
+            httpx.get(served[2] + "/log_out")
+            with pytest.raises(ConnectionClosed) as end:
+                socket.recv(timeout=5.0)
+    finally:
+        httpx.get(served[2] + "/find")
+        page.logged_out.clear()
+    assert end.value.rcvd.code == 4401
 
 
 def test_frames_of_a_stream_reach_the_browser(served):

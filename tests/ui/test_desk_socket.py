@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+from dataclasses import replace
 
 import pytest
 from starlette.applications import Starlette
@@ -9,6 +10,7 @@ from starlette.routing import WebSocketRoute
 from websockets.sync.client import connect
 
 from station.client import ApiError
+from station.ui import desk_socket
 from station.ui.desk_socket import DeskSocket
 from tests.ui.served import Served
 from tests.ui.views import controller, element, sample, view
@@ -29,6 +31,7 @@ class _Client:
         self.sent = []
         self.refusal = None
         self.lease = None
+        self.view = VIEW
 
     async def command(self, name, values, *, epoch):
         if self.refusal is not None:
@@ -41,7 +44,7 @@ def served():
     client = _Client()
 
     async def serve(socket):
-        desk = DeskSocket(socket, client, lambda: VIEW, lambda: client.lease)
+        desk = DeskSocket(socket, client, lambda: client.view, lambda: client.lease)
         await desk.run(asyncio.Event().wait)
 
     app = Starlette(routes=[WebSocketRoute("/desk", serve)])
@@ -87,6 +90,15 @@ def test_a_held_button_stops_when_the_page_falls_silent(desk, client):
     _hear(desk, lambda told: told["remaining"] > 0.0)
     _hear(desk, lambda told: told["remaining"] == 0.0)
     assert 0.0 < 0.1 - client.sent[-1][1][1] < 0.5
+
+
+def test_the_page_is_told_at_once_that_the_station_is_back(desk, client, monkeypatch):
+    client.view = replace(VIEW, heard_at=None)
+    assert _hear(desk, lambda told: told["link"] == "lost")
+    # From now on nothing is told for its own sake.
+    monkeypatch.setattr(desk_socket, "_TELL_EVERY", 10**9)
+    client.view = VIEW
+    assert _hear(desk, lambda told: told["link"] == "live")
 
 
 def test_a_refusal_of_the_station_ends_the_motion_and_is_told(desk, client):

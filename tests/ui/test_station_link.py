@@ -2,7 +2,7 @@
 
 import asyncio
 
-from station.client import AsyncStationClient
+from station.client import ApiError, AsyncStationClient
 from station.ui import station_link
 from station.ui.station_link import StationLink
 from tests.ui.fake_answers import JOINTS
@@ -59,6 +59,48 @@ def test_a_link_that_is_woken_asks_at_once(fake_station, monkeypatch):
         await _until(lambda: link.wake() or link.view().controllers)
 
     _follow(fake_station.url, script)
+
+
+def test_a_request_that_went_to_the_former_station_is_repeated_at_once(monkeypatch):
+    monkeypatch.setattr(station_link, "_CONTROLLERS_PERIOD", 60.0)
+    asked = []
+
+    async def script(link):
+        answered = asyncio.Event()
+
+        async def controllers():
+            asked.append(len(asked))
+            if len(asked) == 1:
+                # The next station is announced while the former one is still asked.
+                link.wake()
+                raise ApiError("the token is wrong", status=401, code="unauthorized")
+            answered.set()
+            return ()
+
+        monkeypatch.setattr(link.client, "controllers", controllers)
+        async with asyncio.timeout(5.0):
+            await answered.wait()
+
+    _follow("http://127.0.0.1:9", script)
+    assert asked == [0, 1]
+
+
+def test_who_draws_the_robot_is_woken_by_its_positions(fake_station):
+    async def script(link):
+        async with asyncio.timeout(5.0):
+            await link.wait_for_motion(60.0)
+        assert link.positions
+
+    _follow(fake_station.url, script)
+
+
+def test_who_draws_the_robot_is_woken_in_time_when_nothing_moves():
+    async def script(link):
+        async with asyncio.timeout(5.0):
+            await link.wait_for_motion(0.0)
+        assert not link.positions
+
+    _follow("http://127.0.0.1:9", script)
 
 
 def test_watched_controllers_are_sampled_and_others_forgotten(fake_station):

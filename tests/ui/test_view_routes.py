@@ -29,8 +29,8 @@ class _Views:
     def paint(self, key, *, is_dark):
         self.chosen.append((key, is_dark))
 
-    def look(self, key, preset):
-        self.chosen.append((key, preset))
+    def look(self, key, preset, covered):
+        self.chosen.append((key, preset, covered))
 
 
 class _Bench:
@@ -102,10 +102,11 @@ def test_nothing_is_shown_without_a_session(browser, bench):
 
 def test_layers_camera_and_colours_are_those_of_the_session_that_asks(browser, bench):
     browser.put("/ui/layers", json={"shown": ["frames"]}).raise_for_status()
-    browser.post("/ui/camera", json={"preset": "hand"}).raise_for_status()
+    camera = {"preset": "hand", "covered": 0.25}
+    browser.post("/ui/camera", json=camera).raise_for_status()
     browser.put("/ui/scheme", json={"dark": True}).raise_for_status()
     key = bench.session.key
-    assert bench.views.chosen == [(key, ["frames"]), (key, "hand"), (key, True)]
+    assert bench.views.chosen == [(key, ["frames"]), (key, "hand", 0.25), (key, True)]
 
 
 @pytest.mark.parametrize(
@@ -120,6 +121,12 @@ def test_layers_camera_and_colours_are_those_of_the_session_that_asks(browser, b
         ("PUT", "layers", {}, "shown: Field required"),
         ("PUT", "scheme", {"dark": "yes"}, "dark: Input should be a valid boolean"),
         ("POST", "camera", {"preset": "moon"}, "no 'moon'; choose among fit, front"),
+        (
+            "POST",
+            "camera",
+            {"preset": "fit", "covered": 1.0},
+            "covered: Input should be",
+        ),
         ("POST", "camera", {"preset": 1}, "preset: Input should be a valid string"),
     ],
 )

@@ -1,5 +1,6 @@
 """From where a browser looks at the robots."""
 
+import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -27,6 +28,7 @@ def look(
     preset: str,
     robots: Sequence[PlacedRobot],
     positions: Mapping[str, float],
+    covered: float = 0.0,
 ) -> None:
     """Let a browser look from another place.
 
@@ -36,6 +38,8 @@ def look(
             flange of the first one from near.
         robots: The robots; without any nothing happens.
         positions: Joint positions by name [rad] or [m].
+        covered: Part of the picture at its left, 0 to less than 1, in which the page
+            hides what is drawn: the robots are fitted into the rest.
     """
     if not robots:
         return
@@ -49,13 +53,23 @@ def look(
         corners = corners_of([robot.model.bounds(positions) for robot in robots])
         target = (corners.min(axis=0) + corners.max(axis=0)) / 2.0
         direction = _unit(preset)
+        free = camera.aspect * (1.0 - covered)
         distance = _ROOM_AROUND * fitting_distance(
-            corners, target, direction, field_of_view=camera.fov, aspect=camera.aspect
+            corners, target, direction, field_of_view=camera.fov, aspect=free
         )
+        half_width = distance * math.tan(camera.fov / 2.0) * camera.aspect
+        target = target - covered * half_width * _right_of(direction)
     with client.atomic():
         camera.up_direction = UP
         camera.position = target + distance * direction
         camera.look_at = target
+
+
+def _right_of(direction: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return what is right in the picture of a camera in this direction, length 1."""
+    right = np.cross(UP, direction)
+    unit: NDArray[np.float64] = right / np.linalg.norm(right)
+    return unit
 
 
 def _unit(preset: str) -> NDArray[np.float64]:

@@ -1,5 +1,6 @@
 // The strip: status, and a stop that depends neither on Viser's page nor on the docks.
-// The docks hear of its state by the event `station-bar`.
+// The docks hear of its state by the event `station-bar`. Their event `station-back` only
+// spares a question.
 "use strict";
 
 const POLL_MS = 300;
@@ -125,16 +126,26 @@ function render(polled) {
 }
 
 async function refresh() {
+  const asked = performance.now();
   try {
     const answer = await patiently("/state", PATIENCE_MS);
     if (answer.status === 401) return location.replace("/login");
-    render(await answer.json());
+    const state = await answer.json();
+    if (asked > backAt || state.link === "live") render(state);
   } catch {
     element("bar").dataset.link = "lost";
     show("link", "dashboard not answering");
     window.dispatchEvent(new CustomEvent("station-bar", { detail: { link: "lost" } }));
   }
 }
+
+// The docks were told that the station is back. What was asked before is out of date.
+let backAt = 0;
+window.addEventListener("station-back", () => {
+  backAt = performance.now();
+  if (latest) render({ ...latest, link: "live", age: 0 });
+  refresh();
+});
 
 async function poll() {
   listenEverywhere();

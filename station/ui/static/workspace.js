@@ -222,8 +222,16 @@ function showEnable() {
   button.title = enabling?.reason || `Starts ${[enabling?.name, ...(enabling?.also ?? [])].join(" and ")}, so that the joints take values.${stops}`;
 }
 
+// While a slow picture of the 3D view is drawn, frames wait to be read: they are heard
+// after this look, so that only the next look can tell whether the data is old.
+const HELD_UP_MS = 400;
+let lookedAt = 0;
 function showAge() {
-  const age = store.heardAt ? performance.now() - store.heardAt : null;
+  const now = performance.now();
+  const age = store.heardAt ? now - store.heardAt : null;
+  const isHeldUp = now - lookedAt > HELD_UP_MS && !document.body.classList.contains("stale");
+  lookedAt = now;
+  if (isHeldUp && age !== null) return;
   const text = age === null ? "–" : age < 1000 ? `${number(age, 0)} ms` : `${number(age / 1000, 1)} s`;
   show(element("age"), text);
   document.body.classList.toggle("stale", age === null || age > 700);
@@ -256,6 +264,7 @@ function start() {
   store.addEventListener("docks", showSimulation);
   store.start();
   setInterval(showAge, 100);
+  store.addEventListener("joints", () => document.body.classList.contains("stale") && showAge());
   control.start();
   alarms.start(element("alarms"), () => {
     openDock("timeline");

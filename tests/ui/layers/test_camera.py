@@ -30,6 +30,18 @@ def test_two_arms_far_apart_are_both_seen_and_fill_the_picture(client, panda):
     assert 0.8 < np.abs(seen).max() < 1.0
 
 
+def test_robots_are_fitted_into_the_part_of_the_picture_that_can_be_seen(client, panda):
+    base = (0.0, 2.0, 0.0, 0.0, 0.0, 0.0)
+    other = load_robot("example-robot-data:panda", arm_id="panda_2", base=base)
+    robots = [panda, PlacedRobot(other, "/robot_2")]
+    look(client, "fit", robots, {}, covered=0.25)
+    corners = corners_of([panda.model.bounds({}), other.bounds({})])
+    across = _in_picture(client.camera, corners)[0]
+    # The left quarter of a picture ends half way from its left edge to its middle.
+    assert -0.5 < across.min() < -0.2
+    assert 0.7 < across.max() < 1.0
+
+
 def _in_picture(camera, points):
     """Return where points are in the picture; its edges are at -1 and 1."""
     forward = camera.look_at - camera.position

@@ -4,6 +4,7 @@ import { forPerson, refusals } from "./refusals.js";
 const API = "/api/v1";
 const AGAIN_MS = 700;
 const LONGEST_LOOK_MS = 20000;
+const REMEDY = "Look whether the station still runs; this page reconnects by itself.";
 
 // A browser keeps six connections to the dashboard, for all its tabs, and a station that
 // hangs would keep them all. So what has to go on to the station takes turns, a few looks
@@ -29,16 +30,22 @@ class Turns {
 
 const looks = new Turns(2);
 const actions = new Turns(2);
+let link = "";
 let lost = new AbortController();
 window.addEventListener("station-bar", ({ detail }) => {
-  if (detail.link !== "lost") return;
+  if (detail.link === "live" && link !== "live") for (const socket of [...broken]) socket.open();
+  link = detail.link;
+  if (link !== "lost") return;
   lost.abort();
   lost = new AbortController();
 });
 
+function isForStation(path) {
+  return path.startsWith(API) || path.startsWith("/workspace/control");
+}
+
 async function fetched(method, path, options) {
-  const isForStation = path.startsWith(API) || path.startsWith("/workspace/control");
-  if (!isForStation) return fetch(path, options);
+  if (!isForStation(path)) return fetch(path, options);
   const turns = method === "GET" ? looks : actions;
   await turns.take();
   try {
@@ -64,6 +71,9 @@ export class Refusal extends Error {
 
 /** Send a request and return the JSON of its answer; throws a Refusal. */
 export async function send(method, path, body, headers = {}) {
+  // Looks at a station that is known to be lost would only take time from its return.
+  if (link === "lost" && method === "GET" && isForStation(path))
+    throw new Refusal(0, { code: "unreachable", detail: "The link to the station is lost.", remedy: REMEDY });
   let answer;
   try {
     answer = await fetched(method, path, {
@@ -75,7 +85,7 @@ export async function send(method, path, body, headers = {}) {
     throw new Refusal(0, {
       code: "unreachable",
       detail: "The dashboard does not answer.",
-      remedy: "Look whether the station still runs; this page reconnects by itself.",
+      remedy: REMEDY,
     });
   }
   const told = answer.status === 204 ? {} : await answer.json().catch(() => ({}));
@@ -101,11 +111,6 @@ function address(path) {
 }
 
 const broken = new Set(); // sockets that wait to be opened again
-let link = "";
-window.addEventListener("station-bar", ({ detail }) => {
-  if (detail.link === "live" && link !== "live") for (const socket of [...broken]) socket.open();
-  link = detail.link;
-});
 
 /** A socket that opens again after the station or the dashboard has restarted. */
 class Socket {
@@ -180,6 +185,7 @@ class Desk extends EventTarget {
           {},
         );
       this.state = told;
+      if (told.link === "live" && link !== "live") window.dispatchEvent(new Event("station-back"));
       this.dispatchEvent(new Event("change"));
     });
   }

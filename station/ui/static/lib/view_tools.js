@@ -104,13 +104,22 @@ function pushTools(tell) {
   return { toggle, made, isOn: () => !made.hidden };
 }
 
+// The part of the picture that this toolbar covers. On a narrow screen it leaves so little
+// that the robots are fitted into the whole picture, to be seen once it is folded.
+function covered(place) {
+  const body = place.querySelector("details[open] .tools-body")?.getBoundingClientRect();
+  const view = document.getElementById("view").getBoundingClientRect();
+  const part = body ? (body.right - view.left) / view.width : 0;
+  return part < 0.5 ? Math.max(part, 0) : 0;
+}
+
 /** Build the toolbar into `place`. */
 export function showViewTools(place) {
   let shown = kept.get("layers", AT_FIRST);
   const tell = () => send("PUT", "/ui/layers", { shown: pushing.isOn() ? [...shown, "push"] : shown }).catch((error) => console.warn(error.message));
   const pushing = pushTools(() => tell());
   const cameras = CAMERAS.map(([name, label, title]) =>
-    button(label, title, () => send("POST", "/ui/camera", { preset: name }).catch((error) => console.warn(error.message))),
+    button(label, title, () => send("POST", "/ui/camera", { preset: name, covered: covered(place) }).catch((error) => console.warn(error.message))),
   );
   const key = h("ul", { class: "key" });
   key.setAttribute("aria-label", "What the colours mean");

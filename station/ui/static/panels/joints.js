@@ -91,7 +91,7 @@ class Joints extends Panel {
     for (const button of this.units) button.setAttribute("aria-pressed", String(button.dataset.unit === unit));
     const angle = unit === "deg" ? "°" : "rad";
     const heads = ["joint", "range", `q [${angle}]`, "command", `dq [${angle}/s]`, "τ [Nm]", "τext", "hold"];
-    const titles = ["", "Present position within the limits; the thin mark is the command", "Measured position", "Type a value and press Enter", "Measured speed", "Measured torque", "External torque, estimated [Nm]", "Moves while it is held"];
+    const titles = ["", "Present position within the limits; the thin mark is the command", "Measured position", "Type a value and press Enter", "Measured speed", "Measured torque", "External torque as a Franka arm estimates it [Nm]; – for other robots", "Moves while it is held"];
     this.head.replaceChildren(...heads.map((text, i) => h("th", { title: titles[i] }, text)));
     for (const row of this.rows.values()) row.sent = null;
     this.showSpeed();
