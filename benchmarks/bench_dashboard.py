@@ -8,13 +8,13 @@ the station, starts it again, and measures when its API, its dashboard and the o
 pages are back. At the end it measures what six traces of the dock *Plots* cost a
 browser.
 
-The age of a pose: joint 1 turns steadily, so its angle says when the station had it. A
-page notes when a pose reaches it (Viser's worker has decoded it), when its scene can
-apply it, and the newest one whenever a picture is due (an animation frame). Without a
-GPU a picture keeps the page from taking poses for a second, which says nothing of the
-dashboard: its part ends where a pose reaches the page. The station's time is laid over
-the wall clock by the fastest of many stream frames: the age leaves out what that one
-needed on its way, under 1 ms.
+The age of a pose: joint 1 turns steadily, and one way alone, so its angle says when the
+station had it. A page notes when a pose reaches it (Viser's worker has decoded it),
+when its scene can apply it, and the newest one whenever a picture is due (an animation
+frame). Without a GPU a picture keeps the page from taking poses for a second, which
+says nothing of the dashboard: its part ends where a pose reaches the page. The
+station's time is laid over the wall clock by the fastest of many stream frames: the age
+leaves out what that one needed on its way, under 1 ms.
 """
 
 import argparse
@@ -48,10 +48,12 @@ from station.wire import LoopReport
 CONTROLLER = "effort_group_position_controller"
 JOINT = "panda_joint1"
 NODE = "/robot/panda_link0/panda_link1"
-SPEED = 0.4
-"""Speed of the joint while poses are timed [rad/s]."""
 SWEEP = 1.2
-"""The joint turns between plus and minus this [rad]."""
+"""While poses are timed the joint turns from minus this to plus this [rad]."""
+SPEED = 0.4
+"""Speed of the joint on its way there, and back [rad/s]."""
+SETTLING = 3.0
+"""Pause between the two, in which pages take what has come before [s]."""
 NICENESS = 10
 _CLOCK = os.sysconf("SC_CLK_TCK")
 _PATIENCE = 120.0
@@ -385,15 +387,19 @@ def measure(
     pages: Sequence[Page],
     seconds: float,
 ) -> Measured:
-    """Measure for a while, while the joint turns to and fro."""
+    """Measure for a while, while the joint turns."""
+    _turn(client, 0.0, -SWEEP, SWEEP / SPEED)
+    time.sleep(SETTLING)
     _note(pages, is_on=True)
     client.reset_loop_statistics()
     cpu, began = station.dashboard_cpu(), time.monotonic()
-    stamps, angles = _turn_and_watch(client, seconds)
+    stamps, angles = _turn(client, -SWEEP, SWEEP, seconds)
     took = time.monotonic() - began
     cpu = (station.dashboard_cpu() - cpu) / took
     loop = client.loop()
+    time.sleep(SETTLING)
     _note(pages, is_on=False)
+    _turn(client, SWEEP, 0.0, SWEEP / SPEED)
     screens = [_screen(page, stamps, angles, took) for page in pages]
     return Measured(loop, cpu, screens)
 
@@ -421,14 +427,11 @@ def _screen(
     )
 
 
-def _turn_and_watch(
-    client: StationClient, seconds: float
+def _turn(
+    client: StationClient, begin: float, end: float, seconds: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Turn the joint to and fro; return wall times [s] and its angles then [rad].
-
-    It ends where it began, a little late: a jump at the next start would be refused.
-    """
-    rest = list(client.last_command(CONTROLLER).last or _here(client))
+    """Turn the joint steadily; return wall times [s] and its angles then [rad]."""
+    rest = _here(client)[1:]
     stamps, angles, offset = [], [], np.inf
     began = time.monotonic()
     with client.stream("joint_states", rate=100.0, reconnect=False) as stream:
@@ -437,29 +440,19 @@ def _turn_and_watch(
             place = frame.data["name"].index(JOINT)
             stamps.append(frame.stamp)
             angles.append(frame.data["position"][place])
-            passed = time.monotonic() - began
-            if passed > seconds and abs(_wanted(passed)) < 0.05 * SPEED:
+            share = min((time.monotonic() - began) / seconds, 1.0)
+            if len(stamps) % 4 == 0 or share == 1.0:
+                client.command(CONTROLLER, [begin + share * (end - begin), *rest])
+            if share == 1.0:
                 break
-            if len(stamps) % 4 == 0:
-                client.command(CONTROLLER, [_wanted(passed), *rest[1:]])
     return np.array(stamps) + offset, np.array(angles)
 
 
-def _wanted(passed: float) -> float:
-    """Return the set-point of a joint that turns steadily to and fro [rad]."""
-    way = (SPEED * passed) % (4.0 * SWEEP)
-    return (
-        way
-        if way < SWEEP
-        else 2.0 * SWEEP - way
-        if way < 3.0 * SWEEP
-        else way - 4.0 * SWEEP
-    )
-
-
 def _here(client: StationClient) -> list[float]:
+    """Return what the joints are told, or else where they are [rad]."""
     joints = client.joint_states()
-    return [value or 0.0 for value in joints.position[:7]]
+    told = client.last_command(CONTROLLER).last
+    return list(told) if told else [value or 0.0 for value in joints.position[:7]]
 
 
 def _ages(
@@ -467,24 +460,17 @@ def _ages(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return how old each pose was when it was drawn, and when the next was [s].
 
-    Of the moments at which the joint had that angle, the last one before the picture
-    counts. Near its turning points an angle says little and is left out.
+    Near the ends of the way, where the joint does not turn steadily, an angle says
+    little and is left out.
     """
-    ages = []
-    for (at, angle), following in zip(drawn[:-1], drawn[1:, 0], strict=True):
-        if abs(angle) > 0.9 * SWEEP:
-            continue
-        below, above = angles[:-1] - angle, angles[1:] - angle
-        (passed,) = np.nonzero((below * above <= 0.0) & (times[:-1] <= at))
-        parts = below[passed] / np.where(above == below, 1.0, below - above)[passed]
-        moments = times[passed] + parts * np.diff(times)[passed]
-        # A reader that is kept waiting misses frames, and between those that it has the
-        # joint need not have turned steadily: no pose is younger than its picture.
-        if len(moments):
-            then = min(moments[-1], at)
-            ages.append((at - then, following - then))
-    first, second = np.array(ages or [(np.nan, np.nan)]).T
-    return first, second
+    shown, following = drawn[:-1], drawn[1:, 0]
+    counts = np.abs(shown[:, 1]) < 0.9 * SWEEP
+    at, angle = shown[counts].T
+    forward = np.maximum.accumulate(angles)
+    then = np.interp(angle, forward, times)
+    if not len(at):
+        return np.array([np.nan]), np.array([np.nan])
+    return at - then, following[counts] - then
 
 
 def _scene(page: Page) -> Any:  # noqa: ANN401 - Playwright's frame
