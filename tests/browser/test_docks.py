@@ -164,6 +164,20 @@ def test_a_replay_shows_a_ghost_and_moves_nothing(workspace, enabled):
     assert not [u for m, u in sent if m != "GET" and "/api/v1/" in u]
 
 
+@pytest.mark.usefixtures("enabled")
+def test_nothing_is_tuned_without_gains(workspace):
+    dock = workspace.dock("tuning")
+    chosen = dock.get_by_label("Controller to tune")
+    chosen.select_option("position_group_controller")
+    dock.get_by_text("no gains that can be changed").wait_for()
+    assert dock.get_by_role("button", name="Apply", exact=True).is_disabled()
+    assert dock.get_by_role("button", name="Tune for me").is_hidden()
+    chosen.select_option(CONTROLLER)
+    dock.get_by_role("button", name="Tune for me").wait_for()
+    dock.locator(".gains input").first.wait_for()
+    assert dock.get_by_role("button", name="Apply", exact=True).is_enabled()
+
+
 def test_gains_are_searched_previewed_applied_and_taken_back(workspace, enabled):
     dock = workspace.dock("tuning")
     before = enabled.gains(CONTROLLER).values

@@ -106,7 +106,9 @@ class Tuning extends Panel {
       this.fields.replaceChildren(...keys.map((key) => this.field(key)));
     }
     show(this.state, keys.length ? "Change values, then Apply: they take effect together, and Undo takes them back." : "This controller has no gains that can be changed while it runs.");
-    this.apply.disabled = this.undo.disabled = !store.isOperator;
+    this.undo.disabled = !store.isOperator;
+    this.apply.disabled = this.undo.disabled || !keys.length;
+    this.search.hidden = !keys.length && !this.search.name;
     this.showRun();
   }
 
