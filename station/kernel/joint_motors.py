@@ -41,6 +41,7 @@ class JointMotors:
         self.damping = own(none)
         self.load_weight = own(none)
         self.unloaded = own(none)  # controls of the impedance without a load
+        # These two never change in a simulation.
         self.passive = own(simulator.passive_damping)
         self.armature = own(simulator.armature)
         self.is_late = False
@@ -93,12 +94,12 @@ class JointMotors:
         inertia, diagonal = simulator.inertia, simulator.diagonal
         controls, load, unloaded = simulator.controls, self.load_weight, self.unloaded
         for i in range(self.size):
-            wanted = ddq_d[i]
+            acceleration = ddq_d[i]
             control = (
                 stiffness[i] * q_d[i] + damping[i] * dq_d[i] + bias[i] - compensation[i]
             )
-            if wanted != 0.0:
-                control += inertia[diagonal[i]] * wanted
+            if acceleration != 0.0:  # an arm that holds looks at no inertia
+                control += inertia[diagonal[i]] * acceleration
             unloaded[i] = control
             controls[i] = control + load[i]
         if is_late:

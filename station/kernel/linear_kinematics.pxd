@@ -14,6 +14,7 @@ cdef class LinearKinematics:
     cdef WrenchEquation equation
 
     cpdef void invert(self) noexcept
+    cpdef void put_others(self, double[::1] columns) noexcept
     cpdef bint is_dexterous(self, double least) noexcept
     cpdef void joint_step(self, double[::1] way, double elbow, double[::1] step) noexcept
     cpdef void follow(self, double[::1] motion, double[::1] result) noexcept

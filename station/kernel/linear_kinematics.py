@@ -36,20 +36,28 @@ class LinearKinematics:
 
     def invert(self) -> None:
         """Bring the inverse up to date with the Jacobian."""
-        jacobian, inverse = self.jacobian, self.inverse
-        for k in range(len(jacobian)):
-            inverse[k] = jacobian[k]
-        for k in range(12, 18):
-            inverse[k] = 0.0
+        inverse = self.inverse
+        self.put_others(inverse)
         # Without a Jacobian of finite numbers there is no motion.
         is_known = self.equation.factorise(inverse, _DAMPING)
         for joint in range(self.size):
             column = inverse[6 * joint : 6 * joint + 6]
             self.equation.solve(column, column)
+            # Interpreted, a part of a list is a copy.
             copy_into(inverse, 6 * joint, column, 6)
         if not is_known:
             for k in range(len(inverse)):
                 inverse[k] = 0.0
+
+    def put_others(self, columns: Doubles) -> None:
+        """Write the Jacobian with zeros for joint 3.
+
+        Args:
+            columns: Where it goes, 6 numbers per joint.
+        """
+        copy_into(columns, 0, self.jacobian, 6 * self.size)
+        for k in range(12, 18):
+            columns[k] = 0.0
 
     def is_dexterous(self, least: float) -> bool:
         """Return True only if the extended Jacobian is far from a singular one.
@@ -66,18 +74,16 @@ class LinearKinematics:
         Returns:
             True if all singular values are above the bound; False if that is unknown.
         """
-        jacobian, others = self.jacobian, self.others
-        for k in range(len(jacobian)):
-            others[k] = jacobian[k]
+        jacobian = self.jacobian
         square = 0.0
         for k in range(12, 18):
             square += jacobian[k] * jacobian[k]
-            others[k] = 0.0
         share = (_ROUNDING * least) * (_ROUNDING * least)
         if not share < 1.0:
             return False
         share += square * (share / (1.0 - share))
-        return self.equation.factorise(others, -share)
+        self.put_others(self.others)
+        return self.equation.factorise(self.others, -share)
 
     def joint_step(self, way: Doubles, elbow: float, step: Doubles) -> None:
         """Write the joint motion that displaces the end effector by a small way.

@@ -136,7 +136,7 @@ class ApiRelay:
                 browser, _NOT_FOUND, "the dashboard does not forward this"
             )
             return
-        if self._access.is_lost and not await self._is_back(browser, wait_for_end):
+        if not await self._wait_for_station(browser, wait_for_end):
             return
         address = self._access.url.replace("http", "ws", 1)
         query = f"?{browser.url.query}" if browser.url.query else ""
@@ -161,10 +161,12 @@ class ApiRelay:
         async with upstream:
             await _pass_frames(browser, upstream, wait_for_end)
 
-    async def _is_back(
+    async def _wait_for_station(
         self, browser: WebSocket, wait_for_end: Callable[[], Awaitable[None]]
     ) -> bool:
         """Wait for a station; return False when the browser or its session is gone."""
+        if not self._access.is_lost:
+            return True
         ended = asyncio.ensure_future(wait_for_end())
         back = asyncio.create_task(self._access.wait_for_station())
         await until_first(ended, back, asyncio.create_task(_until_gone(browser)))

@@ -42,7 +42,7 @@ class CartesianJogController(CartesianMotionController):
     set-points are given. The run-time parameter `frame` is 0 for `O` and 1 for `EE`.
     """
 
-    sample_of: TwistSample
+    cycle_sample: TwistSample
 
     @classmethod
     @override
@@ -72,7 +72,7 @@ class CartesianJogController(CartesianMotionController):
 
     @override
     def steer(self, set_point: list[float]) -> None:
-        if self.sample_of.is_inner:
+        if self.cycle_sample.is_inner:
             set_point = to_outer_axes(self.generator.pose, set_point)
         self.generator.go_at(set_point)
 
@@ -88,7 +88,7 @@ class CartesianJogController(CartesianMotionController):
         )
 
     def _set_frame(self, values: Mapping[str, float]) -> None:
-        self.sample_of.is_inner = values[_FRAME.name] != 0.0
+        self.cycle_sample.is_inner = values[_FRAME.name] != 0.0
 
 
 def _check_frame(values: Mapping[str, float]) -> None:

@@ -84,7 +84,7 @@ class CartesianMotionController(MultiInterfaceController):
     """
 
     sampled: SampleColumns
-    sample_of: EndEffectorSample
+    cycle_sample: EndEffectorSample
     required_interfaces: ClassVar[tuple[type, ...]] = (
         FrankaPoseCartesianInterface,
         FrankaModelInterface,
@@ -122,9 +122,9 @@ class CartesianMotionController(MultiInterfaceController):
         self.set_points = self.make_port(self.limits, timeout)
         self.joint_names = [element.name for element in self.set_points.elements]
         self._watched = WatchedSetPoint(self.set_points, action, arm_id, self.rest)
-        self.sample_of = self.make_sample()
-        self.sampled = self.sample_of.sampled
-        self._usual = RestingEndEffector(self._watched.news, self.sample_of)
+        self.cycle_sample = self.make_sample()
+        self.sampled = self.cycle_sample.sampled
+        self._usual = RestingEndEffector(self._watched.news, self.cycle_sample)
         self._obstacle, self._until = Obstacle.NONE, 0.0
         self._joint: str | None = None
 
@@ -165,7 +165,7 @@ class CartesianMotionController(MultiInterfaceController):
     @override
     def starting(self, time: float) -> None:
         """Start at the desired pose of the end effector."""
-        self._state = state = self.handle.get_robot_state()
+        state = self.handle.get_robot_state()
         self.generator.start(state.O_T_EE_d)
         self.lookahead.start(state)
         self._obstacle, self._joint, self._until = Obstacle.NONE, None, time
@@ -182,7 +182,7 @@ class CartesianMotionController(MultiInterfaceController):
         else:
             self._advance(time, period)
             self.handle.set_command(self.generator.pose)
-        self.sample_of.keep(time)
+        self.cycle_sample.keep(time)
         # While an obstacle is published, `update` has to end that.
         self._usual.is_resting = self.generator.is_still and self.is_free
 

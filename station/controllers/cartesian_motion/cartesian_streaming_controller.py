@@ -28,7 +28,7 @@ class CartesianStreamingController(CartesianMotionController):
     holds.
     """
 
-    sample_of: PoseSample
+    cycle_sample: PoseSample
 
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:
@@ -51,7 +51,7 @@ class CartesianStreamingController(CartesianMotionController):
     @override
     def rest(self) -> list[float]:
         resting = zeros(7)
-        near = self.sample_of.near
+        near = self.cycle_sample.near
         numbers_of(self.generator.resting_pose(), near, resting)
         self._resting = [*resting]
         return self._resting

@@ -205,10 +205,7 @@ class FrankaModel(ABC):
 
 
 def _written(
-    compute: Callable[
-        [Frame, Doubles, Doubles, Doubles],
-        Sequence[float],
-    ],
+    compute: Callable[[Frame, Doubles, Doubles, Doubles], Sequence[float]],
     frame: Frame,
     *memory: Doubles,
 ) -> ModelSource:

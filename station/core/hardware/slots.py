@@ -14,8 +14,8 @@ from station.kernel.doubles import Doubles, Storage
 
 Slot: TypeAlias = tuple[Storage, int]
 """A storage and an index into it."""
-Place: TypeAlias = tuple[int, int]
-"""Identity of what holds a slot, and the slot's place in it."""
+# Identity of what holds a slot, and the slot's place in it.
+_Place: TypeAlias = tuple[int, int]
 
 _BYTES = 8
 
@@ -56,7 +56,7 @@ def side_by_side(slots: Iterable[Slot]) -> list[SlotRun]:
     """Return the slots as few runs, in their order."""
     found: list[list[Slot]] = []
     places = _Places()
-    due: Place | None = None
+    due: _Place | None = None
     for slot in slots:
         base, place = places.of(slot)
         if (base, place) == due:
@@ -76,9 +76,9 @@ class _Places:
     """Finds the places of slots; asks each storage once."""
 
     def __init__(self) -> None:
-        self._known: dict[int, Place] = {}
+        self._known: dict[int, _Place] = {}
 
-    def of(self, slot: Slot) -> Place:
+    def of(self, slot: Slot) -> _Place:
         storage, index = slot
         known = self._known.get(id(storage))
         if known is None:
@@ -87,7 +87,7 @@ class _Places:
         return base, begin + index
 
 
-def _base(storage: Storage) -> Place:
+def _base(storage: Storage) -> _Place:
     """Return the identity of what holds a storage, and where it begins there."""
     if isinstance(storage, list) or not isinstance(storage.obj, bytearray):
         return id(storage), 0

@@ -90,13 +90,6 @@ def to_outer_axes(pose: Sequence[float], vector: Sequence[float]) -> list[float]
     return [*result]
 
 
-def to_inner_axes(pose: Sequence[float], vector: Sequence[float]) -> list[float]:
-    """Return vectors, given in the outer axes of a pose, in the pose's axes, (3 n,)."""
-    result = zeros(len(vector))
-    arm_chain.turn_to_inner_axes(_view(pose), _view(vector), result)
-    return [*result]
-
-
 def times(jacobian: Sequence[float], dq: Sequence[float]) -> list[float]:
     """Return J dq, shape (6,).
 
