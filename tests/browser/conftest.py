@@ -28,6 +28,36 @@ FLAGS = [
 ]
 ARTIFACTS = Path("artifacts")
 _READY_LINES = 20
+# Drawn in software, a picture of the arm takes longer than what a test waits for. All
+# but the drawing happens: the scene, its matrices, what the pointer hits, the count of
+# triangles. A picture that is wanted is read at the end of its frame, before it goes.
+DRAW_ON_REQUEST = """
+for (const name of ["drawArrays", "drawArraysInstanced", "drawElements",
+                    "drawElementsInstanced", "drawRangeElements"]) {
+  const draw = WebGL2RenderingContext.prototype[name];
+  WebGL2RenderingContext.prototype[name] = function (...given) {
+    if (!window.wanted) return;
+    draw.apply(this, given);
+    if (!window.wanted.begun) Promise.resolve().then(() => window.wanted?.read(this));
+    window.wanted.begun = true;
+  };
+}
+"""
+DRAW = """
+() => new Promise((done) => {
+  if (!document.querySelector("canvas")) return done(0);
+  window.wanted = {begun: false, read: (gl) => {
+    const target = gl.getParameter(gl.FRAMEBUFFER_BINDING);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    const [width, height] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
+    const bytes = new Uint8Array(4 * width * height);
+    gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, target);
+    const colours = new Set(new Uint32Array(bytes.buffer)).size;
+    requestAnimationFrame(() => requestAnimationFrame(() => done(colours)));
+  }};
+})
+"""
 
 
 @pytest.fixture(scope="package")
@@ -124,6 +154,7 @@ def logged_in(browser, running, *, height=800, scale=1.0, begin=lambda _: None):
     context = browser.new_context(
         viewport={"width": 1280, "height": height}, device_scale_factor=scale
     )
+    context.add_init_script(DRAW_ON_REQUEST)
     begin(context)
     page = context.new_page()
     failures = []
@@ -144,11 +175,20 @@ def viser_page(page):
 
 
 def keep_screenshot(page, name):
-    """Keep a picture of the page as an artefact of the test run."""
+    """Keep a picture of the page as an artefact of the test run.
+
+    Returns:
+        How many colours the 3D view has in it; 1 is an empty one, 0 none at all.
+    """
+    view = page.query_selector("#view")
+    frame = view.content_frame() if view else page.main_frame
+    colours = frame.evaluate(DRAW)
     # Written here: Playwright would leave a thread behind for it.
     picture = page.screenshot()
+    frame.evaluate("() => { window.wanted = null; }")
     ARTIFACTS.mkdir(exist_ok=True)
     (ARTIFACTS / name).write_bytes(picture)
+    return colours
 
 
 @pytest.fixture(scope="module")
