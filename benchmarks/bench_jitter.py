@@ -1,13 +1,15 @@
 """How late the live loop of 1 kHz wakes, beside a bare loop that only sleeps.
 
-Run `python benchmarks/bench_jitter.py [--seconds 10] [--rounds 3] [--json]` on a
+Run `python benchmarks/bench_jitter.py [--seconds 5] [--rounds 3] [--json]` on a
 machine that does nothing else. The station runs with the simulated Panda under the
 effort group position controller: its loop alone, with the API and 10 streams of 100 Hz,
 with 50 streams, with the dashboard and 1 and 3 browsers, and beside a busy program on
 every processor; besides, the loop alone with two arms under the dual-arm impedance
 controller. In turns with it runs a bare loop: a process that waits for absolute
 deadlines with clock_nanosleep and does nothing else, under the same scheduler, with the
-busy programs if there are any. Browsers need Chromium and the packages of the tests.
+busy programs if there are any. A third process waits in the same way and makes one
+`mj_step` of the same robot, with the cold caches that a loop of 1 kHz finds: what a
+cycle costs at least. Browsers need Chromium and the packages of the tests.
 """
 
 import argparse
@@ -25,9 +27,10 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from time import CLOCK_MONOTONIC, monotonic_ns, sleep
 
+import mujoco
 from cases import CASES, make_dual_panda, make_panda
 from live import browsers, read_streams, running_station
-from measuring import print_table, print_title
+from measuring import print_table, print_title, simulated_world
 
 from station import wire
 from station.client import StationClient
@@ -37,13 +40,21 @@ from station.core.loop.loop_report import LoopReport
 from station.core.loop.scheduling import realtime_interpreter, request_realtime_priority
 
 CONTROLLER = "effort_group_position_controller"
+DUAL = CASES["dual"].runs["dual-arm impedance"]
 PERIOD_NS = 1_000_000
 SETTLING = 1.0
 """How long a loop runs before it is measured [s]."""
+STANDING = 1000
+"""Cycles after which a robot stands."""
+STANDING_STILL = 50
+"""Steps that a robot is left to itself."""
+PART_OF_STEPS = 0.25
+"""How long steps alone are measured, in windows."""
 TIMER_ABSTIME = 1
 
 Lateness = dict[str, float]
-"""p50, p99, p999 and max [us], the rate [Hz], p50 and p99 of a whole cycle [us]."""
+"""p50, p99, p999 and max [us], the rate [Hz], p50 and p99 of a whole cycle [us]; or the
+p50 of a step alone [us]."""
 
 
 class Timespec(ctypes.Structure):
@@ -52,24 +63,51 @@ class Timespec(ctypes.Structure):
     _fields_ = (("seconds", ctypes.c_long), ("nanoseconds", ctypes.c_long))
 
 
-def measure_bare(seconds: float) -> Lateness:
-    """Return how late a loop wakes that only sleeps."""
+def _wakes(seconds: float) -> Iterator[float]:
+    """Wait for the deadlines of a loop; tell how late each one woke [us]."""
     libc = ctypes.CDLL(ctypes.util.find_library("c"))
     request_realtime_priority()
-    lateness = []
-    begin = monotonic_ns()
-    deadline = begin
-    end = begin + int(seconds * 1e9)
+    deadline = monotonic_ns()
+    end = deadline + int(seconds * 1e9)
     while deadline < end:
         deadline += PERIOD_NS
         time = Timespec(*divmod(deadline, 1_000_000_000))
         libc.clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, ctypes.byref(time), None)
         late = monotonic_ns() - deadline
-        lateness.append(late * 1e-3)
+        yield late * 1e-3
         deadline += late // PERIOD_NS * PERIOD_NS
+
+
+def measure_bare(seconds: float) -> Lateness:
+    """Return how late a loop wakes that only sleeps."""
+    begin = monotonic_ns()
+    lateness = list(_wakes(seconds))
     cuts = statistics.quantiles(lateness, n=1000, method="inclusive")
     rate = len(lateness) / (monotonic_ns() - begin) * 1e9
     return _lateness(cuts[499], cuts[989], cuts[998], max(lateness), rate)
+
+
+def measure_step(seconds: float, make: Callable[[], Station], *run: str) -> Lateness:
+    """Return what a step of the simulation costs a loop that does nothing else.
+
+    Args:
+        seconds: How long it is measured [s].
+        make: Builds the station whose world is stepped.
+        run: The controllers that have brought the robot to where it stands.
+    """
+    station = make()
+    station.switch_controllers(SwitchRequest(start=run))
+    station.loop.step(STANDING)
+    world = simulated_world(station)
+    model, data = world.model, mujoco.MjData(world.model)
+    costs = []
+    for number, _ in enumerate(_wakes(seconds)):
+        begin = monotonic_ns()
+        mujoco.mj_step(model, data)
+        costs.append((monotonic_ns() - begin) * 1e-3)
+        if number % STANDING_STILL == 0:  # Nobody controls it: it would fall.
+            mujoco.mj_copyData(data, model, world.data)
+    return {"step_p50": statistics.median(costs)}
 
 
 def measure_alone(seconds: float, make: Callable[[], Station], *run: str) -> Lateness:
@@ -140,11 +178,13 @@ class Condition:
         name: How the table calls it.
         measure: Measures the station's loop for some seconds.
         is_busy: Whether other programs compute.
+        step: The process that makes steps of the same robot alone.
     """
 
     name: str
     measure: Callable[[float], Lateness]
     is_busy: bool = False
+    step: str = "step"
 
 
 def _in_process(kind: str) -> Callable[[float], Lateness]:
@@ -164,7 +204,9 @@ def _served(streams: int, pages: int | None) -> Callable[[float], Lateness]:
 
 CONDITIONS = {
     "alone": Condition("loop alone", _in_process("alone")),
-    "dual": Condition("loop alone, 2 arms under impedance", _in_process("dual")),
+    "dual": Condition(
+        "loop alone, 2 arms under impedance", _in_process("dual"), step="dual step"
+    ),
     "streams10": Condition("API, 10 streams of 100 Hz", _served(10, None)),
     "streams50": Condition("API, 50 streams of 100 Hz", _served(50, None)),
     "browser1": Condition("dashboard, 1 browser", _served(0, 1)),
@@ -175,14 +217,16 @@ CONDITIONS = {
 
 def measure_row(condition: Condition, rounds: int, seconds: float) -> dict[str, object]:
     """Return a row of the table: the medians of some rounds of both loops in turns."""
-    bare, live = [], []
+    bare, live, step = [], [], []
     measure_bare_loop = _in_process("bare")
+    measure_step_alone = _in_process(condition.step)
     for _ in range(rounds):
         with ExitStack() as stack:
             if condition.is_busy:
                 stack.enter_context(busy_programs())
             bare.append(measure_bare_loop(seconds))
             live.append(condition.measure(seconds))
+            step.append(measure_step_alone(PART_OF_STEPS * seconds))
 
     def median(found: list[Lateness], key: str) -> float:
         return round(statistics.median(one[key] for one in found), 2)
@@ -193,6 +237,14 @@ def measure_row(condition: Condition, rounds: int, seconds: float) -> dict[str, 
         "rate_hz": median(live, "rate"),
         "cycle_p50_us": median(live, "cycle_p50"),
         "cycle_p99_us": median(live, "cycle_p99"),
+        "step_p50_us": median(step, "step_p50"),
+        "cycle_over_step": round(
+            statistics.median(
+                cycle["cycle_p50"] / alone["step_p50"]
+                for cycle, alone in zip(live, step, strict=True)
+            ),
+            2,
+        ),
         "bare_p50_us": median(bare, "p50"),
         "bare_p99_us": median(bare, "p99"),
         "bare_max_us": median(bare, "max"),
@@ -203,9 +255,9 @@ def measure_row(condition: Condition, rounds: int, seconds: float) -> dict[str, 
 PROCESSES: dict[str, Callable[[float], Lateness]] = {
     "bare": measure_bare,
     "alone": lambda seconds: measure_alone(seconds, make_panda, CONTROLLER),
-    "dual": lambda seconds: measure_alone(
-        seconds, make_dual_panda, *CASES["dual"].runs["dual-arm impedance"]
-    ),
+    "dual": lambda seconds: measure_alone(seconds, make_dual_panda, *DUAL),
+    "step": lambda seconds: measure_step(seconds, make_panda, CONTROLLER),
+    "dual step": lambda seconds: measure_step(seconds, make_dual_panda, *DUAL),
 }
 """What is measured in a process of its own."""
 
@@ -229,7 +281,7 @@ def _lateness(
 def main() -> None:
     """Print the table, or JSON."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--seconds", type=float, default=10.0, help="of each window")
+    parser.add_argument("--seconds", type=float, default=5.0, help="of each window")
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--beside", nargs="+", choices=CONDITIONS, default=CONDITIONS)
     parser.add_argument("--json", action="store_true", help="print rows as JSON")

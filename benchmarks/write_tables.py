@@ -148,6 +148,7 @@ def write_jitter(_: int) -> None:
             whole(row, "bare_p50_us", "bare_p99_us", "bare_max_us"),
             f"{float(row['p99_over_bare']):.2f}",
             whole(row, "cycle_p50_us", "cycle_p99_us"),
+            f"{float(row['cycle_over_step']):.2f}",
             f"{float(row['rate_hz']):.1f}",
         ]
         for row in rows
@@ -158,6 +159,7 @@ def write_jitter(_: int) -> None:
         "bare loop: p50, p99, max [µs]",
         "p99 over bare",
         "cycle: p50, p99 [µs]",
+        "cycle over a step",
         "rate [Hz]",
     ]
     write(PAGE, "jitter", table(headers, lines))

@@ -121,14 +121,18 @@ function chooseDock() {
     section.classList.toggle("chosen", section.dataset.dock === layout.dock);
 }
 
-// A real robot has nothing to simulate, so its page has no such dock.
-function showSimulation() {
-  const { boot_id: known, simulation } = store.docks;
-  const absent = Boolean(known) && !simulation;
-  for (const part of document.querySelectorAll('[data-dock="simulation"]')) part.hidden = absent;
-  if (!absent || layout.dock !== "simulation") return;
-  layout.dock = "joints";
-  chooseDock();
+// A real robot has nothing to simulate, and only Franka arms have a gripper that a page
+// can move: a page has no dock of what its station lacks.
+function showDocks() {
+  const { boot_id: known, simulation, arms } = store.docks;
+  const lacks = { simulation: !simulation, gripper: !arms.length };
+  for (const [id, isLacking] of Object.entries(lacks)) {
+    const absent = Boolean(known) && isLacking;
+    for (const part of document.querySelectorAll(`[data-dock="${id}"]`)) part.hidden = absent;
+    if (!absent || layout.dock !== id) continue;
+    layout.dock = "joints";
+    chooseDock();
+  }
 }
 
 /** Unfold a dock and bring it into view. */
@@ -261,7 +265,7 @@ function start() {
   element("enable").addEventListener("click", enableSliders);
   store.addEventListener("docks", showEnable);
   store.addEventListener("docks", showTrouble);
-  store.addEventListener("docks", showSimulation);
+  store.addEventListener("docks", showDocks);
   store.start();
   setInterval(showAge, 100);
   store.addEventListener("joints", () => document.body.classList.contains("stale") && showAge());

@@ -20,7 +20,8 @@ const LAYERS = [
   ["frames", "Frames", "Base O, flange F, end effector EE and stiffness frame K"],
   ["collision", "Collision", "The geometry that collides"],
 ];
-// What the colours over the robots mean: [layer, sign, words].
+// What the colours over the robots mean: [layer, sign, words], and which of them only a
+// Franka arm can have: no other says what pushes it.
 const KEY = [
   ["command", "figure", "commanded pose"],
   ["forces", "force", "force on the arm"],
@@ -32,6 +33,7 @@ const KEY = [
   ["frames", "axis-z", "z axis"],
   ["collision", "hull", "collision geometry"],
 ];
+const OF_FRANKA = ["force"];
 const AT_FIRST = ["command", "forces", "limits"];
 
 function button(label, title, run) {
@@ -123,11 +125,18 @@ export function showViewTools(place) {
   );
   const key = h("ul", { class: "key" });
   key.setAttribute("aria-label", "What the colours mean");
+  const isThere = (sign) => store.docks?.arms.length || !OF_FRANKA.includes(sign);
   const explain = () =>
     key.replaceChildren(
-      ...KEY.filter(([layer]) => shown.includes(layer)).map(([, sign, words]) => h("li", {}, h("i", { class: sign, ariaHidden: "true" }), words)),
+      ...KEY.filter(([layer, sign]) => shown.includes(layer) && isThere(sign)).map(([, sign, words]) => h("li", {}, h("i", { class: sign, ariaHidden: "true" }), words)),
     );
   explain();
+  let arms = 0;
+  store.addEventListener("docks", () => {
+    if (store.docks.arms.length === arms) return;
+    arms = store.docks.arms.length;
+    explain();
+  });
   const layers = LAYERS.map(([name, label, title]) => {
     const made = button(label, title, () => {
       shown = shown.includes(name) ? shown.filter((other) => other !== name) : [...shown, name];
