@@ -1,0 +1,81 @@
+"""Which docks the workspace shows for a robot that is not a simulated Franka arm."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from station.client import StationClient
+from tests.browser.conftest import run_station
+from tests.browser.workspace_page import WorkspacePage, without_scene
+
+pytestmark = pytest.mark.slow
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+ARM_HOST = "127.0.0.5"
+REAL_ARM = f"""
+robot:
+  type: franka_hw/FrankaHW
+  arm_id: panda
+  robot_description: example-robot-data:panda
+  robot_ip: {ARM_HOST}
+  realtime_config: ignore
+start: [joint_state_controller]
+"""
+
+
+def test_the_dock_of_the_simulation_is_not_there_for_a_real_robot(
+    browser, tmp_path, monkeypatch
+):
+    for key in ("XDG_RUNTIME_DIR", "XDG_DATA_HOME", "XDG_STATE_HOME"):
+        monkeypatch.setenv(key, str(tmp_path / "arm"))
+    (tmp_path / "arm").mkdir(mode=0o700)
+    config = tmp_path / "real.yaml"
+    config.write_text(REAL_ARM)
+    command = [sys.executable, "-m", "station", "fci", "--host", ARM_HOST]
+    with subprocess.Popen(
+        [*command, "--patience", "5"], stdout=subprocess.PIPE, text=True
+    ) as arm:
+        try:
+            assert ARM_HOST in arm.stdout.readline()
+            with run_station(tmp_path, str(config)) as running:
+                _expect_no_simulation(browser, running)
+        finally:
+            arm.terminate()
+
+
+def _expect_no_simulation(browser, running):
+    with StationClient(running.api, running.token) as client:
+        assert client.status().simulation is None
+    context = browser.new_context(viewport={"width": 1280, "height": 800})
+    without_scene(context)
+    page = context.new_page()
+    page.goto(f"{running.ui}/login?token={running.token}")
+    assert WorkspacePage(page).dock("timeline").is_visible()
+    page.locator('.dock[data-dock="simulation"]').wait_for(state="hidden")
+    page.set_viewport_size({"width": 390, "height": 844})
+    page.locator('#docks-nav [data-dock="timeline"]').wait_for()
+    assert page.locator('#docks-nav [data-dock="simulation"]').is_hidden()
+    context.close()
+
+
+def test_a_robot_without_gripper_and_force_estimate_has_neither_dock_nor_key(
+    browser, tmp_path
+):
+    with run_station(tmp_path, str(EXAMPLES / "ur5.yaml")) as running:
+        context = browser.new_context(viewport={"width": 1280, "height": 800})
+        without_scene(context)
+        page = context.new_page()
+        page.goto(f"{running.ui}/login?token={running.token}")
+        assert WorkspacePage(page).dock("joints").is_visible()
+        page.locator('.dock[data-dock="gripper"]').wait_for(state="hidden")
+        assert page.locator('.dock[data-dock="simulation"]').is_visible()
+        key = page.locator("#view-tools .key")
+        key.get_by_text("contact", exact=True).wait_for()
+        assert key.get_by_text("force on the arm", exact=True).count() == 0
+        page.get_by_role("button", name="Enable sliders").click()
+        page.wait_for_function(
+            "() => !document.querySelector('.joints input').disabled"
+        )
+        context.close()
