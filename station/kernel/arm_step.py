@@ -6,7 +6,7 @@ from station.kernel.cartesian_step import CartesianStep
 from station.kernel.command_check import CommandCheck
 from station.kernel.cycle_log import CycleLog
 from station.kernel.desired_motion import DesiredMotion
-from station.kernel.doubles import Doubles
+from station.kernel.doubles import Doubles, Storage
 from station.kernel.joint_memory import JointMemory
 from station.kernel.joint_motors import JointMotors
 from station.kernel.joint_watch import JointWatch
@@ -93,7 +93,7 @@ class ArmStep(Preparation):
         self.cycle = 0
         self.time = 0.0
 
-    def receive_torques(self, values: Doubles) -> bool:
+    def receive_torques(self, values: Storage) -> bool:
         """Take torques for the next cycle.
 
         Args:
@@ -104,7 +104,7 @@ class ArmStep(Preparation):
         """
         return self.receive(values, self.size, self.memory.torques)
 
-    def receive_joints(self, values: Doubles) -> bool:
+    def receive_joints(self, values: Storage) -> bool:
         """Take positions [rad] or velocities [rad/s]; see `receive_torques`."""
         return self.receive(values, self.size, self.memory.target)
 
@@ -120,7 +120,7 @@ class ArmStep(Preparation):
         self.cartesian.size = size
         return True
 
-    def receive(self, values: Doubles, size: int, place: Doubles) -> bool:
+    def receive(self, values: Storage, size: int, place: Storage) -> bool:
         """Take a command; see `receive_torques`.
 
         Args:

@@ -4,18 +4,25 @@ Compiled, these are loops, which take a tenth of the time of Python's own operat
 memory; interpreted it is the other way round.
 """
 
+from typing import Any
+
 import cython
 
-from station.kernel.doubles import Doubles
+from station.kernel.doubles import Doubles, Storage
 
 
-def copy_into(target: Doubles, start: int, source: Doubles, size: int) -> None:
+def copy_into(
+    target: Storage,
+    start: int,
+    source: Any,  # noqa: ANN401 - a `Storage`; for a view it must be a view
+    size: int,
+) -> None:
     """Copy numbers.
 
     Args:
         target: Where to, shape (>= start + size,).
         start: Index of the first number in `target`.
-        source: The numbers, shape (size,).
+        source: The numbers, shape (size,); a view if the target is one.
         size: How many there are.
     """
     if cython.compiled:
@@ -41,7 +48,7 @@ def differ(first: Doubles, second: Doubles, size: int) -> bool:
     return first != second
 
 
-def are_finite(numbers: Doubles, size: int) -> bool:
+def are_finite(numbers: Storage, size: int) -> bool:
     """Return whether all numbers certainly are finite; an overflow of their sum is not.
 
     Args:

@@ -5,7 +5,7 @@ They answer "certainly fine" or "look closer"; whoever looks closer finds the er
 
 from collections.abc import Iterable
 
-from station.kernel.doubles import Doubles, own, zeros
+from station.kernel.doubles import Storage, own, own_zeros
 from station.kernel.joint_memory import JointMemory
 
 
@@ -43,7 +43,7 @@ class CommandCheck:
         # With room for the rounding of a difference.
         self.torque_step = torque_rate * period * (1.0 + 1e-9)
         self.period = period
-        self.reached = zeros(memory.size)
+        self.reached = own_zeros(memory.size)
         self.memory = memory
         self.size = memory.size
 
@@ -63,7 +63,7 @@ class CommandCheck:
             q[i] = q_d[i] + dq[i] * period
         return self.admit(q, dq)
 
-    def admit(self, q: Doubles, dq: Doubles) -> bool:
+    def admit(self, q: Storage, dq: Storage) -> bool:
         """Return whether a step of a joint motion is certainly within the limits.
 
         Args:

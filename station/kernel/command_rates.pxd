@@ -28,10 +28,11 @@ cdef class CommandRates:
     cdef double[::1] velocity
     cdef double[::1] acceleration
     cdef double[::1] jerk
+    cdef double[::1] stopping
+    cdef double[::1] slope
     cdef double[::1] torque_step
     cdef double[::1] lower
     cdef double[::1] upper
-    cdef double braking_share
     cdef double approach_gain
     cdef double period
     cdef public double gain

@@ -7,7 +7,7 @@ limitRate; src/control_loop.cpp, convertMotion and ControlLoop::spinControl.
 from collections.abc import Iterable
 
 from station.kernel.at_once import copy_into
-from station.kernel.doubles import Doubles, doubles, own, zeros
+from station.kernel.doubles import Doubles, own, own_zeros
 from station.kernel.functions import square_root
 from station.kernel.joint_memory import JointMemory
 
@@ -141,21 +141,27 @@ class CommandRates:
         self.velocity = own(velocity)
         self.acceleration = own(acceleration)
         self.jerk = own(jerk)
+        # What the approach of a goal takes of each joint.
+        self.stopping = own([
+            2.0 * braking_share * value for value in self.acceleration
+        ])
+        self.slope = own([
+            j / a for j, a in zip(self.jerk, self.acceleration, strict=True)
+        ])
         self.torque_step = own([rate * period for rate in torque_rate])
         self.lower = own(lower)
         self.upper = own(upper)
-        self.braking_share = braking_share
         self.approach_gain = approach_gain
         self.period = period
         self.gain = 1.0
         self.is_limiting = False
-        self.highest = doubles(self.velocity)
-        self.lowest = doubles([-value for value in self.velocity])
-        self.goals = zeros(size)
-        self.last_goals = zeros(size)
+        self.highest = own(self.velocity)
+        self.lowest = own([-value for value in self.velocity])
+        self.goals = own_zeros(size)
+        self.last_goals = own_zeros(size)
         self.has_goals = False
         self.passes_next = False
-        self.result = zeros(size)
+        self.result = own_zeros(size)
 
     def note_goals(self) -> None:
         """Note the commanded positions, which joint limits may change, as goals.
@@ -237,20 +243,20 @@ class CommandRates:
             self.has_goals = True
         speeds, accelerations, jerks = self.velocity, self.acceleration, self.jerk
         lows, highs = self.lowest, self.highest
-        share, approach = 2.0 * self.braking_share, self.approach_gain
+        stopping, slopes, approach = self.stopping, self.slope, self.approach_gain
         for i in range(self.size):
             last, goal, acceleration = q_d[i], goals[i], accelerations[i]
             position = q[i]
             if gain < 1.0:
                 position = gain * position + (1.0 - gain) * last
             # The step after which the joint can still stop at its goal.
-            goal_velocity = (goal - last_goals[i]) / period
-            if goal_velocity > speeds[i] or goal_velocity < -speeds[i]:
+            goal_velocity, speed = (goal - last_goals[i]) / period, speeds[i]
+            if goal_velocity > speed or goal_velocity < -speed:
                 goal_velocity = 0.0  # a goal that makes a step
             distance = goal - last
             if distance < 0.0:
                 distance = -distance
-            closing = square_root(share * acceleration * distance)
+            closing = square_root(stopping[i] * distance)
             if approach * distance < closing:
                 closing = approach * distance
             low = last + (goal_velocity - closing) * period
@@ -268,7 +274,7 @@ class CommandRates:
             if change < -jerk:
                 change = -jerk
             wanted = last_acceleration + change * period
-            slope = jerk / acceleration
+            slope = slopes[i]
             high = slope * (highs[i] - velocity)
             if acceleration < high:
                 high = acceleration

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from station.kernel.arm_step import ArmStep
 from station.kernel.command_rates import CommandRates
-from station.kernel.doubles import Doubles
+from station.kernel.doubles import Storage
 
 if TYPE_CHECKING:
     from station.kernel.enforced_limits import EnforcedLimits
@@ -20,10 +20,10 @@ class Receiver:
         function: Takes the commands.
     """
 
-    def __init__(self, function: Callable[[Doubles], object]) -> None:
+    def __init__(self, function: Callable[[Storage], object]) -> None:
         self.function = function
 
-    def receive(self, values: Doubles) -> None:
+    def receive(self, values: Storage) -> None:
         """Take commands for the next cycle."""
         self.function(values)
 
@@ -36,11 +36,11 @@ class TorqueReceiver(Receiver):
         step: The arm's arithmetic.
     """
 
-    def __init__(self, function: Callable[[Doubles], object], step: ArmStep) -> None:
+    def __init__(self, function: Callable[[Storage], object], step: ArmStep) -> None:
         super().__init__(function)
         self.step = step
 
-    def receive(self, values: Doubles) -> None:
+    def receive(self, values: Storage) -> None:
         """Take torques [Nm], shape (7,)."""
         if not self.step.wants_torques or not self.step.receive_torques(values):
             self.function(values)
@@ -56,13 +56,13 @@ class JointReceiver(Receiver):
     """
 
     def __init__(
-        self, function: Callable[[Doubles], object], step: ArmStep, generator: int
+        self, function: Callable[[Storage], object], step: ArmStep, generator: int
     ) -> None:
         super().__init__(function)
         self.step = step
         self.generator = generator
 
-    def receive(self, values: Doubles) -> None:
+    def receive(self, values: Storage) -> None:
         """Take positions [rad] or velocities [rad/s], shape (7,)."""
         step = self.step
         if step.generator != self.generator or not step.receive_joints(values):

@@ -7,6 +7,8 @@ cdef class CycleLog:
     cdef readonly Py_ssize_t width
     cdef Py_ssize_t capacity
     cdef double[::1] rows
+    cdef double[::1] commands
+    cdef double[::1] command_sizes
     cdef public double[::1] command
     cdef public Py_ssize_t command_size
     cdef readonly long long count

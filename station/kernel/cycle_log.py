@@ -1,7 +1,7 @@
 """The last cycles of an arm, kept in a ring for the report of an error."""
 
 from station.kernel.at_once import copy_into
-from station.kernel.doubles import zeros
+from station.kernel.doubles import own_zeros, zeros
 from station.kernel.joint_memory import JointMemory
 
 CAPACITY = 50
@@ -26,10 +26,12 @@ class CycleLog:
         self.memory = memory
         self.size = memory.size
         self.capacity = CAPACITY
-        self.command = zeros(COMMAND)
+        self.command = own_zeros(COMMAND)
         self.command_size = 0
-        self.width = 2 + 5 * self.size + COMMAND
+        self.width = 1 + 5 * self.size
         self.rows = zeros(CAPACITY * self.width)
+        self.commands = own_zeros(CAPACITY * COMMAND)
+        self.command_sizes = own_zeros(CAPACITY)
         self.count = 0
 
     def clear(self) -> None:
@@ -43,16 +45,17 @@ class CycleLog:
             time: Time of the arm [s].
         """
         memory, rows, size = self.memory, self.rows, self.size
-        start = (self.count % self.capacity) * self.width
+        place = self.count % self.capacity
+        start = place * self.width
         rows[start] = time
-        rows[start + 1] = self.command_size
-        start += 2
+        start += 1
         copy_into(rows, start, memory.q, size)
         copy_into(rows, start + size, memory.dq, size)
         copy_into(rows, start + 2 * size, memory.tau_J, size)
         copy_into(rows, start + 3 * size, memory.q_d, size)
         copy_into(rows, start + 4 * size, memory.tau_J_d, size)
-        copy_into(rows, start + 5 * size, self.command, COMMAND)
+        copy_into(self.commands, place * COMMAND, self.command, COMMAND)
+        self.command_sizes[place] = self.command_size
         self.count += 1
 
     def cycles(self) -> list[tuple[float, list[list[float]], list[float]]]:
@@ -60,9 +63,12 @@ class CycleLog:
         found = []
         size = self.size
         for number in range(max(0, self.count - CAPACITY), self.count):
-            start = (number % CAPACITY) * self.width
+            place = number % CAPACITY
+            start = place * self.width
             row = [self.rows[i] for i in range(start, start + self.width)]
-            state = [row[2 + i * size : 2 + (i + 1) * size] for i in range(5)]
-            command = row[2 + 5 * size : 2 + 5 * size + int(row[1])]
+            state = [row[1 + i * size : 1 + (i + 1) * size] for i in range(5)]
+            first = place * COMMAND
+            last = first + int(self.command_sizes[place])
+            command = [self.commands[i] for i in range(first, last)]
             found.append((row[0], state, command))
         return found

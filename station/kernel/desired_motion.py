@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 
 from station.kernel.at_once import any_of
-from station.kernel.doubles import own, put, zeros
+from station.kernel.doubles import own, own_zeros, put
 from station.kernel.joint_memory import JointMemory
 
 
@@ -37,7 +37,7 @@ class DesiredMotion:
         self.upper = own(upper)
         self.largest_step = own([a * period for a in deceleration])
         self.period = period
-        self.wanted = zeros(self.size)
+        self.wanted = own_zeros(self.size)
 
     def is_at_rest(self) -> bool:
         """Return whether all desired velocities are zero."""

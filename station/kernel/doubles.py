@@ -59,8 +59,8 @@ def indices(values: Iterable[int]) -> Indices:
     return memoryview(array("l", values))
 
 
-def put(view: Doubles, values: Iterable[float]) -> None:
-    """Copy values into a view.
+def put(view: Storage, values: Iterable[float]) -> None:
+    """Copy values into a view, or into memory for a kernel object alone.
 
     Args:
         view: Where to, shape (n,).
@@ -70,7 +70,10 @@ def put(view: Doubles, values: Iterable[float]) -> None:
         TypeError: A value is no number.
         ValueError: There are more or fewer than n values; nothing was copied.
     """
-    view[:] = values if isinstance(values, memoryview) else array("d", values)
+    numbers = values if isinstance(values, memoryview) else array("d", values)
+    if len(numbers) != len(view):
+        raise ValueError(f"{len(numbers)} values for {len(view)} places")
+    view[:] = numbers
 
 
 class Block:

@@ -1,6 +1,6 @@
 """The memory that the parts of a simulated arm's cycle share."""
 
-from station.kernel.doubles import Doubles, given_or_zeros, zeros
+from station.kernel.doubles import Doubles, given_or_zeros, own_zeros
 
 
 class JointMemory:
@@ -55,7 +55,7 @@ class JointMemory:
         self.dq_d = given_or_zeros(dq_d, size)
         self.ddq_d = given_or_zeros(ddq_d, size)
         self.tau_J_d = given_or_zeros(tau_J_d, size)
-        self.target = zeros(size)
-        self.target_dq = zeros(size)
-        self.torques = zeros(size)
-        self.sent = zeros(size)
+        self.target = own_zeros(size)
+        self.target_dq = own_zeros(size)
+        self.torques = own_zeros(size)
+        self.sent = own_zeros(size)

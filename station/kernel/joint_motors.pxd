@@ -10,6 +10,7 @@ cdef class JointMotors:
     cdef public double[::1] damping
     cdef public double[::1] load_weight
     cdef double[::1] unloaded
+    cdef double[::1] limits
     cdef double[::1] passive
     cdef double[::1] armature
     cdef public bint is_late

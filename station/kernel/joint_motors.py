@@ -41,7 +41,8 @@ class JointMotors:
         self.damping = own(none)
         self.load_weight = own(none)
         self.unloaded = own(none)  # controls of the impedance without a load
-        # These two never change in a simulation.
+        # These never change in a simulation.
+        self.limits = own(simulator.limits)
         self.passive = own(simulator.passive_damping)
         self.armature = own(simulator.armature)
         self.is_late = False
@@ -63,7 +64,7 @@ class JointMotors:
     def apply_torques(self) -> None:
         """Let the motors give the commanded torques, within their limits."""
         torques, tau_d = self.memory.torques, self.memory.tau_J_d
-        limits, controls = self.simulator.limits, self.simulator.controls
+        limits, controls = self.limits, self.simulator.controls
         load, late_torques = self.load_weight, self.late_torques
         is_late = self.is_late and self.are_commands
         for i in range(self.size):
@@ -119,7 +120,7 @@ class JointMotors:
         memory = self.memory
         q, dq, tau_d = memory.positions, memory.dtheta, memory.tau_J_d
         stiffness, damping = self.stiffness, self.damping
-        limits = self.simulator.limits
+        limits = self.limits
         unloaded = self.unloaded
         for i in range(self.size):
             tau = unloaded[i] - stiffness[i] * q[i] - damping[i] * dq[i]
@@ -146,14 +147,14 @@ class JointMotors:
         motor_forces, brake_forces = simulator.motor_forces, simulator.brake_forces
         compensation, damping = simulator.compensation, self.damping
         passive, armature = self.passive, self.armature
-        limits = simulator.limits
+        limits = self.limits
         for i in range(self.size):
             velocity, force = velocities[i], motor_forces[i]
             change = velocity - dtheta[i]
             torque = force + brake_forces[i] + compensation[i] - passive[i] * velocity
             torque -= armature[i] * change / period
-            own = damping[i]
-            if own != 0.0 and -limits[i] < force < limits[i]:
+            own, limit = damping[i], limits[i]
+            if own != 0.0 and -limit < force < limit:
                 torque -= own * change
             dtau[i] = (torque - tau[i]) / period
             tau[i] = torque

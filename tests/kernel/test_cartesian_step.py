@@ -129,7 +129,7 @@ def settled_motion():
     put(motion.step.command, POSE)
     for _ in range(5):
         assert motion.step.follow()
-        motion.memory.q_d[:] = motion.memory.target
+        put(motion.memory.q_d, motion.memory.target)
     return motion
 
 
@@ -176,5 +176,5 @@ def test_rest_is_told_from_a_slow_motion():
     for _ in range(3):  # 1 um/s
         motion.step.command[12] += 1e-9
         assert motion.step.follow()
-        motion.memory.q_d[:] = motion.memory.target
+        put(motion.memory.q_d, motion.memory.target)
     assert not motion.step.is_settled

@@ -190,11 +190,11 @@ class MotionFollower:
     def _follow_torques(self, *, arrived: bool) -> list[ArmError]:
         memory = self._memory
         if not arrived:
-            memory.torques[:] = memory.sent
+            put(memory.torques, memory.sent)
             return []
         tau, last = [*memory.torques], self._state.tau_J_d
         errors = torque_errors(tau, last, [*memory.sent], self._limits, self._period)
-        memory.sent[:] = memory.torques
+        put(memory.sent, memory.torques)
         return errors
 
     def _follow_joints(self) -> list[ArmError]:
