@@ -10,7 +10,7 @@ which follow each other in one array, are written by elements: their last rows s
 they are. A Jacobian has 6 n numbers, column-major, rows vx vy vz wx wy wz.
 """
 
-from station.kernel.doubles import Doubles, doubles
+from station.kernel.doubles import Doubles, Storage, doubles
 from station.kernel.functions import cosine, sine
 
 _IDENTITY = (
@@ -24,7 +24,7 @@ def new_links(chain: Doubles) -> Doubles:
     return doubles(_IDENTITY * (len(chain) // 4))
 
 
-def place_links(chain: Doubles, q: Doubles, links: Doubles) -> None:
+def place_links(chain: Doubles, q: Storage, links: Storage) -> None:
     """Write the poses of the links and of the flange in the base frame.
 
     Args:
@@ -58,7 +58,7 @@ def place_links(chain: Doubles, q: Doubles, links: Doubles) -> None:
         links[k + 12], links[k + 13], links[k + 14] = px, py, pz
 
 
-def zero_jacobian(links: Doubles, pose: Doubles, result: Doubles) -> None:
+def zero_jacobian(links: Storage, pose: Storage, result: Storage) -> None:
     """Write the Jacobian of a pose's origin in the axes of the base.
 
     Args:

@@ -1,10 +1,12 @@
 cimport cython
 
 from station.kernel.arm_chain cimport place_links
+from station.kernel.at_once cimport copy_into
 
 cdef class ArmDynamics:
     cdef Py_ssize_t size
     cdef double[::1] chain
+    cdef double[::1] given
     cdef double[::1] bodies
     cdef double[::1] q
     cdef double[::1] links

@@ -10,34 +10,37 @@ then the first moments x y z, then the second moments xx yy zz xy xz yz.
 from collections.abc import Sequence
 
 from station.kernel.arm_chain import place_links
-from station.kernel.doubles import Doubles, doubles, zeros
+from station.kernel.at_once import copy_into
+from station.kernel.doubles import Doubles, Storage, doubles, own, own_zeros
 
 
 class ArmDynamics:
-    """The dynamics of one arm with n joints; every argument is kept and not copied.
+    """The dynamics of one arm with n joints; every argument is kept.
 
     Args:
         chain: The chain of n joints, see `arm_chain`.
-        bodies: Mass and moments of the links in their own frames, 10 n numbers.
+        bodies: Mass and moments of the links in their own frames, 10 n numbers; looked
+            at again in `change_bodies`.
         links: Memory for the poses of the links and the flange, see `new_links`.
 
     Attributes:
         changes: How often `bodies` were changed.
     """
 
-    def __init__(self, chain: Doubles, bodies: Doubles, links: Doubles) -> None:
+    def __init__(self, chain: Doubles, bodies: Doubles, links: Storage) -> None:
         size = len(bodies) // 10
         self.size = size
         self.chain = chain
-        self.bodies = bodies
+        self.given = bodies
+        self.bodies = own(bodies)
         self.links = links
-        self.q = zeros(size)
+        self.q = own_zeros(size)
         # Mass and moments of the links in the base frame.
-        self.moments = zeros(10 * size)
+        self.moments = own_zeros(10 * size)
         # Axis of each joint, and velocity of the base's origin as it turns with the
         # joint at 1 rad/s.
-        self.screws = zeros(6 * size)
-        self.wrenches = zeros(6 * size)
+        self.screws = own_zeros(6 * size)
+        self.wrenches = own_zeros(6 * size)
         self.changes = 0
         self.is_weighed = 0
         place_links(chain, self.q, links)
@@ -62,7 +65,8 @@ class ArmDynamics:
             self.is_weighed = 0
 
     def change_bodies(self) -> None:
-        """Take note of new numbers in `bodies`."""
+        """Take note of new numbers in the bodies that were given."""
+        copy_into(self.bodies, 0, self.given, 10 * self.size)
         self.changes += 1
         self.is_weighed = 0
 

@@ -1,6 +1,7 @@
 cimport cython
 from station.kernel.arm_chain cimport zero_jacobian
 from station.kernel.arm_dynamics cimport ArmDynamics
+from station.kernel.at_once cimport copy_into
 from station.kernel.rigid_motion cimport compose
 
 cdef class ModelSource:
@@ -10,13 +11,14 @@ cdef class ModelSource:
 cdef class ToolPoseSource(ModelSource):
     cdef ArmDynamics dynamics
     cdef double[::1] q
+    cdef double[::1] links
+    cdef Py_ssize_t end
     cdef double[::1] flange
     cdef double[::1] tool
     cpdef write(self, double[::1] result)
 
 cdef class ToolJacobianSource(ModelSource):
     cdef ToolPoseSource source
-    cdef double[::1] links
     cdef double[::1] pose
     cpdef write(self, double[::1] result)
 

@@ -5,7 +5,8 @@ from typing import Any
 
 from station.kernel.arm_chain import zero_jacobian
 from station.kernel.arm_dynamics import ArmDynamics
-from station.kernel.doubles import Doubles, zeros
+from station.kernel.at_once import copy_into
+from station.kernel.doubles import Doubles, Storage, own, own_zeros
 from station.kernel.rigid_motion import compose
 
 
@@ -31,22 +32,25 @@ class ToolPoseSource(ModelSource):
     Args:
         dynamics: The arm.
         q: Its joint positions [rad], shape (n,).
-        flange: Pose of the flange that `dynamics` places, 16 numbers.
+        links: Poses of the links, and of the flange, that `dynamics` places.
         tool: What is fixed, in the frame of the flange, 16 numbers.
     """
 
     def __init__(
-        self, dynamics: ArmDynamics, q: Doubles, flange: Doubles, tool: Doubles
+        self, dynamics: ArmDynamics, q: Doubles, links: Storage, tool: Doubles
     ) -> None:
         self.function = None
         self.dynamics = dynamics
         self.q = q
-        self.flange = flange
+        self.links = links
+        self.end = 16 * len(q)
+        self.flange = own([0.0] * 16)
         self.tool = tool
 
     def write(self, result: Doubles) -> None:
         """Write the present pose."""
         self.dynamics.follow(self.q)
+        copy_into(self.flange, 0, self.links[self.end :], 16)
         compose(self.flange, self.tool, result)
 
 
@@ -55,19 +59,17 @@ class ToolJacobianSource(ModelSource):
 
     Args:
         pose: Writes the pose of what is fixed.
-        links: Poses of the links, and of the flange, that its dynamics place.
     """
 
-    def __init__(self, pose: ToolPoseSource, links: Doubles) -> None:
+    def __init__(self, pose: ToolPoseSource) -> None:
         self.function = None
         self.source = pose
-        self.links = links
-        self.pose = zeros(16)
+        self.pose = own([0.0] * 16)
 
     def write(self, result: Doubles) -> None:
         """Write the present Jacobian, 6 n numbers."""
         self.source.write(self.pose)
-        zero_jacobian(self.links, self.pose, result)
+        zero_jacobian(self.source.links, self.pose, result)
 
 
 class CoriolisSource(ModelSource):
@@ -102,7 +104,7 @@ class CoriolisSource(ModelSource):
         self.inertia = inertia
         self.put_load = put_load
         self.mass = -1.0
-        self.load = zeros(12)
+        self.load = own_zeros(12)
         self.changes = -1
 
     def write(self, result: Doubles) -> None:

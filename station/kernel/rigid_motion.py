@@ -4,14 +4,14 @@ A pose has 16 numbers, flat and column-major: T(r, c) = T[4 c + r]. Its last row
 read, and written as 0 0 0 1. A result may be written over an argument.
 """
 
-from station.kernel.doubles import Doubles
+from station.kernel.doubles import Doubles, Storage
 from station.kernel.functions import arctangent, cosine, sine, square_root
 
 SMALL = 1e-9
 """Sine of an angle below which the angle is taken for none, or for half a turn."""
 
 
-def compose(first: Doubles, second: Doubles, result: Doubles) -> None:
+def compose(first: Storage, second: Doubles, result: Doubles) -> None:
     """Write T_a_c of the poses T_a_b and T_b_c.
 
     Args:

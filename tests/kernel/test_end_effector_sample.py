@@ -106,10 +106,10 @@ def test_both_modes_agree_bit_for_bit(cycles, tool):
         links, q, pose = chain.new_links(CHAIN), zeros(7), zeros(16)
         arm = dynamics.ArmDynamics(CHAIN, zeros(70), links)
         source = sibling(module, "model_sources").ToolPoseSource(
-            arm, q, links[16 * 7 :], doubles(tool)
+            arm, q, links, doubles(tool)
         )
         sources = sibling(module, "model_sources")
-        jacobian = sources.ToolJacobianSource(source, links)
+        jacobian = sources.ToolJacobianSource(source)
         twist = zeros(6)
         samples = [
             module.PoseSample(pose, source),

@@ -158,7 +158,8 @@ class FrankaHW(RobotHW):
         self._add_fingers([f"{arm_id}_finger_joint{number}" for number in (1, 2)], urdf)
         for interface in self.command_interfaces():
             self.register_interface(interface)
-        models, services = model_interface(self.arm, arm_id), FrankaServicesInterface()
+        model, services = self.arm.load_model(), FrankaServicesInterface()
+        models = model_interface(self.arm, arm_id, model)
         self._services = ArmServices(
             arm_id,
             self.arm,
@@ -168,7 +169,7 @@ class FrankaHW(RobotHW):
             limits=self._parameters.service_limits,
         )
         services.register_handle(self._services)
-        for interface in (state_interface(self.arm, arm_id), models, services):
+        for interface in (state_interface(self.arm, arm_id, model), models, services):
             self.register_interface(interface)
 
     def _make_arm(self, root_params: Parameters) -> None:

@@ -16,7 +16,7 @@ from math import cos, pi, sin
 
 from station.core.franka.franka_model import Frame
 from station.kernel import arm_chain, rigid_motion
-from station.kernel.doubles import Doubles, doubles, zeros
+from station.kernel.doubles import Doubles, Storage, doubles, put, zeros
 
 DOF = 7
 """Number of joints."""
@@ -109,7 +109,7 @@ def body_jacobian(
 
 
 def place_frame(
-    frame: Frame, links: Doubles, F_T_EE: Sequence[float], EE_T_K: Sequence[float]
+    frame: Frame, links: Storage, F_T_EE: Sequence[float], EE_T_K: Sequence[float]
 ) -> Doubles:
     """Return the pose of a frame in the base frame, 16 numbers.
 
@@ -124,7 +124,7 @@ def place_frame(
     start = 16 * (index if index < DOF else DOF)
     pose = links[start : start + 16]
     if index <= DOF:
-        result[:] = pose
+        put(result, pose)
         return result
     rigid_motion.compose(pose, _view(F_T_EE), result)
     if frame is Frame.STIFFNESS:
@@ -132,7 +132,7 @@ def place_frame(
     return result
 
 
-def place_jacobian(frame: Frame, links: Doubles, pose: Doubles) -> Doubles:
+def place_jacobian(frame: Frame, links: Storage, pose: Doubles) -> Doubles:
     """Return the Jacobian of a frame's origin in the axes of the base, 42 numbers.
 
     Args:

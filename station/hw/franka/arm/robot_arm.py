@@ -233,8 +233,12 @@ class RobotArm(ABC):
         Costs next to nothing when they are up to date already.
         """
 
-    def pose_source(self) -> ModelSource | None:
-        """Return what writes `O_T_EE` alone in a quicker way; None if nothing does."""
+    def pose_source(self, model: FrankaModel) -> ModelSource | None:  # noqa: ARG002
+        """Return what writes `O_T_EE` alone in a quicker way; None if nothing does.
+
+        Args:
+            model: A model of this arm, whose results are used where they can be.
+        """
         return None
 
     @abstractmethod

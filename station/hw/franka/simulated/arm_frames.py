@@ -8,15 +8,10 @@ from collections.abc import Sequence
 from station.core.franka.franka_robot_state import RobotState
 from station.hw.franka.arm.franka_kinematics import (
     CHAIN,
-    DOF,
     compose,
 )
 from station.hw.franka.arm.load import Load, combine_loads
-from station.kernel.arm_chain import new_links
-from station.kernel.arm_dynamics import ArmDynamics
-from station.kernel.doubles import zeros
 from station.kernel.end_effector_state import EndEffectorState
-from station.kernel.model_sources import ModelSource, ToolPoseSource
 
 MAX_EXTENSION = -0.467002423653011
 """Position of joint 4 at which the arm is stretched out most [rad]."""
@@ -79,13 +74,6 @@ class ArmFrames:
         state.m_total = total.mass
         state.F_x_Ctotal = total.center_of_mass
         state.I_total = total.inertia
-
-    def pose_source(self) -> ModelSource:
-        """Return what writes `O_T_EE` in every cycle, without the other fields."""
-        field, links = self._state.doubles, new_links(CHAIN)
-        # Without masses: it is asked for poses alone.
-        chain = ArmDynamics(CHAIN, zeros(10 * DOF), links)
-        return ToolPoseSource(chain, field("q"), links[16 * DOF :], field("F_T_EE"))
 
     def invalidate(self) -> None:
         """Let the next `refresh` compute, even if no time has passed."""

@@ -23,7 +23,7 @@ from station.hw.mujoco.inertia import combine
 from station.hw.urdf_loader import load_urdf
 from station.kernel.arm_chain import new_links, place_links
 from station.kernel.arm_dynamics import ArmDynamics
-from station.kernel.doubles import Doubles, put, zeros
+from station.kernel.doubles import Doubles, Storage, own, put, zeros
 from station.kernel.model_sources import (
     CoriolisSource,
     ModelSource,
@@ -60,7 +60,7 @@ class FrankaDynamics:
         if description is not None:
             put(self._bodies, read_bodies(description))
         self._bare = [*self._bodies[_LAST]]
-        self.links = new_links(CHAIN)
+        self.links: Storage = own(new_links(CHAIN))
         self._kernel = ArmDynamics(CHAIN, self._bodies, self.links)
         self._load = _NO_LOAD
         self._mass, self._result = zeros(DOF * DOF), zeros(DOF)
@@ -135,7 +135,7 @@ class FrankaDynamics:
             for row, (c, g) in zip(range(0, DOF * DOF, DOF), rest, strict=True)
         ]
 
-    def move_to(self, q: Sequence[float]) -> Doubles:
+    def move_to(self, q: Sequence[float]) -> Storage:
         """Return `links` at joint positions [rad], shape (7,)."""
         self._kernel.move_to(q)
         return self.links
@@ -147,7 +147,7 @@ class FrankaDynamics:
             q: Joint positions [rad], shape (7,); read in every cycle, as `tool`.
             tool: What is fixed, in the frame of the flange, 16 numbers.
         """
-        return ToolPoseSource(self._kernel, q, self.links[16 * DOF :], tool)
+        return ToolPoseSource(self._kernel, q, self.links, tool)
 
     def tool_jacobian_source(self, q: Doubles, tool: Doubles) -> ModelSource:
         """Return what writes the Jacobian of something fixed to the flange, (42,).
@@ -156,7 +156,7 @@ class FrankaDynamics:
             q: Joint positions [rad], shape (7,); read in every cycle, as `tool`.
             tool: What is fixed, in the frame of the flange, 16 numbers.
         """
-        return ToolJacobianSource(self.tool_pose_source(q, tool), self.links)
+        return ToolJacobianSource(self.tool_pose_source(q, tool))
 
     def coriolis_source(
         self, state: RobotState, load: Callable[[], Load]

@@ -7,7 +7,7 @@ from typing_extensions import override
 from station.core.description.robot_files import RobotFiles
 from station.core.franka.arm_simulation import ArmSimulation
 from station.core.franka.franka_errors import ArmError
-from station.core.franka.franka_model import FrankaModel
+from station.core.franka.franka_model import Frame, FrankaModel
 from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.core.franka.franka_services import ArmRecord, CollisionBehavior
 from station.hw.franka.arm.load import Load
@@ -132,8 +132,9 @@ class SimulatedArm(RobotArm):
         self.frames.refresh()
 
     @override
-    def pose_source(self) -> ModelSource:
-        return self.frames.pose_source()
+    def pose_source(self, model: FrankaModel) -> ModelSource:
+        q, tool, stiffness_frame = map(self.state.doubles, ("q", "F_T_EE", "EE_T_K"))
+        return model.pose_source(Frame.END_EFFECTOR, q, tool, stiffness_frame)
 
     @override
     def refusal(

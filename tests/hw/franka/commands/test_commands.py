@@ -11,8 +11,9 @@ def test_names_are_upstreams():
     description = load_robot_files("example-robot-data:panda")
     arm = simulate([ArmPlacement("panda", description)]).arms["panda"]
 
-    assert state_interface(arm, "panda").get_names() == ["panda_robot"]
-    models = model_interface(arm, "panda")
+    model = arm.load_model()
+    assert state_interface(arm, "panda", model).get_names() == ["panda_robot"]
+    models = model_interface(arm, "panda", model)
     assert models.get_names() == ["panda_model", "panda_robot"]
 
 
