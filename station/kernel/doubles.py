@@ -5,7 +5,7 @@ of it is a view again. Its length is fixed, and it holds doubles and nothing els
 """
 
 from array import array
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import station.kernel
@@ -52,6 +52,17 @@ def own_zeros(size: int) -> Storage:
     Interpreted it is a list, whose elements Python reads in half the time.
     """
     return zeros(size) if station.kernel.STATUS.is_compiled else [0.0] * size
+
+
+def own_block(parts: Sequence[str], size: int) -> dict[str, Storage]:
+    """Return memory for a kernel object alone, named parts of `size` zeros each.
+
+    The parts lie side by side, or are lists; see `own_zeros`.
+    """
+    if station.kernel.STATUS.is_compiled:
+        block = Block(dict.fromkeys(parts, size))
+        return {part: block[part] for part in parts}
+    return {part: [0.0] * size for part in parts}
 
 
 def indices(values: Iterable[int]) -> Indices:

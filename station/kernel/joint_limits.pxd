@@ -1,5 +1,5 @@
 cdef long _BIT
-cdef double _POSITION, _VELOCITY, _ACCELERATION, _EFFORT, _SOFT_POSITION
+cdef double _POSITION, _VELOCITY, _ACCELERATION, _EFFORT, _SOFT_POSITION, _INFINITY
 
 
 cdef class LimitedJoints:
@@ -13,11 +13,15 @@ cdef class LimitedJoints:
     cpdef long enforce(self, double period, Py_ssize_t first, Py_ssize_t last) noexcept
 
 
+cdef class SoftLimitedJoints(LimitedJoints):
+    cdef double[::1] free_min, free_max
+
+
 cdef class EffortSaturation(LimitedJoints):
     cpdef long enforce(self, double period, Py_ssize_t first, Py_ssize_t last) noexcept
 
 
-cdef class EffortSoftLimits(LimitedJoints):
+cdef class EffortSoftLimits(SoftLimitedJoints):
     cpdef long enforce(self, double period, Py_ssize_t first, Py_ssize_t last) noexcept
 
 

@@ -8,7 +8,7 @@ the handles of the same names.
 from collections.abc import Mapping
 
 from station.kernel import clamp_codes as codes
-from station.kernel.doubles import Doubles
+from station.kernel.doubles import Storage, own
 
 MOST_JOINTS = 62
 """Most joints of one group: the bits of a mask."""
@@ -35,19 +35,20 @@ _VELOCITY = codes.VELOCITY
 _ACCELERATION = codes.ACCELERATION
 _EFFORT = codes.EFFORT
 _SOFT_POSITION = codes.SOFT_POSITION
+_INFINITY = float("inf")
 
 
 class LimitedJoints:
     """The commands of n joints, their limits, and what is remembered of the last cycle.
 
     Args:
-        views: Doubles by name, shape (n,) each: `position`, `velocity` and `command` of
+        views: Numbers by name, shape (n,) each: `position`, `velocity` and `command` of
             the joints, those named in `LIMITS` and `MEMORY`, and `asked` and `reason`,
             which are written for the joints whose command was changed; the reason is a
             number of `clamp_codes`.
     """
 
-    def __init__(self, views: Mapping[str, Doubles]) -> None:
+    def __init__(self, views: Mapping[str, Storage]) -> None:
         self.position = views["position"]
         self.velocity = views["velocity"]
         self.command = views["command"]
@@ -79,6 +80,50 @@ class LimitedJoints:
             Bit i is set if a limit changed the command of joint `first + i`.
         """
         return 0
+
+
+class SoftLimitedJoints(LimitedJoints):
+    """Joints that are slowed down before the ends of a range.
+
+    From `free_min` to `free_max` the ends are so far away that they certainly allow the
+    largest velocity: nothing has to be computed there.
+
+    Args:
+        views: See `LimitedJoints`.
+    """
+
+    def __init__(self, views: Mapping[str, Storage]) -> None:
+        super().__init__(views)
+        columns = ("soft_min", "soft_max", "max_velocity", "k_position")
+        rows = zip(*(views[name] for name in columns), strict=True)
+        ranges = [free_range(*row) for row in rows]
+        self.free_min = own(low for low, _ in ranges)
+        self.free_max = own(high for _, high in ranges)
+
+
+def free_range(
+    soft_min: float, soft_max: float, speed: float, gain: float
+) -> tuple[float, float]:
+    """Return the positions between which the soft limits allow the largest velocity.
+
+    Args:
+        soft_min: Lower end of the range [rad or m]; NaN if there is none.
+        soft_max: Upper end.
+        speed: Largest velocity [rad/s or m/s].
+        gain: Velocity per distance from an end [1/s].
+
+    Returns:
+        Lowest and highest position; the lower one is the larger one, or one is NaN, if
+        there are none.
+    """
+    if soft_min != soft_min:
+        return -_INFINITY, _INFINITY
+    if not (gain > 0.0 and speed >= 0.0):
+        return _INFINITY, -_INFINITY
+    way = speed / gain
+    # Against rounding; the second part for numbers that are almost 0.
+    way += 1e-9 * (abs(soft_min) + abs(soft_max) + way) + 1e-300
+    return soft_min + way, soft_max - way
 
 
 class EffortSaturation(LimitedJoints):
@@ -123,7 +168,7 @@ class EffortSaturation(LimitedJoints):
         return mask
 
 
-class EffortSoftLimits(LimitedJoints):
+class EffortSoftLimits(SoftLimitedJoints):
     """Effort commands that brake a joint before its soft limits."""
 
     def enforce(self, period: float, first: int, last: int) -> int:
@@ -133,14 +178,25 @@ class EffortSoftLimits(LimitedJoints):
         soft_min, soft_max = self.soft_min, self.soft_max
         k_position, k_velocity = self.k_position, self.k_velocity
         max_velocity, max_effort = self.max_velocity, self.max_effort
+        free_min, free_max = self.free_min, self.free_max
         for i in range(first, last):
-            high_velocity = max_velocity[i]
-            low_velocity = -high_velocity
+            p = position[i]
+            v = velocity[i]
+            asked = command[i]
+            speed = max_velocity[i]
+            effort = max_effort[i]
+            damping = -k_velocity[i]
+            if (
+                -effort <= asked <= effort
+                and free_min[i] <= p <= free_max[i]
+                and damping * (v + speed) <= asked <= damping * (v - speed)
+            ):
+                continue  # the usual case
+            high_velocity = speed
+            low_velocity = -speed
             bound = soft_min[i]
             if bound == bound:  # not NaN: the joint has a range
                 gain = -k_position[i]
-                p = position[i]
-                speed = high_velocity
                 low_velocity = gain * (p - bound)
                 if low_velocity < -speed:
                     low_velocity = -speed
@@ -151,20 +207,16 @@ class EffortSoftLimits(LimitedJoints):
                     high_velocity = -speed
                 if speed < high_velocity:
                     high_velocity = speed
-            gain = -k_velocity[i]
-            v = velocity[i]
-            effort = max_effort[i]
-            low = gain * (v - low_velocity)
+            low = damping * (v - low_velocity)
             if low < -effort:
                 low = -effort
             if effort < low:
                 low = effort
-            high = gain * (v - high_velocity)
+            high = damping * (v - high_velocity)
             if high < -effort:
                 high = -effort
             if effort < high:
                 high = effort
-            asked = command[i]
             given = asked
             if given < low:
                 given = low

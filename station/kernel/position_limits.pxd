@@ -1,4 +1,4 @@
-from station.kernel.joint_limits cimport LimitedJoints
+from station.kernel.joint_limits cimport LimitedJoints, SoftLimitedJoints
 
 cdef long _BIT
 cdef double _POSITION, _VELOCITY, _SOFT_POSITION
@@ -8,5 +8,5 @@ cdef class PositionSaturation(LimitedJoints):
     cpdef long enforce(self, double period, Py_ssize_t first, Py_ssize_t last) noexcept
 
 
-cdef class PositionSoftLimits(LimitedJoints):
+cdef class PositionSoftLimits(SoftLimitedJoints):
     cpdef long enforce(self, double period, Py_ssize_t first, Py_ssize_t last) noexcept

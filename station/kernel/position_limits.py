@@ -4,7 +4,7 @@ See `station.kernel.joint_limits`, whose rules hold here as well.
 """
 
 from station.kernel import clamp_codes as codes
-from station.kernel.joint_limits import LimitedJoints
+from station.kernel.joint_limits import LimitedJoints, SoftLimitedJoints
 
 # As C numbers, by the .pxd; the bit with all 64 that a mask has.
 _BIT = 1
@@ -57,7 +57,7 @@ class PositionSaturation(LimitedJoints):
         return mask
 
 
-class PositionSoftLimits(LimitedJoints):
+class PositionSoftLimits(SoftLimitedJoints):
     """Position commands that slow down towards the soft limits and stop there."""
 
     def enforce(self, period: float, first: int, last: int) -> int:
@@ -67,11 +67,21 @@ class PositionSoftLimits(LimitedJoints):
         soft_min, soft_max, k_position = self.soft_min, self.soft_max, self.k_position
         min_position, max_position = self.min_position, self.max_position
         max_velocity = self.max_velocity
+        free_min, free_max = self.free_min, self.free_max
         for i in range(first, last):
             before = previous[i]
             if before != before:  # NaN: no command yet
                 before = position[i]
             speed = max_velocity[i]
+            asked = command[i]
+            step = speed * period
+            if (
+                before - step <= asked <= before + step
+                and free_min[i] <= before <= free_max[i]
+                and min_position[i] <= asked <= max_position[i]
+            ):
+                previous[i] = asked
+                continue  # the usual case
             low_velocity = -speed
             high_velocity = speed
             bound = soft_min[i]
@@ -93,7 +103,6 @@ class PositionSoftLimits(LimitedJoints):
             high = before + high_velocity * period
             if max_position[i] < high:
                 high = max_position[i]
-            asked = command[i]
             given = asked
             if given < low:
                 given = low

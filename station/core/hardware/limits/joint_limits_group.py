@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from station.core.hardware.interfaces.joint import JointHandle
 from station.core.hardware.interfaces.joint_group import JointGroup
-from station.kernel.doubles import Block, Doubles, put
+from station.kernel.doubles import own_block, put
 from station.kernel.joint_limits import LIMITS, MEMORY, LimitedJoints
 
 _OTHERS = ("position", "velocity", "command", "asked", "reason")
@@ -34,16 +34,14 @@ class JointLimitsGroup:
         limits: Sequence[Mapping[str, float]],
         memory: Sequence[Mapping[str, float]],
     ) -> None:
-        parts = (*LIMITS, *MEMORY, *_OTHERS)
-        block = Block(dict.fromkeys(parts, len(joints)))
-        views = {part: block[part] for part in parts}
+        views = own_block((*LIMITS, *MEMORY, *_OTHERS), len(joints))
         for i, (values, remembered) in enumerate(zip(limits, memory, strict=True)):
             for name in LIMITS:
                 views[name][i] = values[name]
             for name in MEMORY:
                 views[name][i] = remembered[name]
         self._joints = JointGroup(joints)
-        self._views: dict[str, Doubles] = views
+        self._views = views
         position, velocity = self._joints.positions, self._joints.velocities
         command = self._joints.commands
         in_place = position is not None and velocity is not None and command is not None
