@@ -4,6 +4,8 @@ Compiled, these are loops, which take a tenth of the time of Python's own operat
 memory; interpreted it is the other way round.
 """
 
+from math import hypot
+from operator import mul
 from typing import Any
 
 import cython
@@ -78,3 +80,23 @@ def any_of(numbers: Doubles, size: int) -> bool:
                 return True
         return False
     return any(numbers)
+
+
+def are_within(numbers: Doubles, shares: Doubles, size: int) -> bool:
+    """Return whether every number certainly is within its limit; False for NaN.
+
+    The sum of the squares of number over limit is at most 1 only if each of them is.
+    False alone does not mean that a limit is exceeded.
+
+    Args:
+        numbers: The numbers, shape (size,).
+        shares: Inverse of the limit of each number, shape (size,).
+        size: How many there are.
+    """
+    if cython.compiled:
+        total = 0.0
+        for i in range(size):
+            relative = numbers[i] * shares[i]
+            total += relative * relative
+        return total <= 1.0
+    return hypot(*map(mul, numbers, shares)) <= 1.0

@@ -5,7 +5,7 @@ Source: angles@1.9.13 include/angles/angles.h.
 
 import cython
 
-from station.kernel.doubles import Doubles, own_zeros
+from station.kernel.doubles import Doubles, Storage, own_zeros
 
 if cython.compiled:
     from cython.cimports.libc.math import fmod as _fmod
@@ -85,7 +85,7 @@ class JointErrors:
         errors: Where the differences are written, shape (n,).
     """
 
-    def __init__(self, desired: Doubles, measured: Doubles, errors: Doubles) -> None:
+    def __init__(self, desired: Doubles, measured: Doubles, errors: Storage) -> None:
         self.n = len(errors)
         self.desired = desired
         self.measured = measured

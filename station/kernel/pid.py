@@ -16,7 +16,7 @@ With `error = target - measured value`:
 Source: control_toolbox@de05a5c src/pid.cpp, Pid.
 """
 
-from station.kernel.doubles import Doubles, own_zeros
+from station.kernel.doubles import Doubles, Storage, own_zeros
 
 NO_ERROR = 1
 """Bit for a period of 0 or an error that is not finite."""
@@ -24,7 +24,7 @@ NO_RATE = 2
 """Bit for a rate that is not finite."""
 
 
-def add_feed_forward(commands: Doubles, rates: Doubles, shares: Doubles) -> None:
+def add_feed_forward(commands: Storage, rates: Doubles, shares: Doubles) -> None:
     """Add shares of desired rates to commands in place, shape (n,) each."""
     for k in range(len(commands)):
         commands[k] = shares[k] * rates[k] + commands[k]
@@ -39,7 +39,7 @@ class PidGroup:
         commands: Where the commands are written, shape (n,).
     """
 
-    def __init__(self, errors: Doubles, rates: Doubles, commands: Doubles) -> None:
+    def __init__(self, errors: Storage, rates: Storage, commands: Storage) -> None:
         size = len(errors)
         self.n = size
         self.errors = errors

@@ -1,3 +1,5 @@
+from station.kernel.at_once cimport are_within
+
 cdef class SpeedCheck:
     cdef double[::1] velocities
     cdef double[::1] shares

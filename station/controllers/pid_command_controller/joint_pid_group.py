@@ -10,7 +10,7 @@ from station.core.description.robot_description import JointDescription
 from station.core.errors import InvalidGainError, ParameterError
 from station.core.numerics.pid import PID_PARAMETERS, PidGains, apply_gains
 from station.core.parameters import Parameters
-from station.kernel.doubles import Doubles, zeros
+from station.kernel.doubles import Doubles, Storage, own_zeros, zeros
 from station.kernel.pid import PidGroup
 
 GAIN_MAXIMUM = 10_000.0
@@ -61,12 +61,12 @@ class JointPidGroup:
         command: JointQuantity,
         commands: Doubles | None = None,
         errors: Doubles | None = None,
-        rates: Doubles | None = None,
+        rates: Storage | None = None,
     ) -> None:
         size = len(joints)
         self._names = [joint.name for joint in joints]
         self.errors = zeros(size) if errors is None else errors
-        self.rates = zeros(size) if rates is None else rates
+        self.rates: Storage = own_zeros(size) if rates is None else rates
         self.commands = zeros(size) if commands is None else commands
         self.group = PidGroup(self.errors, self.rates, self.commands)
         self._gains: list[PidGains] = []
