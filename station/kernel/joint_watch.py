@@ -109,7 +109,8 @@ class JointWatch:
                 is_good = False
             total += speed
             power += speed * torque
-            away += abs(position - q_d[i])
+            if is_following:
+                away += abs(position - q_d[i])
         self.total_power = power
         self.room -= total * self.reach_in_a_cycle
         if not is_good or not self.room > 0.0:
