@@ -113,7 +113,9 @@ class Dashboard:
         placed = _placed(() if self._scene is None else (robot, *beside))
         self.triangles = sum(one.model.triangles() for one in placed)
         pushing = Pushing(push, self._reporter.refused)
-        self.views = SceneViews(placed, session_key, pushing)
+        self.views = SceneViews(
+            placed, session_key, pushing, lambda: server.initial_camera.position
+        )
         self._trails = Trails(placed)
         _arrange(server)
         recovery = RecoveryPanel(server.gui, self._link, self._reporter)

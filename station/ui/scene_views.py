@@ -8,7 +8,9 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar
 
+import numpy as np
 import viser
+from numpy.typing import ArrayLike
 
 from station.ui.color_scheme import paint
 from station.ui.joint_frames import is_drawn_moving
@@ -41,6 +43,7 @@ AT_FIRST = frozenset({"command", "forces", "limits"})
 """What is shown to a session that has not chosen."""
 _GHOST_COLOUR = (138, 84, 214)
 _LABEL_HEIGHT = 0.05  # [m]
+_SAME_PLACE = 1e-3  # [m]
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +64,7 @@ class _Drawn:
     """What one browser shows of its session's choice."""
 
     client: viser.ClientHandle
+    is_framed: bool = False
     layers: dict[str, Layer] = field(default_factory=dict)
     figures: list[RobotFigure] = field(default_factory=list)
     label: viser.LabelHandle | None = None
@@ -73,6 +77,7 @@ class SceneViews:
         robots: The robots that are drawn.
         key_of: Returns the key of the session of a browser; empty when it is unknown.
         pushing: How browsers push the robots.
+        first_place: Returns where the camera of every browser is at first, shape (3,).
     """
 
     def __init__(
@@ -80,13 +85,16 @@ class SceneViews:
         robots: Sequence[PlacedRobot],
         key_of: Callable[[viser.ClientHandle], str],
         pushing: Pushing,
+        first_place: Callable[[], ArrayLike],
     ) -> None:
+        self._first_place = first_place
         self._pushing = pushing
         self._robots = tuple(robots)
         self._key_of = key_of
         self._ghosts: dict[str, Ghost] = {}
         self._chosen: dict[str, frozenset[str]] = {}
         self._dark: dict[str, bool] = {}
+        self._covered: dict[str, float] = {}
         self._facts = SceneFacts()
         self._drawn: dict[int, _Drawn] = {}
 
@@ -106,6 +114,7 @@ class SceneViews:
             paint(client, is_dark=True)
         self._lay(self._drawn[client.client_id])
         self._show_ghost(self._drawn[client.client_id])
+        self._frame(self._drawn[client.client_id])
 
     def left(self, client: viser.ClientHandle) -> None:
         """Forget a browser."""
@@ -150,6 +159,19 @@ class SceneViews:
         for drawn in self._of(key):
             look(drawn.client, preset, self._robots, positions, covered)
 
+    def opened(self, key: str, covered: float) -> None:
+        """Fit the robots beside what the page of a session hides when it opens.
+
+        A browser whose camera has been moved stays as it is.
+
+        Args:
+            key: Key of the session.
+            covered: Part of the picture that the page hides, see `camera.look`.
+        """
+        _keep(self._covered, key, covered)
+        for drawn in self._of(key):
+            self._frame(drawn)
+
     def paint(self, key: str, *, is_dark: bool) -> None:
         """Let the views of one session be light or dark, as its page is.
 
@@ -182,12 +204,24 @@ class SceneViews:
         """Draw the newest facts in all browsers."""
         self._facts = facts
         for drawn in list(self._drawn.values()):
+            self._frame(drawn)
             with drawn.client.atomic():
                 for layer in drawn.layers.values():
                     layer.show(facts)
 
     def _of(self, key: str) -> list[_Drawn]:
         return [one for one in self._drawn.values() if self._key_of(one.client) == key]
+
+    def _frame(self, drawn: _Drawn) -> None:
+        """Let a browser begin with all robots in sight, as soon as they are known."""
+        covered = self._covered.get(self._key_of(drawn.client))
+        positions = self._facts.positions
+        if drawn.is_framed or covered is None or not positions:
+            return
+        drawn.is_framed = True
+        way = np.subtract(drawn.client.camera.position, self._first_place())
+        if float(abs(way).max()) < _SAME_PLACE:
+            look(drawn.client, "fit", self._robots, positions, covered)
 
     def _lay(self, drawn: _Drawn) -> None:
         wanted = self._chosen.get(self._key_of(drawn.client), AT_FIRST)

@@ -4,6 +4,7 @@
 asks, e.g. a recorded or a planned pose; `DELETE /ui/ghost` hides it. A ghost is a
 picture: no controller is told of it, so a viewer may show one, too. `PUT /ui/layers`
 chooses what is laid over the robots, and `POST /ui/camera` from where they are seen.
+`POST /ui/opened` says how much of the view a page hides that has just opened.
 `PUT /ui/scheme` says whether the page is dark, so that its 3D view is, too.
 A page in which links can be pulled says with `POST /ui/alive` that it lives.
 """
@@ -80,6 +81,16 @@ class CameraRequest(_Body):
     covered: float = Field(default=0.0, ge=0.0, le=0.6)
 
 
+class OpenedRequest(_Body):
+    """What a page hides that has just opened.
+
+    Attributes:
+        covered: Part of the picture at its left that the page covers by something else.
+    """
+
+    covered: float = Field(ge=0.0, le=0.6)
+
+
 _Wanted = TypeVar("_Wanted", bound=_Body)
 
 
@@ -118,6 +129,7 @@ class ViewRoutes:
             Route("/ui/scheme", self._scheme, methods=["PUT"]),
             Route("/ui/alive", self._alive, methods=["POST"]),
             Route("/ui/camera", self._camera, methods=["POST"]),
+            Route("/ui/opened", self._opened, methods=["POST"]),
         ]
 
     async def _show_ghost(self, request: "Request") -> Response:
@@ -183,6 +195,14 @@ class ViewRoutes:
         preset, covered = wanted.preset, wanted.covered
         self._in_viser(lambda: self._views.look(session.key, preset, covered))
         return JSONResponse({"preset": wanted.preset})
+
+    async def _opened(self, request: "Request") -> Response:
+        asked = await self._asked(request, OpenedRequest)
+        if isinstance(asked, Response):
+            return asked
+        session, wanted = asked
+        self._in_viser(lambda: self._views.opened(session.key, wanted.covered))
+        return JSONResponse({"covered": wanted.covered})
 
     async def _asked(
         self, request: "Request", kind: type[_Wanted]

@@ -97,7 +97,9 @@ def gateway():
             relay=_Relay(),
             api=_Api(),
             workspace=WorkspaceParts(StationView, ACCESS),
-            views=ShownViews(SceneViews((), lambda _: "", None), lambda call: call()),
+            views=ShownViews(
+                SceneViews((), lambda _: "", None, tuple), lambda call: call()
+            ),
             origins=OriginPolicy("127.0.0.1"),
             sessions=Sessions(),
             failed_logins=FailedLogins(sleep=station.sleep),

@@ -1,5 +1,6 @@
 """What each browser session sees in the 3D view."""
 
+import numpy as np
 import pytest
 
 from station.ui.layers.push_layer import Pushing
@@ -17,8 +18,18 @@ def panda():
 
 
 @pytest.fixture
-def views(panda, client):
-    views = SceneViews([PlacedRobot(panda, "/robot")], lambda _: "mine", PUSHING)
+def start(client):
+    """Return where cameras are at first [m]; the client's is there."""
+    client.camera.position = (3.0, 0.0, 1.0)
+    client.camera.look_at = (0.0, 0.0, 0.5)
+    return [3.0, 0.0, 1.0]
+
+
+@pytest.fixture
+def views(panda, client, start):
+    views = SceneViews(
+        [PlacedRobot(panda, "/robot")], lambda _: "mine", PUSHING, lambda: start
+    )
     views.joined(client)
     yield views
     views.choose("mine", ())
@@ -128,3 +139,51 @@ def test_a_view_is_as_dark_as_its_page_also_after_it_connects_again(
     views.paint("mine", is_dark=False)
     here = client.client_id
     assert painted == [(here, True), (here, True), (here, False)]
+
+
+AT_ZERO = SceneFacts(positions={"panda_joint1": 0.0})
+
+
+def _sideways(client):
+    """Return how far the robot's axis is right of the middle of the picture [m]."""
+    x, y, _ = client.camera.position - client.camera.look_at
+    right = np.array([-y, x]) / np.hypot(x, y)
+    return float(-right @ np.array(client.camera.look_at)[:2])
+
+
+def test_the_robot_is_seen_beside_what_the_page_hides_when_it_opens(
+    views, client, start
+):
+    views.refresh(AT_ZERO)
+    views.opened("mine", 0.0)
+    in_the_middle = _sideways(client)
+    views.left(client)
+    start[:] = client.camera.position
+    views.opened("mine", 0.4)
+    views.joined(client)
+    assert _sideways(client) > in_the_middle + 0.1
+
+
+def test_a_page_that_opens_before_the_robot_is_known_waits_for_it(views, client):
+    before = tuple(client.camera.position)
+    views.opened("mine", 0.4)
+    assert tuple(client.camera.position) == before
+    views.refresh(AT_ZERO)
+    assert tuple(client.camera.position) != before
+
+
+def test_a_camera_that_was_moved_stays_where_it_is(views, client):
+    client.camera.position = client.camera.position + np.array([0.1, 0.0, 0.0])
+    moved = tuple(client.camera.position)
+    views.opened("mine", 0.4)
+    views.refresh(AT_ZERO)
+    assert tuple(client.camera.position) == moved
+
+
+def test_a_camera_is_framed_once(views, client, start):
+    views.refresh(AT_ZERO)
+    views.opened("mine", 0.4)
+    framed = tuple(client.camera.position)
+    start[:] = framed
+    views.opened("mine", 0.1)
+    assert tuple(client.camera.position) == framed

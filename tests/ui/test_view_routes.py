@@ -32,6 +32,9 @@ class _Views:
     def look(self, key, preset, covered):
         self.chosen.append((key, preset, covered))
 
+    def opened(self, key, covered):
+        self.chosen.append((key, covered))
+
 
 class _Bench:
     def __init__(self):
@@ -97,6 +100,7 @@ def test_nothing_is_shown_without_a_session(browser, bench):
     assert browser.put("/ui/layers", json={"shown": []}).status_code == 401
     assert browser.post("/ui/camera", json={"preset": "fit"}).status_code == 401
     assert browser.put("/ui/scheme", json={"dark": True}).status_code == 401
+    assert browser.post("/ui/opened", json={"covered": 0.0}).status_code == 401
     assert (bench.views.ghosts, bench.views.chosen) == ({}, [])
 
 
@@ -105,8 +109,14 @@ def test_layers_camera_and_colours_are_those_of_the_session_that_asks(browser, b
     camera = {"preset": "hand", "covered": 0.25}
     browser.post("/ui/camera", json=camera).raise_for_status()
     browser.put("/ui/scheme", json={"dark": True}).raise_for_status()
+    browser.post("/ui/opened", json={"covered": 0.5}).raise_for_status()
     key = bench.session.key
-    assert bench.views.chosen == [(key, ["frames"]), (key, "hand", 0.25), (key, True)]
+    assert bench.views.chosen == [
+        (key, ["frames"]),
+        (key, "hand", 0.25),
+        (key, True),
+        (key, 0.5),
+    ]
 
 
 @pytest.mark.parametrize(
@@ -128,6 +138,7 @@ def test_layers_camera_and_colours_are_those_of_the_session_that_asks(browser, b
             "covered: Input should be",
         ),
         ("POST", "camera", {"preset": 1}, "preset: Input should be a valid string"),
+        ("POST", "opened", {"covered": 0.9}, "covered: Input should be less than"),
     ],
 )
 def test_what_there_is_not_is_refused_with_what_there_is(

@@ -51,6 +51,15 @@ class Store extends EventTarget {
     }
   }
 
+  /** Return a controller; one that has just been loaded is waited for, at most 2 s. */
+  async known(name) {
+    for (let tries = 0; tries < 20 && !this.controller(name); tries += 1) {
+      await new Promise((resolve) => setTimeout(resolve, 100));
+      await this.refresh();
+    }
+    return this.controller(name);
+  }
+
   /** Mark in the plots what has changed: switches, stops, restarts. */
   notice(before, after) {
     if (!before) return;
@@ -92,7 +101,7 @@ export const store = new Store();
 
 /** Start a controller; what holds its joints stops in the same cycle. */
 export async function switchTo(name) {
-  const stop = store.controller(name)?.replaces ?? [];
+  const stop = (await store.known(name))?.replaces ?? [];
   const done = await act("POST", "/controllers/switch", { start: [name], stop });
   await store.refresh();
   return done;

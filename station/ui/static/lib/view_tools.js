@@ -156,12 +156,14 @@ export function showViewTools(place) {
   const system = matchMedia("(prefers-color-scheme: dark)");
   const paint = () => send("PUT", "/ui/scheme", { dark: system.matches }).catch((error) => console.warn(error.message));
   system.addEventListener("change", paint);
+  const opened = () => send("POST", "/ui/opened", { covered: covered(place) }).catch((error) => console.warn(error.message));
   // A dashboard that was started anew knows no choice any more.
   let link = "";
   window.addEventListener("station-bar", (event) => {
     if (event.detail.link === "live" && link !== "live") {
       tell();
       paint();
+      opened();
     }
     link = event.detail.link;
   });

@@ -108,7 +108,7 @@ class Controllers extends Panel {
     list.setAttribute("aria-label", "Controller types");
     const fill = () => {
       const words = search.value.toLowerCase().split(/\s+/);
-      const fits = store.docks.types.filter((type) => words.every((word) => type.toLowerCase().includes(word)));
+      const fits = store.docks.types.filter((type) => suitsRobot(type) && words.every((word) => type.toLowerCase().includes(word)));
       list.replaceChildren(
         ...fits.map((type) => {
           const choice = h("button", { class: "type", type: "button", role: "option" }, type);
@@ -116,6 +116,7 @@ class Controllers extends Panel {
           return choice;
         }),
       );
+      if (!fits.length) list.append(h("p", { class: "hint" }, `No type has “${search.value.trim()}” in its name. Try fewer words, e.g. position.`));
     };
     search.addEventListener("input", fill);
     this.fields = h("div", {});
@@ -172,6 +173,11 @@ class Controllers extends Panel {
       h("div", { class: "line" }, button("Load", false), button("Load and start", true), other, back),
     );
   }
+}
+
+/** Return whether a robot like this one can have a controller of a type: some are for Franka arms. */
+function suitsRobot(type) {
+  return store.docks.arms.length > 0 || !type.startsWith("franka_");
 }
 
 /** Return a long name that may be broken after a sign and nowhere else. */

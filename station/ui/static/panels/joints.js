@@ -91,8 +91,8 @@ class Joints extends Panel {
     for (const button of this.units) button.setAttribute("aria-pressed", String(button.dataset.unit === unit));
     const angle = unit === "deg" ? "°" : "rad";
     const heads = ["joint", "range", `q [${angle}]`, "command", `dq [${angle}/s]`, "τ [Nm]", "τext", "hold"];
-    const titles = ["", "Present position within the limits; the thin mark is the command", "Measured position", "Type a value and press Enter", "Measured speed", "Measured torque", "External torque as a Franka arm estimates it [Nm]; – for other robots", "Moves while it is held"];
-    this.head.replaceChildren(...heads.map((text, i) => h("th", { title: titles[i] }, text)));
+    const titles = ["", "Present position within the limits; the thin mark is the command", "Measured position", "Type a value and press Enter", "Measured speed", "Measured torque", "External torque as a Franka arm estimates it [Nm]; – for other joints", "Moves while it is held"];
+    this.head.replaceChildren(...heads.map((text, i) => h("th", { title: titles[i], class: text === "τext" ? "ext" : "" }, text)));
     for (const row of this.rows.values()) row.sent = null;
     this.showSpeed();
   }
@@ -111,6 +111,7 @@ class Joints extends Panel {
     const docks = store.docks;
     const names = docks.joints;
     if (names.join() !== [...this.rows.keys()].join()) this.buildRows(names);
+    this.head.closest("table").classList.toggle("without-arm", !docks.arms.length);
     const operated = docks.operated;
     if (operated.names.join() !== this.operatedNames) {
       this.operatedNames = operated.names.join();
@@ -159,7 +160,7 @@ class Joints extends Panel {
     const here = h("i", { class: "here" });
     const told = h("i", { class: "told" });
     const bar = h("div", { class: "range" }, told, here);
-    const cells = ["q", "dq", "tau", "ext"].map(() => h("td", {}));
+    const cells = ["q", "dq", "tau", "ext"].map((name) => h("td", { class: name }));
     const input = h("input", { class: "value", inputMode: "decimal", autocomplete: "off", spellcheck: false });
     input.setAttribute("aria-label", `Command of ${label}`);
     here.hidden = !limits; // A joint that turns without end has no place within limits.

@@ -164,7 +164,7 @@ class Plots extends Panel {
       const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
       const fits = (text) => words.every((word) => text.toLowerCase().includes(word));
       for (const row of usual.children) row.hidden = !fits(row.textContent);
-      for (const group of groups) if (words.length) await group.load();
+      if (words.length) await Promise.all(groups.map((group) => group.load()));
       for (const { details } of groups) {
         const rows = [...details.querySelectorAll(".channel")];
         for (const row of rows) row.hidden = !fits(row.textContent);

@@ -14,7 +14,7 @@ class Simulation extends Panel {
     this.pause = button("Pause", "Simulated time stands still; stops and switches still work", () => this.change({ paused: !store.docks.simulation.paused }));
     this.steps = h("input", { class: "value", value: "100", inputMode: "numeric" });
     this.steps.setAttribute("aria-label", "Cycles to step");
-    this.step = button("Step", "Run so many cycles while paused", () => this.act("/simulation/step", { n: Math.round(typed(this.steps.value) ?? 1) }));
+    this.step = button("Step", "Run so many cycles while paused", () => this.stepOn());
     this.factor = h("input", { class: "value", value: "1", inputMode: "decimal" });
     this.factor.setAttribute("aria-label", "Speed of simulated time");
     this.factor.addEventListener("keydown", (event) => event.key === "Enter" && this.setFactor());
@@ -47,6 +47,12 @@ class Simulation extends Panel {
   async change(body) {
     await act("PATCH", "/simulation", body);
     store.refresh();
+  }
+
+  stepOn() {
+    const cycles = typed(this.steps.value);
+    if (Number.isInteger(cycles) && cycles > 0) this.act("/simulation/step", { n: cycles });
+    else refusals.add({ code: "not_a_number", detail: `“${this.steps.value}” is no number of cycles.`, remedy: "Type a whole number such as 100." });
   }
 
   setFactor() {
