@@ -7,7 +7,7 @@ import { store } from "./store.js";
 const FAST_HZ = 30;
 const SLOW_HZ = 10;
 const POLL_MS = 250;
-const PATIENCE_MS = 400;
+const PATIENCE_MS = 5000; // a browser opens the streams of a busy page one by one
 const MOST = 2000; // numbers of one source
 
 /** Units of the fields; a field that is not here says its unit in the API's description. */
@@ -25,13 +25,13 @@ const UNITS = [
 ];
 const RADIANS = /^(q|q_d|theta)$/;
 
-/** Return the sources there are now: {id, title, poll}; a poll is a path, not a stream. */
+/** Return the sources there are now: {id, title, hz, silent, poll}; a poll is a path, not a stream. */
 export function sources() {
   const { arms, controllers } = store.docks;
   return [
     { id: "joint_states", title: "joint_states", hz: FAST_HZ },
     ...arms.map(({ arm_id: arm }) => ({ id: `robot_state/${arm}`, title: `robot_state/${arm}`, hz: FAST_HZ })),
-    ...controllers.map(({ name }) => ({ id: `controller_state/${name}`, title: `controller_state/${name}`, hz: FAST_HZ })),
+    ...controllers.map(({ name, state }) => ({ id: `controller_state/${name}`, title: `controller_state/${name}`, hz: FAST_HZ, silent: state !== "running" })),
     ...controllers.map(({ name }) => ({ id: `published/${name}`, title: `${name}: own data`, poll: `/controllers/${name}/state`, part: "published" })),
     { id: "loop", title: "loop: statistics", hz: SLOW_HZ },
     { id: "controllers", title: "controllers: time per update", hz: SLOW_HZ },
@@ -94,6 +94,7 @@ const taken = (source, data) => (source.part ? data[source.part] : data);
 
 /** Return one sample of a source, or null when it has none at the moment. */
 export async function sample(source) {
+  if (source.silent) return null;
   if (source.poll) return taken(source, await api("GET", source.poll).catch(() => ({}))) ?? null;
   return new Promise((resolve) => {
     const done = (data) => {

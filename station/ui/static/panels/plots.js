@@ -160,16 +160,23 @@ class Plots extends Panel {
     search.setAttribute("aria-label", "Search channels");
     const usual = h("div", {}, ...[...this.channels].map(([key, { label, unit }]) => this.choice(entry, key, label, unit)));
     const groups = sources().map((source) => this.sourceGroup(entry, source));
-    const find = async () => {
+    const sift = (rows) => {
       const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
-      const fits = (text) => words.every((word) => text.toLowerCase().includes(word));
-      for (const row of usual.children) row.hidden = !fits(row.textContent);
-      if (words.length) await Promise.all(groups.map((group) => group.load()));
-      for (const { details } of groups) {
-        const rows = [...details.querySelectorAll(".channel")];
-        for (const row of rows) row.hidden = !fits(row.textContent);
-        details.hidden = words.length > 0 && rows.every((row) => row.hidden);
-        if (words.length) details.open = !details.hidden;
+      for (const row of rows) row.hidden = !words.every((word) => row.textContent.toLowerCase().includes(word));
+      return words.length > 0;
+    };
+    const siftGroup = ({ details }) => {
+      const rows = [...details.querySelectorAll(".channel")];
+      const isSearched = sift(rows);
+      details.hidden = isSearched && rows.every((row) => row.hidden);
+      if (isSearched) details.open = !details.hidden;
+    };
+    const find = () => {
+      const isSearched = sift(usual.children);
+      for (const group of groups) {
+        siftGroup(group);
+        // What a quick source has is shown before a slow one has answered.
+        if (isSearched) group.load().then(() => siftGroup(group));
       }
     };
     search.addEventListener("input", find);
@@ -185,7 +192,9 @@ class Plots extends Panel {
       (asked ??= sample(source).then((data) => {
         const keys = data ? numbersIn(data).map((path) => `${source.id}|${path}`) : [];
         rows.replaceChildren(...keys.map((key) => this.choice(entry, key, described(key).label, described(key).unit)));
-        if (!keys.length) rows.append(h("p", { class: "hint" }, "No numbers at the moment: a controller that does not run has none."));
+        if (keys.length) return;
+        rows.append(h("p", { class: "hint" }, "No numbers at the moment: a controller that does not run has none."));
+        asked = null; // asked again when it is opened again
       }));
     details.addEventListener("toggle", () => details.open && load());
     return { details, load };
