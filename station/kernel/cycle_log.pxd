@@ -1,8 +1,7 @@
 from station.kernel.at_once cimport copy_into
-from station.kernel.joint_memory cimport JointMemory
 
 cdef class CycleLog:
-    cdef JointMemory memory
+    cdef double[::1] states
     cdef readonly Py_ssize_t size
     cdef readonly Py_ssize_t width
     cdef Py_ssize_t capacity

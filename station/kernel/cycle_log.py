@@ -1,8 +1,7 @@
 """The last cycles of an arm, kept in a ring for the report of an error."""
 
 from station.kernel.at_once import copy_into
-from station.kernel.doubles import own_zeros, zeros
-from station.kernel.joint_memory import JointMemory
+from station.kernel.doubles import Doubles, own_zeros, zeros
 
 CAPACITY = 50
 """Number of cycles kept."""
@@ -14,7 +13,8 @@ class CycleLog:
     """Keeps time, state and command of the last cycles. No allocation.
 
     Args:
-        memory: State of the joints.
+        states: State of the joints: quantities that lie side by side, shape (k n,).
+        size: Number n of joints.
 
     Attributes:
         count: Number of cycles noted since the last `clear`.
@@ -22,13 +22,13 @@ class CycleLog:
         command_size: Number of values in it.
     """
 
-    def __init__(self, memory: JointMemory) -> None:
-        self.memory = memory
-        self.size = memory.size
+    def __init__(self, states: Doubles, size: int) -> None:
+        self.states = states
+        self.size = size
         self.capacity = CAPACITY
         self.command = own_zeros(COMMAND)
         self.command_size = 0
-        self.width = 1 + 5 * self.size
+        self.width = 1 + len(states)
         self.rows = zeros(CAPACITY * self.width)
         self.commands = own_zeros(CAPACITY * COMMAND)
         self.command_sizes = own_zeros(CAPACITY)
@@ -44,29 +44,23 @@ class CycleLog:
         Args:
             time: Time of the arm [s].
         """
-        memory, rows, size = self.memory, self.rows, self.size
         place = self.count % self.capacity
         start = place * self.width
-        rows[start] = time
-        start += 1
-        copy_into(rows, start, memory.q, size)
-        copy_into(rows, start + size, memory.dq, size)
-        copy_into(rows, start + 2 * size, memory.tau_J, size)
-        copy_into(rows, start + 3 * size, memory.q_d, size)
-        copy_into(rows, start + 4 * size, memory.tau_J_d, size)
+        self.rows[start] = time
+        copy_into(self.rows, start + 1, self.states, self.width - 1)
         copy_into(self.commands, place * COMMAND, self.command, COMMAND)
         self.command_sizes[place] = self.command_size
         self.count += 1
 
     def cycles(self) -> list[tuple[float, list[list[float]], list[float]]]:
-        """Return time, (q, dq, tau_J, q_d, tau_J_d) and command, oldest cycle first."""
+        """Return time, the k quantities and the command, oldest cycle first."""
         found = []
-        size = self.size
         for number in range(max(0, self.count - CAPACITY), self.count):
             place = number % CAPACITY
             start = place * self.width
             row = [self.rows[i] for i in range(start, start + self.width)]
-            state = [row[1 + i * size : 1 + (i + 1) * size] for i in range(5)]
+            firsts = range(1, self.width, self.size)
+            state = [row[first : first + self.size] for first in firsts]
             first = place * COMMAND
             last = first + int(self.command_sizes[place])
             command = [self.commands[i] for i in range(first, last)]

@@ -1,3 +1,5 @@
+cimport cython
+
 cdef class Durations:
     cdef readonly Py_ssize_t capacity
     cdef readonly double[::1] values
@@ -11,9 +13,15 @@ cdef class Durations:
     cpdef reset(self)
 
 cdef class CycleTimes:
-    cdef Durations read
-    cdef Durations update
-    cdef Durations write
-    cdef Durations total
+    cdef readonly double[::1] rows
+    cdef Py_ssize_t size
+    cdef Py_ssize_t at
+    cdef readonly long long count
+    cdef readonly double longest_read
+    cdef readonly double longest_update
+    cdef readonly double longest_write
+    cdef readonly double longest_total
     cdef public double last
+    @cython.locals(at=Py_ssize_t, update=double, write=double, total=double)
     cpdef add(self, double begun, double read, double updated, double written)
+    cpdef reset(self)

@@ -51,25 +51,29 @@ class Durations:
 
 
 class CycleTimes:
-    """The durations of the parts of a cycle.
+    """How long the parts of the last cycles took. One thread adds, any may read.
 
     Args:
-        read: How long reading takes.
-        update: How long the controllers take.
-        write: How long writing takes.
-        total: How long all of it takes.
+        capacity: Number of cycles that are kept, >= 1.
 
     Attributes:
+        rows: The ring: reading, updating the controllers, writing, and all of it of one
+            cycle after the other [s], 4 numbers each.
+        count: Number of cycles since the last reset.
+        longest_read, longest_update, longest_write, longest_total: Longest of each part
+            since the last reset [s].
         last: When the last cycle ended [s].
     """
 
-    def __init__(
-        self, read: Durations, update: Durations, write: Durations, total: Durations
-    ) -> None:
-        self.read = read
-        self.update = update
-        self.write = write
-        self.total = total
+    def __init__(self, capacity: int = 16384) -> None:
+        self.rows = zeros(4 * capacity)
+        self.size = 4 * capacity
+        self.at = 0
+        self.count = 0
+        self.longest_read = 0.0
+        self.longest_update = 0.0
+        self.longest_write = 0.0
+        self.longest_total = 0.0
         self.last = 0.0
 
     def add(self, begun: float, read: float, updated: float, written: float) -> None:
@@ -81,8 +85,35 @@ class CycleTimes:
             updated: When the controllers had been updated [s].
             written: When the commands had been written [s].
         """
-        self.read.put(read - begun)
-        self.update.put(updated - read)
-        self.write.put(written - updated)
-        self.total.put(written - begun)
+        rows, at = self.rows, self.at
+        total, write, update, read = (
+            written - begun,
+            written - updated,
+            updated - read,
+            read - begun,
+        )
+        rows[at] = read
+        rows[at + 1] = update
+        rows[at + 2] = write
+        rows[at + 3] = total
+        at += 4
+        self.at = 0 if at == self.size else at
+        self.count += 1
+        if read > self.longest_read:
+            self.longest_read = read
+        if update > self.longest_update:
+            self.longest_update = update
+        if write > self.longest_write:
+            self.longest_write = write
+        if total > self.longest_total:
+            self.longest_total = total
         self.last = written
+
+    def reset(self) -> None:
+        """Forget all cycles; only the thread that adds may call this."""
+        self.at = 0
+        self.count = 0
+        self.longest_read = 0.0
+        self.longest_update = 0.0
+        self.longest_write = 0.0
+        self.longest_total = 0.0

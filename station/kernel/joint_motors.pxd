@@ -1,3 +1,4 @@
+from station.kernel.at_once cimport copy_into
 from station.kernel.joint_memory cimport JointMemory
 from station.kernel.simulator_memory cimport SimulatorMemory
 

@@ -8,6 +8,7 @@ The motors of a real arm act on a command in the cycle after the one in which it
 noticed: so do these when they are late.
 """
 
+from station.kernel.at_once import copy_into
 from station.kernel.doubles import own
 from station.kernel.joint_memory import JointMemory
 from station.kernel.simulator_memory import SimulatorMemory
@@ -140,8 +141,7 @@ class JointMotors:
         while the motor's reading contains the velocity at the beginning.
         """
         memory = self.memory
-        q, dq, actual, dtheta = memory.q, memory.dq, memory.positions, memory.dtheta
-        tau, dtau = memory.tau_J, memory.dtau_J
+        dtheta, tau, dtau = memory.dtheta, memory.tau_J, memory.dtau_J
         simulator, period = self.simulator, self.period
         positions, velocities = simulator.positions, simulator.velocities
         motor_forces, brake_forces = simulator.motor_forces, simulator.brake_forces
@@ -158,6 +158,7 @@ class JointMotors:
                 torque -= own * change
             dtau[i] = (torque - tau[i]) / period
             tau[i] = torque
-            dtheta[i] = velocity
-            dq[i] = velocity
-            actual[i] = q[i] = positions[i]
+        copy_into(memory.q, 0, positions, self.size)
+        copy_into(memory.positions, 0, positions, self.size)
+        copy_into(memory.dq, 0, velocities, self.size)
+        copy_into(dtheta, 0, velocities, self.size)

@@ -18,7 +18,7 @@ from station.kernel.arm_codes import (
     UNUSUAL,
     VELOCITIES,
 )
-from station.kernel.doubles import doubles, put, zeros
+from station.kernel.doubles import Block, doubles, put, zeros
 from tests.kernel.both_modes import (
     arrays,
     assert_same,
@@ -40,6 +40,7 @@ QUANTITIES = (
     "tau_J_d",
     "target",
 )
+LOGGED = ("q", "dq", "tau_J", "dtau_J", "q_d", "dq_d", "ddq_d", "tau_J_d")
 SIMULATED = ("positions", "velocities", "motor_forces", "bias", "compensation")
 
 
@@ -50,8 +51,9 @@ class Arm:
         def part(name):
             return sibling(module, name)
 
-        self.names = {name: zeros(SIZE) for name in ("q", "dq", "dtau_J", *QUANTITIES)}
-        self.names.pop("target")
+        states = Block(dict.fromkeys(LOGGED, SIZE))
+        self.names = {name: states[name] for name in LOGGED}
+        self.names |= {name: zeros(SIZE) for name in ("positions", "dtheta")}
         self.memory = part("joint_memory").JointMemory(SIZE, **self.names)
         self.simulated = {name: zeros(SIZE) for name in SIMULATED}
         self.controls, self.constraints = zeros(SIZE), zeros(SIZE)
@@ -86,7 +88,7 @@ class Arm:
             period=PERIOD,
         )
         self.watch.room = 1.0
-        self.log = part("cycle_log").CycleLog(self.memory)
+        self.log = part("cycle_log").CycleLog(states.memory, SIZE)
         check = part("command_check").CommandCheck(
             self.memory,
             **bounds,

@@ -62,6 +62,22 @@ def test_durations_keep_the_last_and_sum_up_all():
     assert (durations.count, durations.largest, durations.squares) == (0, 0.0, 0.0)
 
 
+def test_the_times_of_the_last_cycles_are_kept_part_by_part():
+    times = interpreted("durations").CycleTimes(2)
+    for begin, parts in ((0.0, (4.0, 1.0, 1.0)), (8.0, (1.0, 2.0, 3.0))):
+        ends = [begin + sum(parts[:i]) for i in range(4)]
+        times.add(*ends)
+    times.add(20.0, 20.5, 20.75, 22.0)
+    assert list(times.rows) == [0.5, 0.25, 1.25, 2.0, 1.0, 2.0, 3.0, 6.0]
+    longest = [times.longest_read, times.longest_update, times.longest_write]
+    assert (times.count, longest, times.longest_total) == (3, [4.0, 2.0, 3.0], 6.0)
+    assert times.last == 22.0
+    times.reset()
+    times.add(0.0, 0.5, 0.5, 1.0)
+    assert (times.count, times.longest_read, times.longest_total) == (1, 0.5, 1.0)
+    assert list(times.rows)[:4] == [0.5, 0.0, 0.5, 1.0]
+
+
 def test_speeds_within_their_limits_hold_and_a_nan_does_not():
     speeds, shares = doubles([1.0, 0.1]), doubles([0.5, 0.5])
     check = interpreted("speed_check").SpeedCheck(speeds, shares)
@@ -118,7 +134,9 @@ def test_both_modes_give_the_same_bits(values, target, step):
         kept = module.Durations(3)
         for value in values:
             kept.add(value)
-        return [*kept.values, kept.largest, kept.total, kept.squares]
+        times = module.CycleTimes(1)
+        times.add(*values)
+        return [*kept.values, kept.largest, kept.total, kept.squares, *times.rows]
 
     def speeds(module):
         # Rounded differently, but it is the braking that decides at the limit.

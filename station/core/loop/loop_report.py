@@ -3,8 +3,10 @@
 from dataclasses import dataclass
 from enum import Enum
 
+import numpy as np
+
 from station.core.clock import Clock
-from station.core.numerics.statistics import DurationRing, Percentiles
+from station.core.numerics.statistics import DurationRing, Percentiles, percentiles_of
 from station.kernel.durations import CycleTimes
 
 
@@ -65,11 +67,7 @@ class LoopMeter:
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
         self._lateness = DurationRing()
-        self._read = DurationRing()
-        self._update = DurationRing()
-        self._write = DurationRing()
-        self._total = DurationRing()
-        self.times = CycleTimes(self._read, self._update, self._write, self._total)
+        self.times = CycleTimes()
         self._since = self.times.last = clock.now()
         self._skipped = 0
         self._skipped_before = 0
@@ -81,14 +79,8 @@ class LoopMeter:
 
     def reset(self) -> None:
         """Start anew."""
-        for ring in (
-            self._lateness,
-            self._read,
-            self._update,
-            self._write,
-            self._total,
-        ):
-            ring.reset()
+        self._lateness.reset()
+        self.times.reset()
         self._since = self.times.last = self._clock.now()
         self._skipped_before = self._skipped
 
@@ -121,8 +113,10 @@ class LoopMeter:
             real_time_factor: Station time over wall time, as asked for, > 0.
             scheduler: Scheduling class granted to the thread, in words.
         """
-        elapsed = self.times.last - self._since
-        cycles, skipped = self._total.count, self._skipped - self._skipped_before
+        times = self.times
+        elapsed = times.last - self._since
+        cycles, skipped = times.count, self._skipped - self._skipped_before
+        parts = np.asarray(times.rows).reshape(-1, 4)[:cycles].T.copy()
         rate = real_time_factor / period
         achieved = cycles / elapsed if elapsed > 0.0 else 0.0
         simulated = (cycles + skipped) * period
@@ -137,9 +131,9 @@ class LoopMeter:
             real_time_factor=real_time_factor,
             achieved_real_time_factor=simulated / elapsed if elapsed > 0.0 else 0.0,
             lateness=self._lateness.percentiles(),
-            read=self._read.percentiles(),
-            update=self._update.percentiles(),
-            write=self._write.percentiles(),
-            total=self._total.percentiles(),
+            read=percentiles_of(parts[0], times.longest_read, cycles),
+            update=percentiles_of(parts[1], times.longest_update, cycles),
+            write=percentiles_of(parts[2], times.longest_write, cycles),
+            total=percentiles_of(parts[3], times.longest_total, cycles),
             scheduler=scheduler,
         )

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from typing_extensions import override
 
 from station.kernel.durations import Durations
@@ -51,12 +52,24 @@ class DurationRing(Durations):
 
     def percentiles(self) -> Percentiles:
         """Return the percentiles of the durations in the ring."""
-        count = self.count
-        values = np.array(self.values[: min(count, self.capacity)])
-        if values.size == 0:
-            return Percentiles(0.0, 0.0, 0.0, 0.0, 0)
-        # Not by np.percentile: its first call imports for 50 ms, beside the cycles.
-        values.sort()
-        places = np.multiply((0.5, 0.99, 0.999), values.size - 1)
-        p50, p99, p999 = np.interp(places, np.arange(values.size), values).tolist()
-        return Percentiles(p50, p99, p999, self.largest, count)
+        kept = np.array(self.values[: min(self.count, self.capacity)])
+        return percentiles_of(kept, self.largest, self.count)
+
+
+def percentiles_of(
+    durations: NDArray[np.float64], largest: float, count: int
+) -> Percentiles:
+    """Return the percentiles of durations; they are sorted in place.
+
+    Args:
+        durations: Those that are kept [s], shape (n,), n may be 0.
+        largest: The largest one ever [s].
+        count: How many there were.
+    """
+    if durations.size == 0:
+        return Percentiles(0.0, 0.0, 0.0, 0.0, 0)
+    # Not by np.percentile: its first call imports for 50 ms, beside the cycles.
+    durations.sort()
+    places = np.multiply((0.5, 0.99, 0.999), durations.size - 1)
+    p50, p99, p999 = np.interp(places, np.arange(durations.size), durations).tolist()
+    return Percentiles(p50, p99, p999, largest, count)

@@ -79,7 +79,7 @@ class ArmCycle:
         self.cartesian = _cartesian_step(state, self.memory, check, limits, period)
         self.motors = JointMotors(self.memory, simulator, period)
         self.watch = _watch(state, self.memory, limits, thresholds, period)
-        self.log = CycleLog(self.memory)
+        self.log = CycleLog(state.motion(), 7)
         self.step = ArmStep(
             self.memory,
             state.doubles(MODE),

@@ -127,7 +127,8 @@ class ArmSupervisor(AlertFlag):
                     tuple(tau_d),
                     tuple(command),
                 )
-                for time, (q, dq, tau, q_d, tau_d), command in self._cycle_log.cycles()
+                for time, states, command in self._cycle_log.cycles()
+                for q, dq, tau, _, q_d, _, _, tau_d in (states,)
             ]
         known = {(error.name, error.where) for error in self.errors}
         for error in errors:
