@@ -1,7 +1,7 @@
 """Compile the kernel: `python -m station.kernel.build`.
 
-The modules that an earlier kernel has are taken over; to compile all of them takes some
-minutes of a processor, a few of them seconds.
+The modules that an earlier kernel has are taken over: to compile all of them takes two
+minutes of a processor, to compile what one change concerns some seconds.
 
 Needs Cython, a C compiler and Python's header files. The result is put in place as a
 whole, so that a station that starts meanwhile finds either a complete kernel or none.
@@ -40,7 +40,12 @@ from station.kernel.manifest import (
     target,
 )
 from station.kernel.places import SOURCES, building_place
-from station.kernel.toolchain import find_compiler, include_directories, missing_tool
+from station.kernel.toolchain import (
+    compiler_version,
+    find_compiler,
+    include_directories,
+    missing_tool,
+)
 
 # Nothing but the baseline of the processor's family, and no contraction to fused
 # operations, which round differently.
@@ -143,7 +148,8 @@ def build_into(directory: Path, scratch: Path, *, jobs: int) -> None:
         shutil.copy(SOURCES / f"{name}.py", package)
         shutil.copy(SOURCES / f"{name}.pxd", package)
     directory.mkdir()
-    how = f"{cython.__version__} {_CYTHON} {_compiler_flags()} {_DIRECTIVES}"
+    tools = f"{cython.__version__} {find_compiler()} {compiler_version()}"
+    how = f"{tools} {_CYTHON} {_compiler_flags()} {_DIRECTIVES}"
     recipes = {_SHARED: f"{how} {target()}", **module_recipes(how)}
     compiled = compiled_modules()
 

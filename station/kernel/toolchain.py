@@ -3,6 +3,7 @@
 import os
 import shlex
 import shutil
+import subprocess
 import sys
 import sysconfig
 from importlib.util import find_spec
@@ -22,6 +23,19 @@ def find_compiler() -> list[str] | None:
         if words and (path := shutil.which(words[0])):
             return [path, *words[1:]]
     return None
+
+
+def compiler_version() -> str:
+    """Return what the C compiler says of its version; empty if it says nothing."""
+    command = find_compiler()
+    if command is None:
+        return ""
+    asked = [*command, "--version"]
+    try:
+        told = subprocess.run(asked, capture_output=True, timeout=10.0, check=False)
+    except (OSError, subprocess.TimeoutExpired):
+        return ""
+    return told.stdout.decode(errors="replace")
 
 
 def include_directories() -> list[Path]:

@@ -145,6 +145,17 @@ def test_what_uses_changed_types_is_compiled_again(sources, compiled):
     assert sorted(compiled) == ["twice", "twice", "user", "user"]
 
 
+def test_another_compiler_compiles_everything_again(sources, compiled, monkeypatch):
+    add_user(sources)
+    build.build()
+    (sources / "user.py").write_text("# edited\n")
+    monkeypatch.setattr(build, "compiler_version", lambda: "another one")
+
+    build.build()
+
+    assert sorted(compiled) == ["twice", "twice", "user", "user"]
+
+
 def test_a_damaged_module_is_not_taken_over(sources, compiled):
     add_user(sources)
     before = build.build()

@@ -51,6 +51,19 @@ def test_the_user_may_name_the_compiler(programs, monkeypatch):
     assert toolchain.find_compiler() == [str(folder / "zig"), "cc"]
 
 
+def test_a_compiler_is_asked_for_its_version(programs):
+    folder = programs("gcc")
+    (folder / "gcc").write_text("#!/bin/sh\necho gcc 12.2, asked with $1\n")
+
+    assert toolchain.compiler_version() == "gcc 12.2, asked with --version\n"
+
+
+def test_a_missing_compiler_has_no_version(programs):
+    programs()
+
+    assert toolchain.compiler_version() == ""
+
+
 def test_a_missing_compiler_is_named(programs):
     programs()
 

@@ -98,10 +98,8 @@ def main(name, seconds):
                 digest.update(records.memory[at : at + records.width])
         joints = " ".join(value.hex() for value in station.latest().position)
         sys.stdout.write(f"{digest.hexdigest()} {joints}\n")
-    running = {
-        one.name for one in station.controllers() if one.state.value == "running"
-    }
-    sys.stdout.write(f"{station.latest().mode} {name in running}\n")
+    states = {status.name: status.state.value for status in station.controllers()}
+    sys.stdout.write(f"{station.latest().mode} {states[name]}\n")
 
 
 if __name__ == "__main__":
