@@ -122,10 +122,15 @@ def measure_here(
             yield from bench.rows(temperatures, effort)
 
 
-def measure_both(arguments: list[str]) -> Iterator[Row]:
-    """Measure in a process with the interpreted kernel, then with the compiled one."""
+def measure_both(arguments: list[str], script: str = __file__) -> Iterator[Row]:
+    """Measure in a process with the interpreted kernel, then with the compiled one.
+
+    Args:
+        arguments: Those of the script, besides `--mode` and `--json`.
+        script: The benchmark.
+    """
     for mode, switch in MODES.items():
-        command = [sys.executable, __file__, *arguments, "--mode", mode, "--json"]
+        command = [sys.executable, script, *arguments, "--mode", mode, "--json"]
         environment = {**os.environ, SWITCH: switch}
         result = subprocess.run(
             command, env=environment, stdout=subprocess.PIPE, text=True, check=False

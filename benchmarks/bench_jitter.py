@@ -1,11 +1,12 @@
 """How late the live loop of 1 kHz wakes, beside a bare loop that only sleeps.
 
 Run `python benchmarks/bench_jitter.py [--seconds 5] [--rounds 3] [--json]` on a
-machine that does nothing else. The station runs with the simulated Panda under the
-effort group position controller: its loop alone, with the API that nobody reads, with
-10 streams of 100 Hz, with 50, with the dashboard and 1 and 3 browsers, and beside a
-busy program on every processor; besides, the loop alone with two arms under the dual-
-arm impedance controller. In turns with it runs a bare loop: a process that waits for
+machine that does nothing else. The station runs with its default configuration under
+the effort group position controller: its loop alone, with the API that nobody reads,
+with 10 streams of 100 Hz, with 50, with the dashboard and 5 streams, with 1 and 3
+browsers, which are niced, and beside a busy program on every processor; besides, the
+loop alone with two arms under the dual-arm impedance controller, and both of these
+interpreted. In turns with it runs a bare loop: a process that waits for
 absolute deadlines with clock_nanosleep and does nothing else, under the same scheduler,
 with the busy programs if there are any. A third process waits in the same way and makes
 one `mj_step` of the same robot, with the cold caches that a loop of 1 kHz finds: what a
@@ -28,8 +29,9 @@ from dataclasses import dataclass
 from time import CLOCK_MONOTONIC, monotonic_ns, sleep
 
 import mujoco
-from cases import CASES, make_dual_panda, make_panda
-from live import browsers, read_streams, running_station
+from bench_cycle import MODES
+from cases import CASES, make_dual_panda, make_typical_panda
+from live import SETTLING, browsers, read_streams, running_station
 from measuring import print_table, print_title, simulated_world
 
 from station import wire
@@ -38,12 +40,11 @@ from station.core.control.switching import SwitchRequest
 from station.core.facade.station import Station
 from station.core.loop.loop_report import LoopReport
 from station.core.loop.scheduling import realtime_interpreter, request_realtime_priority
+from station.kernel.built import SWITCH
 
 CONTROLLER = "effort_group_position_controller"
 DUAL = CASES["dual"].runs["dual-arm impedance"]
 PERIOD_NS = 1_000_000
-SETTLING = 3.0
-"""How long a loop runs before it is measured [s]: clients connect in the first two."""
 STANDING = 1000
 """Cycles after which a robot stands."""
 STANDING_STILL = 50
@@ -187,13 +188,16 @@ class Condition:
     step: str = "step"
 
 
-def _in_process(kind: str) -> Callable[[float], Lateness]:
-    """Return what measures in a process of its own."""
+def _in_process(kind: str, kernel: str = "compiled") -> Callable[[float], Lateness]:
+    """Return what measures in a process of its own, with one of the kernels."""
+    environment = {**os.environ, SWITCH: MODES[kernel]}
 
     def measure(seconds: float) -> Lateness:
         command = [sys.executable, __file__, "--only", kind, "--seconds", str(seconds)]
-        output = subprocess.run(command, stdout=subprocess.PIPE, check=True).stdout
-        return json.loads(output)
+        done = subprocess.run(
+            command, env=environment, stdout=subprocess.PIPE, check=True
+        )
+        return json.loads(done.stdout)
 
     return measure
 
@@ -207,9 +211,20 @@ CONDITIONS = {
     "dual": Condition(
         "loop alone, 2 arms under impedance", _in_process("dual"), step="dual step"
     ),
+    "interpreted": Condition(
+        "loop alone, interpreted", _in_process("alone", "interpreted")
+    ),
+    "dual-interpreted": Condition(
+        "loop alone, 2 arms under impedance, interpreted",
+        _in_process("dual", "interpreted"),
+        step="dual step",
+    ),
     "api": Condition("API", _served(0, None)),
     "streams10": Condition("API, 10 streams of 100 Hz", _served(10, None)),
     "streams50": Condition("API, 50 streams of 100 Hz", _served(50, None)),
+    "dashboard": Condition(
+        "dashboard without browsers, 5 streams of 100 Hz", _served(5, 0)
+    ),
     "browser1": Condition("dashboard, 1 browser", _served(0, 1)),
     "browser3": Condition("dashboard, 3 browsers", _served(0, 3)),
     "busy": Condition("API, busy neighbours", _served(0, None), is_busy=True),
@@ -255,9 +270,9 @@ def measure_row(condition: Condition, rounds: int, seconds: float) -> dict[str, 
 
 PROCESSES: dict[str, Callable[[float], Lateness]] = {
     "bare": measure_bare,
-    "alone": lambda seconds: measure_alone(seconds, make_panda, CONTROLLER),
+    "alone": lambda seconds: measure_alone(seconds, make_typical_panda, CONTROLLER),
     "dual": lambda seconds: measure_alone(seconds, make_dual_panda, *DUAL),
-    "step": lambda seconds: measure_step(seconds, make_panda, CONTROLLER),
+    "step": lambda seconds: measure_step(seconds, make_typical_panda, CONTROLLER),
     "dual step": lambda seconds: measure_step(seconds, make_dual_panda, *DUAL),
 }
 """What is measured in a process of its own."""

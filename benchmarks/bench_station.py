@@ -8,8 +8,9 @@ reads streams as a sixth process, and prints what the station's own /loop says.
 import argparse
 import asyncio
 import sys
+import threading
 
-from live import RATE, read_streams, running_station
+from live import RATE, SETTLING, read_streams, running_station
 from measuring import print_table, print_title
 
 from station.client import StationClient
@@ -25,11 +26,14 @@ def measure(seconds: float, clients: int) -> tuple[LoopReport, list[int]]:
         StationClient(access["url"], access["token"]) as client,
     ):
         client.switch_controllers(start=[CONTROLLER])
-        client.reset_loop_statistics()
+        reset = threading.Timer(SETTLING, client.reset_loop_statistics)
+        reset.start()
+        whole = SETTLING + seconds
         frames = asyncio.run(
-            read_streams(access["url"], access["token"], clients, seconds)
+            read_streams(access["url"], access["token"], clients, whole)
         )
-        return client.loop(), frames
+        reset.join()
+        return client.loop(), [round(one * seconds / whole) for one in frames]
 
 
 def _microseconds(name: str, values: Percentiles) -> list[object]:

@@ -13,7 +13,7 @@ import re
 import statistics
 import subprocess
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import mujoco
@@ -23,12 +23,14 @@ FOLDER = Path(__file__).parent
 PAGE = FOLDER.parent / "docs" / "performance.md"
 README = FOLDER.parent / "README.md"
 PANDA = "Panda"
-GROUP = "effort_group_position_controller"
-COLUMNS = [
-    (mode, temperature)
-    for temperature in ("hot", "cold")
-    for mode in ("interpreted", "compiled")
-]
+HEADLINE = {
+    "none": "nothing runs",
+    "effort_group_position_controller": "seven PIDs, torques",
+    "position_joint_trajectory_controller": "trajectories, positions",
+}
+"""What the README tells of the Panda's controllers, by their names."""
+MODES = ("interpreted", "compiled")
+COLUMNS = [(mode, temperature) for temperature in ("hot", "cold") for mode in MODES]
 
 Row = dict[str, object]
 Key = tuple[str, str]
@@ -113,18 +115,36 @@ def write_cycles(runs: int) -> None:
     write(PAGE, "machine", machine(rows))
     write(PAGE, "cycles", table(["runs", *headers], panda))
     write(PAGE, "robots", table(["robot", "runs", *headers], others))
-    figures = [
-        f"{cost(row)} {mode}"
-        for mode in ("compiled", "interpreted")
-        if (row := found.get((PANDA, GROUP, mode, "hot"))) is not None
+    write(README, "figures", headline(found, rows))
+
+
+def headline(found: Mapping[tuple[object, ...], Row], rows: Sequence[Row]) -> str:
+    """Return the table of the README, and the machine that it was measured on.
+
+    Args:
+        found: Rows by robot, controller, mode and temperature.
+        rows: All rows.
+    """
+    modes = ("compiled", "interpreted")
+    lines = [
+        [label, *(cost(found.get((PANDA, name, mode, "hot"))) for mode in modes)]
+        for name, label in HEADLINE.items()
     ]
-    write(
-        README,
-        "figures",
-        "A whole control cycle of an ideal Panda under seven effort PIDs takes, as a "
-        "multiple of one step of its simulation (and above it):\n"
-        f"{', '.join(figures)}; [performance](docs/performance.md) has the rest.",
-    )
+    text = table(["a control cycle of the Panda", *modes], lines)
+    return f"{text}\n\n{machine(rows)}"
+
+
+def write_model(runs: int) -> None:
+    """Measure state and model of an arm and write their table."""
+    rows = medians([run("model") for _ in range(runs)])
+    found = {(row["what"], row["mode"]): f"{row['us']:.1f}" for row in rows}
+    names = list(dict.fromkeys(str(row["what"]) for row in rows))
+    modes = ("interpreted", "compiled")
+    lines = [
+        [name, *(found.get((name, mode), "–") for mode in modes)] for name in names
+    ]
+    headers = ["one call", *(f"{mode} [µs]" for mode in modes)]
+    write(PAGE, "model", table(headers, lines))
 
 
 def write_peers(runs: int) -> None:
@@ -201,6 +221,7 @@ def machine(rows: Sequence[Row]) -> str:
 
 PARTS: dict[str, Callable[[int], None]] = {
     "cycles": write_cycles,
+    "model": write_model,
     "peers": write_peers,
     "jitter": write_jitter,
     "batch": write_batch,

@@ -22,7 +22,9 @@ def script(monkeypatch):
 def test_every_table_has_its_place():
     tables = dict(PLACE.findall(PAGE.read_text()))
 
-    assert set(tables) == {"machine", "cycles", "robots", "peers", "jitter", "batch"}
+    assert set(tables) == {
+        *("machine", "cycles", "robots", "model", "peers", "jitter", "batch")
+    }
     assert "hot, compiled" in tables["cycles"]
     assert "robosuite" in tables["peers"]
 
@@ -30,7 +32,9 @@ def test_every_table_has_its_place():
 def test_the_readme_tells_the_headline():
     (figures,) = PLACE.findall((ROOT / "README.md").read_text())
 
-    assert re.search(r"\d\.\d\d\W \(\d", figures[1])
+    told = figures[1]
+    assert len(re.findall(r"\d\.\d\d\W \(\d", told)) == 6
+    assert re.search(r"\d processors, Linux .* one step of the Panda", told)
 
 
 def test_a_table_is_replaced_and_nothing_else(script, tmp_path):
