@@ -16,6 +16,7 @@ cdef class ArmDynamics:
 
     cdef bint is_weighed
     cdef readonly long changes
+    cdef readonly long long version
 
     cpdef void move_to(self, object q) except *
     @cython.locals(differs=bint)

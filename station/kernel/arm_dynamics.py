@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 from station.kernel.arm_chain import place_links
 from station.kernel.at_once import copy_into
-from station.kernel.doubles import Doubles, Storage, doubles, own, own_zeros
+from station.kernel.doubles import Doubles, Storage, own, own_zeros, viewed
 
 
 class ArmDynamics:
@@ -25,6 +25,8 @@ class ArmDynamics:
 
     Attributes:
         changes: How often `bodies` were changed.
+        version: How often they or the joint positions were: what was computed for one
+            version holds until the next.
     """
 
     def __init__(self, chain: Doubles, bodies: Doubles, links: Storage) -> None:
@@ -42,6 +44,7 @@ class ArmDynamics:
         self.screws = own_zeros(6 * size)
         self.wrenches = own_zeros(6 * size)
         self.changes = 0
+        self.version = 0
         self.is_weighed = 0
         place_links(chain, self.q, links)
 
@@ -51,7 +54,7 @@ class ArmDynamics:
         Args:
             q: Joint positions [rad], shape (n,).
         """
-        self.follow(q if isinstance(q, memoryview) else doubles(q))
+        self.follow(viewed(q))
 
     def follow(self, q: Doubles) -> None:
         """Do the same with joint positions in memory."""
@@ -63,11 +66,13 @@ class ArmDynamics:
         if differs:
             place_links(self.chain, own, self.links)
             self.is_weighed = 0
+            self.version += 1
 
     def change_bodies(self) -> None:
         """Take note of new numbers in the bodies that were given."""
         copy_into(self.bodies, 0, self.given, 10 * self.size)
         self.changes += 1
+        self.version += 1
         self.is_weighed = 0
 
     def weigh(self) -> None:

@@ -41,6 +41,11 @@ def as_doubles(values: Any) -> Doubles:  # noqa: ANN401 - whatever has such memo
     return memoryview(values)
 
 
+def viewed(values: Sequence[float]) -> Doubles:
+    """Return memory with these values: the view itself if they are one."""
+    return values if isinstance(values, memoryview) else doubles(values)
+
+
 def own(values: Iterable[float]) -> Any:  # noqa: ANN401 - a `Storage` of two kinds
     """Return memory for a kernel object alone, with these values; see `own_zeros`."""
     return doubles(values) if station.kernel.STATUS.is_compiled else [*values]

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 from station.kernel import arm_chain
 from station.kernel import rigid_motion as kernel
-from station.kernel.doubles import Doubles, doubles, zeros
+from station.kernel.doubles import doubles, viewed, zeros
 
 
 def rotation_between(first: Sequence[float], second: Sequence[float]) -> list[float]:
@@ -23,7 +23,7 @@ def rotation_between(first: Sequence[float], second: Sequence[float]) -> list[fl
         second: Pose after the rotation, 16 numbers.
     """
     result = zeros(3)
-    kernel.rotation_between(_view(first), _view(second), result)
+    kernel.rotation_between(viewed(first), viewed(second), result)
     return [*result]
 
 
@@ -40,7 +40,7 @@ def displace(
         turn: Rotation vector [rad], shape (3,).
     """
     result = zeros(16)
-    kernel.displace(_view(pose), doubles([*shift, *turn]), 1.0, result)
+    kernel.displace(viewed(pose), doubles([*shift, *turn]), 1.0, result)
     return [*result]
 
 
@@ -55,7 +55,7 @@ def twist_between(
         period: Time between the poses [s], > 0.
     """
     result = zeros(6)
-    kernel.twist_between(_view(first), _view(second), period, result)
+    kernel.twist_between(viewed(first), viewed(second), period, result)
     return [*result]
 
 
@@ -79,14 +79,14 @@ def pose_of(position: Sequence[float], quaternion: Sequence[float]) -> list[floa
 def quaternion_of(pose: Sequence[float]) -> list[float]:
     """Return the unit quaternion x, y, z, w of a pose's rotation, with w >= 0."""
     result = zeros(4)
-    kernel.quaternion_of(_view(pose), result)
+    kernel.quaternion_of(viewed(pose), result)
     return [*result]
 
 
 def to_outer_axes(pose: Sequence[float], vector: Sequence[float]) -> list[float]:
     """Return vectors, given in the axes of a pose, in the pose's outer axes, (3 n,)."""
     result = zeros(len(vector))
-    arm_chain.turn_to_outer_axes(_view(pose), _view(vector), result)
+    arm_chain.turn_to_outer_axes(viewed(pose), viewed(vector), result)
     return [*result]
 
 
@@ -98,9 +98,5 @@ def times(jacobian: Sequence[float], dq: Sequence[float]) -> list[float]:
         dq: Joint velocities [rad/s], shape (7,).
     """
     result = zeros(6)
-    arm_chain.twist_of(_view(jacobian), _view(dq), result)
+    arm_chain.twist_of(viewed(jacobian), viewed(dq), result)
     return [*result]
-
-
-def _view(values: Sequence[float]) -> Doubles:
-    return values if isinstance(values, memoryview) else doubles(values)

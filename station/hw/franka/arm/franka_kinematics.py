@@ -16,7 +16,7 @@ from math import cos, pi, sin
 
 from station.core.franka.franka_model import Frame
 from station.kernel import arm_chain, rigid_motion
-from station.kernel.doubles import Doubles, Storage, doubles, put, zeros
+from station.kernel.doubles import Doubles, Storage, doubles, put, viewed, zeros
 
 DOF = 7
 """Number of joints."""
@@ -126,9 +126,9 @@ def place_frame(
     if index <= DOF:
         put(result, pose)
         return result
-    rigid_motion.compose(pose, _view(F_T_EE), result)
+    rigid_motion.compose(pose, viewed(F_T_EE), result)
     if frame is Frame.STIFFNESS:
-        rigid_motion.compose(result, _view(EE_T_K), result)
+        rigid_motion.compose(result, viewed(EE_T_K), result)
     return result
 
 
@@ -148,9 +148,5 @@ def place_jacobian(frame: Frame, links: Storage, pose: Doubles) -> Doubles:
 
 def _placed(q: Sequence[float]) -> Doubles:
     links = arm_chain.new_links(CHAIN)
-    arm_chain.place_links(CHAIN, _view(q), links)
+    arm_chain.place_links(CHAIN, viewed(q), links)
     return links
-
-
-def _view(values: Sequence[float]) -> Doubles:
-    return values if isinstance(values, memoryview) else doubles(values)

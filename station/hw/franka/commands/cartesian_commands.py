@@ -27,7 +27,7 @@ from station.hw.franka.commands.rate_limiter import (
     with_margins,
 )
 from station.kernel.command_rates import filtered
-from station.kernel.doubles import Block, Doubles, doubles, put
+from station.kernel.doubles import Block, put, viewed
 from station.kernel.finite_check import FiniteCheck
 from station.kernel.pose_rates import PoseRates
 from station.kernel.pose_sending import PoseSend
@@ -146,7 +146,7 @@ class CartesianCommands:
                 if is_new
                 else bridge.bridge()
             )
-            rates.filter_pose(_as_doubles(pose), passes)
+            rates.filter_pose(viewed(pose), passes)
             elbow = self._limited_elbow(bent, passes=passes)
             arm.command_cartesian_pose(rates.sent_pose, elbow)
             if self.pose_send is not None:
@@ -170,7 +170,3 @@ class CartesianCommands:
                 angle, last, state.delbow_c[0], state.ddelbow_c[0], self._elbow
             )
         return [angle, elbow[1]]
-
-
-def _as_doubles(pose: Sequence[float]) -> Doubles:
-    return pose if isinstance(pose, memoryview) else doubles(pose)

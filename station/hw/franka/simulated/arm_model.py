@@ -15,14 +15,15 @@ from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.self_collision import clearance
 from station.hw.franka.simulated.franka_dynamics import FrankaDynamics
 from station.kernel.arm_chain import turn_to_inner_axes
-from station.kernel.doubles import Doubles, doubles
+from station.kernel.doubles import Doubles, doubles, viewed
 from station.kernel.model_sources import ModelSource
 
 
 class ArmModel(FrankaModel):
     """The model of one arm, built from the URDF of the arm. Control thread only.
 
-    What all methods need of the joint positions is computed once for each set of them.
+    Each answer is computed once for the same question: what several controllers ask of
+    the model in one cycle costs as much as one of them.
 
     Args:
         description: The URDF of a Franka arm.
@@ -33,6 +34,7 @@ class ArmModel(FrankaModel):
 
     def __init__(self, description: RobotFiles) -> None:
         self._dynamics = FrankaDynamics(description)
+        self._jacobians: dict[Frame, Doubles] = {}
         self._load = Load()
         self._center = doubles(self._load.center_of_mass)
         self._inertia = doubles(self._load.inertia)
@@ -98,8 +100,11 @@ class ArmModel(FrankaModel):
         EE_T_K: Sequence[float],
     ) -> list[float]:
         links = self._dynamics.move_to(q)
-        pose = place_frame(frame, links, F_T_EE, EE_T_K)
-        return [*place_jacobian(frame, links, pose)]
+        tools = viewed(F_T_EE), viewed(EE_T_K)
+        if self._dynamics.is_new(frame.index, tools[0].tobytes() + tools[1].tobytes()):
+            pose = place_frame(frame, links, *tools)
+            self._jacobians[frame] = place_jacobian(frame, links, pose)
+        return [*self._jacobians[frame]]
 
     @override
     def zero_jacobian_source(

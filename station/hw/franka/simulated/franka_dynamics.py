@@ -2,7 +2,8 @@
 
 The links are those of the URDF, without rotor inertia, friction, hand and fingers: what
 is mounted at the flange is the load, as libfranka has it. `station.kernel.arm_dynamics`
-does the arithmetic, once for each set of joint positions, however much is asked of it.
+does the arithmetic, once for each set of joint positions, however much is asked of it,
+and however often.
 """
 
 from collections.abc import Callable, Sequence
@@ -23,7 +24,7 @@ from station.hw.mujoco.inertia import combine
 from station.hw.urdf_loader import load_urdf
 from station.kernel.arm_chain import new_links, place_links
 from station.kernel.arm_dynamics import ArmDynamics
-from station.kernel.doubles import Doubles, Storage, own, put, zeros
+from station.kernel.doubles import Doubles, Storage, own, put, viewed, zeros
 from station.kernel.model_sources import (
     CoriolisSource,
     ModelSource,
@@ -32,6 +33,7 @@ from station.kernel.model_sources import (
 )
 
 _NO_LOAD = Load()
+_MASS, _CORIOLIS, _GRAVITY = -1, -2, -3
 _MOMENTS = 10
 # Largest difference between the poses of links in a URDF and of the real ones [m].
 _TOLERANCE = 1e-3
@@ -63,8 +65,10 @@ class FrankaDynamics:
         self.links: Storage = own(new_links(CHAIN))
         self._kernel = ArmDynamics(CHAIN, self._bodies, self.links)
         self._load = _NO_LOAD
-        self._mass, self._result = zeros(DOF * DOF), zeros(DOF)
-        self._dq, self._gravity = zeros(DOF), zeros(3)
+        self._mass, self._coriolis = zeros(DOF * DOF), zeros(DOF)
+        self._weight = zeros(DOF)
+        # What each of them was computed for.
+        self._known: dict[int, tuple[int, bytes]] = {}
 
     def mass(self, q: Sequence[float], load: Load = _NO_LOAD) -> list[float]:
         """Return the mass matrix [kg m^2], 7 x 7, flat.
@@ -74,7 +78,8 @@ class FrankaDynamics:
             load: What is fixed to the flange.
         """
         self._set(q, load)
-        self._kernel.mass(self._mass)
+        if self.is_new(_MASS):
+            self._kernel.mass(self._mass)
         return [*self._mass]
 
     def coriolis(
@@ -88,9 +93,10 @@ class FrankaDynamics:
             load: What is fixed to the flange.
         """
         self._set(q, load)
-        put(self._dq, dq)
-        self._kernel.coriolis(self._dq, self._result)
-        return [*self._result]
+        rates = viewed(dq)
+        if self.is_new(_CORIOLIS, rates.tobytes()):
+            self._kernel.coriolis(rates, self._coriolis)
+        return [*self._coriolis]
 
     def gravity(
         self,
@@ -106,9 +112,10 @@ class FrankaDynamics:
             gravity_earth: Acceleration of gravity in the base frame [m/s^2], (3,).
         """
         self._set(q, load)
-        put(self._gravity, gravity_earth)
-        self._kernel.gravity(self._gravity, self._result)
-        return [*self._result]
+        acceleration = viewed(gravity_earth)
+        if self.is_new(_GRAVITY, acceleration.tobytes()):
+            self._kernel.gravity(acceleration, self._weight)
+        return [*self._weight]
 
     def torques(
         self,
@@ -134,6 +141,21 @@ class FrankaDynamics:
             sum(m * a for m, a in zip(mass[row : row + DOF], ddq, strict=True)) + c + g
             for row, (c, g) in zip(range(0, DOF * DOF, DOF), rest, strict=True)
         ]
+
+    def is_new(self, what: int, arguments: bytes = b"") -> bool:
+        """Return whether something must be computed anew; note that it is.
+
+        Two controllers that ask the same in a cycle cost one computation.
+
+        Args:
+            what: A number for what is computed; those of the frames are for Jacobians.
+            arguments: What it depends on besides positions and load.
+        """
+        wanted = (self._kernel.version, arguments)
+        if self._known.get(what) == wanted:
+            return False
+        self._known[what] = wanted
+        return True
 
     def move_to(self, q: Sequence[float]) -> Storage:
         """Return `links` at joint positions [rad], shape (7,)."""

@@ -3,6 +3,8 @@
 import pytest
 
 from station.core.description.robot_files import load_robot_files
+from station.core.franka.franka_model import Frame
+from station.hw.franka.arm.franka_kinematics import IDENTITY, zero_jacobian
 from station.hw.franka.arm.load import Load
 from station.hw.franka.simulated.arm_model import ArmModel
 from station.hw.franka.simulated.franka_dynamics import FrankaDynamics
@@ -20,3 +22,17 @@ def test_load_is_passed_on():
     assert model.mass(Q, *arguments) == dynamics.mass(Q, load)
     assert model.coriolis(Q, Q, *arguments) == dynamics.coriolis(Q, Q, load)
     assert model.gravity(Q, *arguments[1:]) == pytest.approx(dynamics.gravity(Q, load))
+
+
+def test_a_jacobian_follows_joints_and_tool():
+    model = ArmModel(load_robot_files("example-robot-data:panda"))
+    tool, turned = [*IDENTITY], [*IDENTITY]
+    tool[14] = 0.1
+    frames = (Frame.FLANGE, Frame.END_EFFECTOR)
+    for q in (Q, Q, Q[::-1]):
+        for frame in frames:
+            for end in (tool, IDENTITY, tool):
+                found = model.zero_jacobian(frame, q, end, turned)
+                expected = zero_jacobian(frame, q, end, turned)
+                assert found == expected
+                found[0] = 1.0  # the caller's own

@@ -13,6 +13,7 @@ from station.hw.franka.arm.load import Load
 from station.hw.franka.franka_parameters import INITIAL_POSITIONS
 from station.hw.franka.simulated.franka_dynamics import FrankaDynamics
 from station.hw.urdf_loader import load_urdf
+from station.kernel.arm_dynamics import ArmDynamics
 
 STRETCHED = [0.0] * 7
 START = list(INITIAL_POSITIONS)
@@ -144,3 +145,32 @@ def test_names_of_the_arm_do_not_matter() -> None:
 def test_other_robot_is_refused() -> None:
     with pytest.raises(RobotDescriptionError, match="no Franka arm"):
         FrankaDynamics(load_robot_files("example-robot-data:ur5"))
+
+
+def test_what_is_asked_twice_is_computed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    dynamics = FrankaDynamics(load_robot_files("example-robot-data:panda"))
+    weighed = []
+
+    class Counted:
+        """Counts what is asked of the kernel."""
+
+        def __init__(self, kernel: ArmDynamics) -> None:
+            self._kernel = kernel
+
+        def __getattr__(self, name: str) -> object:
+            if name in {"mass", "coriolis", "gravity"}:
+                weighed.append(name)
+            return getattr(self._kernel, name)
+
+    monkeypatch.setattr(dynamics, "_kernel", Counted(dynamics._kernel))
+    for load, dq in ((Load(), DQ), (HAND, DQ), (HAND, DQ[::-1]), (HAND, DQ[::-1])):
+        before = dynamics.mass(Q, load), dynamics.coriolis(Q, dq, load)
+        weight = dynamics.gravity(Q, load)
+        before[0][0] = 0.0  # the caller's own
+        assert dynamics.coriolis(Q, dq, load) == before[1]
+        assert dynamics.gravity(Q, load) == weight
+        assert dynamics.mass(Q, load)[0] > 0.0
+        fresh = FrankaDynamics(load_robot_files("example-robot-data:panda"))
+        assert fresh.coriolis(Q, dq, load) == before[1]
+
+    assert sorted(weighed) == [*["coriolis"] * 3, *["gravity"] * 2, *["mass"] * 2]
