@@ -9,13 +9,12 @@ pages are back. At the end it measures what six traces of the dock *Plots* cost 
 browser.
 
 The age of a pose: joint 1 turns steadily, and one way alone, so its angle says when the
-station had it. A page notes when a pose reaches it (Viser's worker has decoded it),
-when its scene can apply it, and the newest one whenever a picture is due (an animation
-frame). Without a GPU a picture keeps the page from taking poses for a second, which
-says nothing of the dashboard. So it is measured once more with pages that do all but
-fill pixels, which a GPU does beside the page. The station's time is laid over the wall
-clock by the fastest of many stream frames: the age leaves out what that one needed on
-its way, under 1 ms.
+station had it. A page notes when a pose reaches it (Viser's worker has decoded it), and
+the newest one whenever a picture is due (an animation frame). Without a GPU a picture
+keeps the page from taking poses for a second, which says nothing of the dashboard. So
+it is measured once more with pages that do all but fill pixels, which a GPU does beside
+the page. The station's time is laid over the wall clock by the fastest of many stream
+frames: the age leaves out what that one needed on its way, under 1 ms.
 """
 
 import argparse
@@ -64,7 +63,7 @@ _NOTE_POSES = (
 (() => {
   const Real = window.Worker;
   window.__noting = false;
-  window.__poses = {reached: [], applied: [], drawn: []};
+  window.__poses = {reached: [], drawn: []};
   let newest = null;
   const note = (wxyz, at) => {
     if (newest === null)
@@ -74,7 +73,6 @@ _NOTE_POSES = (
       });
     newest = 2 * Math.atan2(wxyz[3], wxyz[0]);
     window.__poses.reached.push([at, newest]);
-    window.__poses.applied.push([Date.now() / 1000, newest]);
   };
   // The worker says when it passes a batch on: a page that draws takes it later.
   const STAMP = `
@@ -120,6 +118,9 @@ for (const name of ["drawArrays", "drawArraysInstanced", "drawElements",
                     "drawElementsInstanced", "drawRangeElements"])
   WebGL2RenderingContext.prototype[name] = function () {};
 """
+
+
+Row = dict[str, object]
 
 
 class RunningStation:
@@ -207,17 +208,13 @@ class Screen:
         poses: Poses that arrived, per second.
         pictures: Pictures with a new pose, per second.
         reached: How old each pose was when it reached the page [s].
-        applied: How old it was when the scene of the page could apply it [s].
         ages: How old the pose of each picture was when it was drawn [s].
-        oldest: How old it had become when the next picture took its place [s].
     """
 
     poses: float
     pictures: float
     reached: NDArray[np.float64]
-    applied: NDArray[np.float64]
     ages: NDArray[np.float64]
-    oldest: NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -236,21 +233,28 @@ class Return:
 
 
 def main() -> None:
-    """Print the tables."""
+    """Print the table, or JSON."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seconds", type=float, default=20.0)
     parser.add_argument("--browsers", type=int, default=3)
+    parser.add_argument("--json", action="store_true", help="print rows as JSON")
     options = parser.parse_args()
+    seconds, count = options.seconds, options.browsers
     with tempfile.TemporaryDirectory() as folder:
         station = RunningStation(Path(folder))
         station.start()
         try:
-            _report(station, options.seconds, options.browsers)
+            rows = _measure_all(station, seconds, count)
         finally:
             station.stop()
+    if options.json:
+        sys.stdout.write(json.dumps(rows, indent=1) + "\n")
+        return
+    print_title(f"The dashboard for {seconds:g} s, without and with {count} browsers")
+    print_table(list(rows[0]), [list(row.values()) for row in rows])
 
 
-def _report(station: RunningStation, seconds: float, count: int) -> None:
+def _measure_all(station: RunningStation, seconds: float, count: int) -> list[Row]:
     with StationClient(station.access["url"], station.access["token"]) as client:
         client.switch_controllers(start=[CONTROLLER])
         alone = measure(station, client, [], seconds)
@@ -261,57 +265,42 @@ def _report(station: RunningStation, seconds: float, count: int) -> None:
             watched = measure(station, client, pages, seconds)
             back = come_back(station, pages)
         plots = plot_cost(station.access, seconds)
-    print_title(f"The dashboard for {seconds:g} s, without and with {count} browsers")
-    late = [one.loop.lateness for one in (alone, watched)]
-    print_table(
-        ("what", "none", f"{count} browsers", "allowed"),
-        [
-            ["lateness p50 [us]", *(one.p50 * 1e6 for one in late), ""],
-            ["lateness p99 [us]", *(one.p99 * 1e6 for one in late), "1.5 x none"],
-            ["CPU of the dashboard [cores]", alone.cpu, watched.cpu, "0.5"],
-            ["station started anew: API answers after [s]", "", back.station, ""],
-            ["dashboard has it after the API [s]", "", back.dashboard, ""],
-            ["all pages have it after the API [s]", "", back.pages, "3"],
-            ["6 traces of 30 Hz over 30 s in one browser [cores]", "", plots, "0.1"],
-        ],
-    )
-    sys.stdout.write("\nThe pose in the page: its age when it\n")
-    print_table(
-        (
-            *("browser", "reaches it p50 [ms]", "p95", "max"),
-            *("can be applied p50 [ms]", "p95", "max"),
-        ),
-        [
-            [i, *_percentiles(screen.reached), *_percentiles(screen.applied)]
-            for i, screen in enumerate(watched.screens, start=1)
-        ],
-    )
-    for drawn, measured in (("in software", watched), ("by nobody", undrawn)):
-        sys.stdout.write(f"\nThe pose on the screen, pixels filled {drawn}\n")
-        _print_screens(measured.screens)
-    sys.stdout.write("allowed: 100 ms at 30 poses per second\n")
+    late, later = alone.loop.lateness, watched.loop.lateness
+    return [
+        _row("lateness p50 [us]", late.p50 * 1e6, later.p50 * 1e6),
+        _row("lateness p99 [us]", late.p99 * 1e6, later.p99 * 1e6, "1.5 times as late"),
+        _row("dashboard [cores]", alone.cpu, watched.cpu, "0.5"),
+        *_rows_of_poses("a page that fills no pixels", undrawn.screens, "100 and 30"),
+        *_rows_of_poses("a page that draws in software", watched.screens, ""),
+        _row("a station started anew: its API answers after [s]", "", back.station),
+        _row("the dashboard has it after the API [s]", "", back.dashboard),
+        _row("all pages have it after the API [s]", "", back.pages, "3"),
+        _row("6 traces of 30 Hz over 30 s, one browser [cores]", "", plots, "0.1"),
+    ]
 
 
-def _print_screens(screens: "Sequence[Screen]") -> None:
-    print_table(
-        (
-            *("browser", "poses per second", "pictures per second"),
-            *("age p50 [ms]", "p95", "max", "before the next p95"),
-        ),
-        [
-            [
-                *(i, screen.poses, screen.pictures),
-                *_percentiles(screen.ages),
-                np.percentile(screen.oldest, 95) * 1e3,
-            ]
-            for i, screen in enumerate(screens, start=1)
-        ],
-    )
+def _row(
+    what: str, none: float | str, watched: float | str, asked: str = ""
+) -> dict[str, object]:
+    return {"what": what, "no browser": none, "browsers": watched, "asked": asked}
 
 
-def _percentiles(ages: NDArray[np.float64]) -> list[float]:
-    """Return median, p95 and maximum in milliseconds."""
-    return [float(np.percentile(ages, q)) * 1e3 for q in (50, 95, 100)]
+def _rows_of_poses(where: str, screens: "Sequence[Screen]", asked: str) -> list[Row]:
+    """Return how old poses are, all browsers together, and how many come."""
+    reached = np.concatenate([screen.reached for screen in screens])
+    shown = np.concatenate([screen.ages for screen in screens])
+    poses = float(np.mean([screen.poses for screen in screens]))
+    pictures = float(np.mean([screen.pictures for screen in screens]))
+    return [
+        _row(f"a pose reaches {where}: age p50, p95 [ms]", "", _percentiles(reached)),
+        _row(f"it is on the screen of {where}: the same", "", _percentiles(shown)),
+        _row("poses, pictures per second", "", f"{poses:.0f}, {pictures:.1f}", asked),
+    ]
+
+
+def _percentiles(ages: NDArray[np.float64]) -> str:
+    """Return median and p95 in milliseconds."""
+    return ", ".join(f"{np.percentile(ages, q) * 1e3:.0f}" for q in (50, 95))
 
 
 @contextmanager
@@ -438,17 +427,16 @@ def _screen(
         RuntimeError: It has noted nothing.
     """
     noted = _scene(page).evaluate("() => window.__poses")
-    reached, applied, drawn = (
-        np.array(noted[name]).reshape(-1, 2) for name in ("reached", "applied", "drawn")
+    reached, drawn = (
+        np.array(noted[name]).reshape(-1, 2) for name in ("reached", "drawn")
     )
     if not len(drawn):
         raise RuntimeError(f"no pose of {NODE} came: has Viser's page changed?")
     return Screen(
         len(reached) / took,
         len(drawn) / took,
-        _ages(reached, stamps, angles)[0],
-        _ages(applied, stamps, angles)[0],
-        *_ages(drawn, stamps, angles),
+        _ages(reached, stamps, angles),
+        _ages(drawn, stamps, angles),
     )
 
 
@@ -481,21 +469,16 @@ def _here(client: StationClient) -> list[float]:
 
 
 def _ages(
-    drawn: NDArray[np.float64], times: NDArray[np.float64], angles: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return how old each pose was when it was drawn, and when the next was [s].
+    seen: NDArray[np.float64], times: NDArray[np.float64], angles: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return how old each pose was when it was seen [s].
 
     Near the ends of the way, where the joint does not turn steadily, an angle says
     little and is left out.
     """
-    shown, following = drawn[:-1], drawn[1:, 0]
-    counts = np.abs(shown[:, 1]) < 0.9 * SWEEP
-    at, angle = shown[counts].T
-    forward = np.maximum.accumulate(angles)
-    then = np.interp(angle, forward, times)
-    if not len(at):
-        return np.array([np.nan]), np.array([np.nan])
-    return at - then, following[counts] - then
+    at, angle = seen[np.abs(seen[:, 1]) < 0.9 * SWEEP].T
+    then = np.interp(angle, np.maximum.accumulate(angles), times)
+    return at - then if len(at) else np.array([np.nan])
 
 
 def _scene(page: Page) -> Any:  # noqa: ANN401 - Playwright's frame

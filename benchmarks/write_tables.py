@@ -185,6 +185,18 @@ def write_jitter(_: int) -> None:
     write(PAGE, "jitter", table(headers, lines))
 
 
+def write_dashboard(_: int) -> None:
+    """Measure the dashboard with three browsers and write its table."""
+    rows = run("dashboard")
+
+    def cell(value: object) -> object:
+        return f"{value:.3g}" if isinstance(value, float) else value
+
+    lines = [[cell(value) for value in row.values()] for row in rows]
+    headers = ["what", "no browser", "3 browsers", "asked"]
+    write(PAGE, "dashboard", table(headers, lines))
+
+
 def write_batch(_: int) -> None:
     """Measure trials and write their table."""
     rows = run("batch")
@@ -224,6 +236,7 @@ PARTS: dict[str, Callable[[int], None]] = {
     "model": write_model,
     "peers": write_peers,
     "jitter": write_jitter,
+    "dashboard": write_dashboard,
     "batch": write_batch,
 }
 
