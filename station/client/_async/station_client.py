@@ -282,7 +282,7 @@ class AsyncStationClient:
     async def command(
         self,
         name: str,
-        values: Sequence[float],
+        values: Sequence[float | None],
         epoch: int | None = None,
         timeout: float | None = None,
         rates: Sequence[float] | None = None,
@@ -291,7 +291,8 @@ class AsyncStationClient:
 
         Args:
             name: The controller.
-            values: One number per element, in its order and units.
+            values: One number per element, in its order and units; None leaves an
+                element at what the controller was told last.
             epoch: Refuse when a stop or reset came since that epoch.
             timeout: How long it is valid [s], 0 for ever; None for the controller's
                 own setting.
