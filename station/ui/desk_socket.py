@@ -18,6 +18,7 @@ from station.ui.cartesian_model import HELD_FOR
 from station.ui.controller_desk import SetPoint
 from station.ui.hand_desk import HandDesk
 from station.ui.joint_desk import FASTEST, SLOWEST, JointDesk
+from station.ui.operate_model import Movers
 from station.ui.socket_ends import close_socket, send_frame, until_first
 from station.ui.station_view import StationView
 
@@ -86,6 +87,7 @@ class DeskSocket:
         view: Returns what is known of the station.
         renew: Lets the client act with what its session has at the station now, and
             returns the lease of control that it acts under; None without one.
+        movers: Shared by all desks of the dashboard.
         now: Monotonic clock [s].
     """
 
@@ -95,6 +97,7 @@ class DeskSocket:
         client: AsyncStationClient,
         view: Callable[[], StationView],
         renew: Callable[[], str | None] = lambda: None,
+        movers: Movers | None = None,
         now: Callable[[], float] = time.monotonic,
     ) -> None:
         self._socket = socket
@@ -104,7 +107,7 @@ class DeskSocket:
         self._now = now
         self._lease: str | None = None
         self._barred_until = float("-inf")
-        self._joints = JointDesk()
+        self._joints = JointDesk(movers)
         self._hand = HandDesk()
 
     async def run(self, wait_for_end: Callable[[], Awaitable[None]]) -> None:
@@ -166,6 +169,7 @@ class DeskSocket:
             self._joints.refresh(view)
             self._hand.refresh(view)
             self._look_at_control()
+            await self._look_at_others()
             set_points = self._joints.step(SEND_PERIOD, self._now())
             hand = self._hand.step(self._now())
             for set_point in set_points if hand is None else (*set_points, hand):
@@ -184,6 +188,18 @@ class DeskSocket:
         if before is not None and self._lease != before:
             self._let_go()
 
+    async def _look_at_others(self) -> None:
+        """End the motion of the joints that another browser has moved since."""
+        lost = self._joints.give_up_lost()
+        if lost:
+            self._barred_until = self._now() + HELD_FOR
+            who = f"Somebody else moves {', '.join(lost)} now"
+            await self._tell(
+                refused=f"{who}; your motion of it has ended.",
+                code="taken_over",
+                remedy="Agree who moves it, or take control.",
+            )
+
     def _let_go(self) -> None:
         """Forget every motion; a button that is still held has to be pressed anew."""
         self._barred_until = self._now() + HELD_FOR
@@ -198,6 +214,8 @@ class DeskSocket:
         except ApiError as error:
             self._let_go()
             await self._tell(refused=error.detail, code=error.code, remedy=error.remedy)
+        else:
+            self._joints.confirm(set_point.controller)
 
     async def _tell(self, **more: str) -> None:
         """Tell the page what is commanded, what was refused, and how the link is.

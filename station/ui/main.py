@@ -272,7 +272,9 @@ def _gateway(
             bar=dashboard.bar,
             relay=relay,
             api=forwarded,
-            workspace=WorkspaceParts(dashboard.view, access, dashboard.triangles),
+            workspace=WorkspaceParts(
+                dashboard.view, access, dashboard.triangles, dashboard.movers
+            ),
             views=dashboard.shown_views(),
             origins=OriginPolicy(config.host, config.host_names),
             sessions=logged_in,

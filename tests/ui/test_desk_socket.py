@@ -12,6 +12,7 @@ from websockets.sync.client import connect
 from station.client import ApiError
 from station.ui import desk_socket
 from station.ui.desk_socket import DeskSocket
+from station.ui.operate_model import Movers
 from tests.ui.served import Served
 from tests.ui.views import controller, element, sample, view
 
@@ -32,6 +33,7 @@ class _Client:
         self.refusal = None
         self.lease = None
         self.view = VIEW
+        self.movers = Movers()
 
     async def command(self, name, values, *, epoch):
         if self.refusal is not None:
@@ -44,7 +46,9 @@ def served():
     client = _Client()
 
     async def serve(socket):
-        desk = DeskSocket(socket, client, lambda: client.view, lambda: client.lease)
+        desk = DeskSocket(
+            socket, client, lambda: client.view, lambda: client.lease, client.movers
+        )
         await desk.run(asyncio.Event().wait)
 
     app = Starlette(routes=[WebSocketRoute("/desk", serve)])
@@ -82,7 +86,7 @@ def test_the_desk_moves_a_joint_to_a_typed_value(desk, client):
     _say(desk, do="speed", joints=1.5)
     _say(desk, do="go", targets={"joint1": 0.15})
     _hear(desk, lambda told: client.sent and told["remaining"] == 0.0)
-    assert client.sent[-1] == ("arm", [0.15, 0.1], 1)
+    assert client.sent[-1] == ("arm", [0.15, None], 1)
 
 
 def test_a_held_button_stops_when_the_page_falls_silent(desk, client):
@@ -127,6 +131,18 @@ def test_two_browsers_do_not_share_a_motion(served, desk):
         _say(desk, do="go", targets={"joint1": 0.9})
         assert _hear(desk, lambda told: told["remaining"] > 0.0)
         assert _hear(other, lambda told: "remaining" in told)["remaining"] == 0.0
+
+
+@pytest.mark.usefixtures("client")
+def test_whose_joint_another_browser_moves_is_told_so(served, desk):
+    with connect(served[1], proxy=None) as other:
+        _say(desk, do="go", targets={"joint1": 0.9, "joint2": 0.9})
+        _hear(desk, lambda told: told["remaining"] > 0.0)
+        _say(other, do="go", targets={"joint1": -0.9})
+        told = _hear(desk, lambda told: "refused" in told)
+        assert (told["code"], "joint1" in told["refused"]) == ("taken_over", True)
+        assert _hear(desk, lambda told: "refused" not in told)["remaining"] > 0.0
+        assert _hear(other, lambda told: "refused" not in told)["remaining"] > 0.0
 
 
 def _sent_while_held(desk, client, rounds):
