@@ -170,10 +170,12 @@ function listenEverywhere() {
   listen(element("view").contentWindow);
 }
 
-// Both the press and the release are swallowed: Space would click a focused button.
+// Space is a letter of a text; Escape stops while a field has the focus, too, whatever else
+// it would do there. Both the press and the release are swallowed: Space would click a
+// focused button.
 function onKey(event) {
-  const stops = event.key === "Escape" || event.key === " ";
-  if (!stops || isTyping(event.target)) return;
+  const stops = event.key === "Escape" || (event.key === " " && !isTyping(event.target));
+  if (!stops) return;
   event.preventDefault();
   event.stopPropagation();
   if (event.type === "keydown" && !event.repeat) stop();
