@@ -106,6 +106,7 @@ class DeskSocket:
         self._renew = renew
         self._now = now
         self._lease: str | None = None
+        self._epoch: int | None = None
         self._barred_until = float("-inf")
         self._joints = JointDesk(movers)
         self._hand = HandDesk()
@@ -137,8 +138,7 @@ class DeskSocket:
 
     def _hear(self, said: _Go | _Jog | _HandJog | _HandGo | _Speed | _Release) -> None:
         now = self._now()
-        self._joints.refresh(self._view())
-        self._hand.refresh(self._view())
+        self._look()
         refusal = ""
         match said:
             case _Go():
@@ -158,6 +158,11 @@ class DeskSocket:
                 self._hand.release()
         if refusal:
             self._refusal = refusal
+            # What is held while the robot is stopped does not move it afterwards.
+            if isinstance(said, _Jog) and self._joints.reason:
+                self._barred_until = now + HELD_FOR
+            if isinstance(said, _HandJog) and self._hand.jog.reason:
+                self._barred_until = now + HELD_FOR
 
     _refusal = ""
 
@@ -165,9 +170,7 @@ class DeskSocket:
         rounds, link = 0, ""
         while True:
             await asyncio.sleep(SEND_PERIOD)
-            view = self._view()
-            self._joints.refresh(view)
-            self._hand.refresh(view)
+            view = self._look()
             self._look_at_control()
             await self._look_at_others()
             set_points = self._joints.step(SEND_PERIOD, self._now())
@@ -181,6 +184,16 @@ class DeskSocket:
                 await self._tell(refused=refused)
             elif rounds % _TELL_EVERY == 0 or link != before:
                 await self._tell()
+
+    def _look(self) -> StationView:
+        """Look what runs; a new epoch ends every motion, and what is held with it."""
+        view = self._view()
+        if self._epoch not in {None, view.epoch}:
+            self._barred_until = self._now() + HELD_FOR
+        self._epoch = view.epoch
+        self._joints.refresh(view)
+        self._hand.refresh(view)
+        return view
 
     def _look_at_control(self) -> None:
         """End every motion when the control is lost under which it was asked for."""

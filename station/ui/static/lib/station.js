@@ -190,6 +190,11 @@ class Desk extends EventTarget {
     });
   }
 
+  /** Say something that matters only to a motion that runs, and is said again before the next. */
+  mention(message) {
+    this.socket?.say(message);
+  }
+
   say(message) {
     if (this.socket?.say(message)) return;
     refusals.add(
