@@ -5,7 +5,7 @@ from typing import Annotated
 from fastapi import Depends, Header, Request, Security
 from fastapi.security import HTTPBearer
 
-from station.api.audit import ACCESS, EventRecorder
+from station.api.audit import EventRecorder, note_access
 from station.api.auth import Access, Authenticator, Role
 from station.api.control import HEADER as LEASE_HEADER
 from station.api.control import Control
@@ -105,7 +105,7 @@ async def access(
             "printed at its start, or log in at /login?token=<token>.",
             {"WWW-Authenticate": "Bearer"},
         )
-    request.scope.setdefault("state", {})[ACCESS] = found
+    note_access(request, found)
     return found
 
 

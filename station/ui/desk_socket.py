@@ -158,13 +158,19 @@ class DeskSocket:
                 self._hand.release()
         if refusal:
             self._refusal = refusal
-            # What is held while the robot is stopped does not move it afterwards.
-            if isinstance(said, _Jog) and self._joints.reason:
-                self._barred_until = now + HELD_FOR
-            if isinstance(said, _HandJog) and self._hand.jog.reason:
-                self._barred_until = now + HELD_FOR
+        if refusal and self._is_held_in_vain(said):
+            self._barred_until = now + HELD_FOR
 
     _refusal = ""
+
+    def _is_held_in_vain(self, said: _Message) -> bool:
+        """Return whether a button is held while nothing may move.
+
+        It does not move the robot either as soon as something may.
+        """
+        if isinstance(said, _Jog):
+            return bool(self._joints.reason)
+        return isinstance(said, _HandJog) and bool(self._hand.jog.reason)
 
     async def _send(self) -> None:
         rounds, link = 0, ""
