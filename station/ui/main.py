@@ -159,6 +159,7 @@ async def _serve(
         follows=config.follower is not None,
         ca=config.ca,
     )
+    shown.begin_within(sessions.promptness)
     pusher = SessionPusher(sessions, logged_in)
     dashboard = Dashboard(
         guarded.server,

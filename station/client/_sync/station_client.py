@@ -24,6 +24,7 @@ from station.client._sync.tokens_client import TokensClient
 from station.client.command_stream import CommandStream
 from station.client.notebook import describe
 from station.client.poses import Pose, Target
+from station.client.promptness import Promptness
 from station.client.routes import (
     Restart,
     Strictness,
@@ -130,6 +131,15 @@ class StationClient:
     @timeout.setter
     def timeout(self, timeout: float) -> None:
         self._connection.timeout = timeout
+
+    def begin_within(self, promptness: Promptness | None) -> None:
+        """Let the station refuse changes that it would begin too late.
+
+        Args:
+            promptness: Until when, from the next request on; may be shared by several
+                clients of one station. None lets a change begin however late it comes.
+        """
+        self._connection.promptness = promptness
 
     @property
     def tls(self) -> ssl.SSLContext | None:
