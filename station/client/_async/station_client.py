@@ -285,9 +285,8 @@ class AsyncStationClient:
 
     async def last_command(self, name: str) -> wire.CommandInfo:
         """Return the elements of a controller's set-point, and the last set-point."""
-        return await self._connection.get(
-            controller_path(name, "command"), wire.CommandInfo
-        )
+        path = controller_path(name, "command")
+        return await self._connection.get(path, wire.CommandInfo)
 
     async def command(
         self,
@@ -320,9 +319,8 @@ class AsyncStationClient:
 
     async def controller_state(self, name: str) -> wire.ControllerSample:
         """Return what a controller did in the last cycle."""
-        return await self._connection.get(
-            controller_path(name, "state"), wire.ControllerSample
-        )
+        path = controller_path(name, "state")
+        return await self._connection.get(path, wire.ControllerSample)
 
     def command_stream(
         self, controller: str, *, timeout: float = 0.2
@@ -361,9 +359,8 @@ class AsyncStationClient:
 
     async def cancel_goal(self, name: str, goal_id: str) -> wire.Goal:
         """Cancel a goal; the joints hold from the next cycle on."""
-        return await self._connection.send(
-            "DELETE", goal_path(name, goal_id), wire.Goal
-        )
+        path = goal_path(name, goal_id)
+        return await self._connection.send("DELETE", path, wire.Goal)
 
     async def follow_trajectory(
         self, name: str, trajectory: Mapping[str, JsonValue], epoch: int | None = None

@@ -286,7 +286,8 @@ class StationClient:
 
     def last_command(self, name: str) -> wire.CommandInfo:
         """Return the elements of a controller's set-point, and the last set-point."""
-        return self._connection.get(controller_path(name, "command"), wire.CommandInfo)
+        path = controller_path(name, "command")
+        return self._connection.get(path, wire.CommandInfo)
 
     def command(
         self,
@@ -319,9 +320,8 @@ class StationClient:
 
     def controller_state(self, name: str) -> wire.ControllerSample:
         """Return what a controller did in the last cycle."""
-        return self._connection.get(
-            controller_path(name, "state"), wire.ControllerSample
-        )
+        path = controller_path(name, "state")
+        return self._connection.get(path, wire.ControllerSample)
 
     def command_stream(self, controller: str, *, timeout: float = 0.2) -> CommandStream:
         """Return a stream of set-points for a `with` block (`async with`).
@@ -358,7 +358,8 @@ class StationClient:
 
     def cancel_goal(self, name: str, goal_id: str) -> wire.Goal:
         """Cancel a goal; the joints hold from the next cycle on."""
-        return self._connection.send("DELETE", goal_path(name, goal_id), wire.Goal)
+        path = goal_path(name, goal_id)
+        return self._connection.send("DELETE", path, wire.Goal)
 
     def follow_trajectory(
         self, name: str, trajectory: Mapping[str, JsonValue], epoch: int | None = None
