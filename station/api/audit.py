@@ -8,6 +8,8 @@ from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from station.api.auth import Access
+from station.api.control import HEADER as LEASE_HEADER
+from station.api.control import Control
 from station.api.errors import PROBLEM_CODE
 from station.core.control.switching import SwitchResult
 from station.events import EventKind, EventLog, Origin, Severity
@@ -16,8 +18,9 @@ from station.web.request_id import present_request_id
 
 REPLAYED_HEADER = "Idempotent-Replayed"
 """Header of an answer that was given before."""
-ACCESS = "access"
-"""Key in the scope's state of what a request has proved, an `Access`."""
+WHO = "who"
+"""Key in the scope's state of who is behind a request, as far as it has proved that."""
+_PREVIEW = "is_preview"
 _READS = frozenset({"GET", "HEAD", "OPTIONS"})
 _PREFIX = "/api/v1"
 # They change nothing of the station; logins have events of their own.
@@ -26,12 +29,33 @@ _UNREMARKABLE = frozenset({"/login", "/logout", "/stream-tickets"})
 _HEARTBEAT = "PATCH /control"
 
 
+def note_access(connection: HTTPConnection, access: Access) -> None:
+    """Note who is behind a request or a WebSocket.
+
+    Many people may share a token. Whoever holds control has given a name, and is called
+    by it as well in what is changed.
+
+    Args:
+        connection: The request.
+        access: What it has proved.
+    """
+    who = access.name
+    if connection.scope.get("method") not in _READS:
+        control: Control = connection.app.state.control
+        who = control.name_of(access, connection.headers.get(LEASE_HEADER))
+    connection.scope.setdefault("state", {})[WHO] = who
+
+
+def note_preview(connection: HTTPConnection) -> None:
+    """Note that a request only asks what would happen: it leaves no event."""
+    connection.scope.setdefault("state", {})[_PREVIEW] = True
+
+
 def origin_of(connection: HTTPConnection) -> Origin:
     """Return who is behind a request or a WebSocket, as far as it has proved that."""
-    access = connection.scope.get("state", {}).get(ACCESS)
     client = connection.client
     return Origin(
-        who=access.name if isinstance(access, Access) else "",
+        who=connection.scope.get("state", {}).get(WHO, ""),
         where="" if client is None else client.host,
         request_id=present_request_id() or "",
     )
@@ -76,7 +100,7 @@ class Audit:
     def _record(self, scope: Scope, status: int, *, is_repeated: bool) -> None:
         path = scope["path"].removeprefix(_PREFIX)
         is_done = 200 <= status < 400
-        if is_done and path in _UNREMARKABLE:
+        if scope["state"].get(_PREVIEW) or (is_done and path in _UNREMARKABLE):
             return
         origin = origin_of(HTTPConnection(scope))
         what = f"{scope['method']} {path}"

@@ -135,6 +135,19 @@ class Control:
             error = _held(lease)
             raise error
 
+    def name_of(self, access: Access, key: str | None) -> str:
+        """Return who a caller is, e.g. `ada (operator)` for one who holds control.
+
+        Args:
+            access: What the caller may do.
+            key: The lease that the request names; None without one.
+        """
+        lease = self.present()
+        if lease is None or not lease.is_held_by(access, key):
+            return access.name
+        named = f"{lease.owner} ({access.name})"
+        return access.name if lease.owner == access.name else named
+
     def is_lost(self, access: Access, key: str | None) -> bool:
         """Return whether somebody else holds control."""
         lease = self.present()

@@ -5,11 +5,12 @@ from typing import Annotated
 from fastapi import Depends, Header, Request, Security
 from fastapi.security import HTTPBearer
 
-from station.api.audit import ACCESS, EventRecorder
+from station.api.audit import EventRecorder, note_access
 from station.api.auth import Access, Authenticator, Role
 from station.api.control import HEADER as LEASE_HEADER
 from station.api.control import Control
 from station.api.errors import ProblemError
+from station.api.lateness import refuse_late
 from station.core.facade.station import Station
 from station.core.franka.arms import Arms
 from station.core.franka.grippers import Grippers
@@ -105,7 +106,7 @@ async def access(
             "printed at its start, or log in at /login?token=<token>.",
             {"WWW-Authenticate": "Bearer"},
         )
-    request.scope.setdefault("state", {})[ACCESS] = found
+    note_access(request, found)
     return found
 
 
@@ -120,11 +121,11 @@ async def viewer(access: AccessDep) -> Role:
 RoleDep = Annotated[Role, Depends(viewer)]
 
 
-async def operator_anyway(role: RoleDep) -> Role:
+async def operator_anyway(request: Request, role: RoleDep) -> Role:
     """Return the caller's role, which is operator; whoever holds control.
 
     Raises:
-        ProblemError: The caller is no operator.
+        ProblemError: The caller is no operator, or the request comes too late.
     """
     if not role.includes(Role.OPERATOR):
         raise ProblemError(
@@ -133,6 +134,7 @@ async def operator_anyway(role: RoleDep) -> Role:
             f"A {role.value} may read and stop, but not change anything else.",
             "Use the operator token.",
         )
+    refuse_late(request.headers)
     return role
 
 

@@ -1,10 +1,13 @@
 """The first check of every request: Host, Origin, and the size of the body."""
 
+import time
+
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from station.api.errors import ProblemError
 from station.api.host_policy import HostPolicy
+from station.api.lateness import CLOCK_HEADER
 from station.web.body_limit import announces_more_than, limited
 from station.wire import CLOSE_FORBIDDEN
 
@@ -13,6 +16,7 @@ MAX_BODY_BYTES = 256 * 1024
 
 _SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 _PROBES = frozenset({"/api/v1/health", "/api/v1/ready"})
+_CLOCK = CLOCK_HEADER.lower().encode()
 _HEADERS = (
     (b"x-content-type-options", b"nosniff"),
     (b"x-frame-options", b"DENY"),
@@ -64,7 +68,8 @@ class Guard:
     async def _http(self, scope: Scope, receive: Receive, send: Send) -> None:
         async def send_with_headers(message: Message) -> None:
             if message["type"] == "http.response.start":
-                message["headers"] = [*message.get("headers", ()), *_HEADERS]
+                clock = (_CLOCK, f"{time.time():.3f}".encode())
+                message["headers"] = [*message.get("headers", ()), *_HEADERS, clock]
             await send(message)
 
         changing = scope["method"] not in _SAFE_METHODS

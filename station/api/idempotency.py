@@ -17,7 +17,7 @@ from fastapi import Depends, Header, Request, Response
 from starlette.types import Message
 from typing_extensions import override
 
-from station.api.audit import ACCESS, REPLAYED_HEADER
+from station.api.audit import REPLAYED_HEADER, note_access
 from station.api.auth import Authenticator, Role
 from station.api.control import ControlHeldError
 from station.api.errors import ProblemError, station_error_response
@@ -200,7 +200,7 @@ class IdempotentRoute(JsonRoute):
                 return await handle(request)
             if access is None or not access.role.includes(Role.OPERATOR):
                 return await handle(request)
-            request.scope.setdefault("state", {})[ACCESS] = access
+            note_access(request, access)
             answers: IdempotentAnswers = request.app.state.idempotent_answers
             repeatable = await _read(request)
             return await answers.answer(

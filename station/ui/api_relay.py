@@ -6,6 +6,7 @@ the station, so the station sees who acts, by which role and under which lease.
 
 import asyncio
 import contextlib
+import re
 import ssl
 from collections.abc import AsyncIterator, Awaitable, Callable
 from typing import TYPE_CHECKING
@@ -34,6 +35,9 @@ _CONNECTIONS = httpx.Limits(
 )
 _REQUEST_HEADERS = ("content-type", "if-match", "last-event-id", "accept")
 _ANSWER_HEADERS = ("content-type", "etag", "content-disposition", "x-request-id")
+# What ends a motion is right however late it comes; a stop is never refused as late.
+_ENDS_MOTION = re.compile(r"/playback|/controllers/[^/]+/goals/[^/]+")
+_UNSENT = (httpx.ConnectError, httpx.ConnectTimeout)
 _MAX_FRAME_BYTES = 4 * 1024 * 1024
 _STATION_GONE = 1012
 _NOT_FOUND = 4404
@@ -95,7 +99,11 @@ class ApiRelay:
         try:
             answer = await self._http.send(outgoing, stream=True)
         except httpx.TransportError as error:
-            return _unreachable(f"The station does not answer ({type(error).__name__})")
+            detail = f"The station does not answer ({type(error).__name__})"
+            if request.method != "GET" and not isinstance(error, _UNSENT):
+                detail += ". It is not known whether it was done"
+            return _unreachable(detail)
+        self._access.promptness.hear(answer.headers)
         headers = {
             name: answer.headers[name]
             for name in _ANSWER_HEADERS
@@ -109,6 +117,10 @@ class ApiRelay:
             for name in _REQUEST_HEADERS
             if name in request.headers
         }
+        path = request.url.path.removeprefix(PREFIX)
+        is_end = request.method == "DELETE" and _ENDS_MOTION.fullmatch(path)
+        if request.method != "GET" and not is_end:
+            kept |= self._access.promptness.headers()
         return {**kept, **self._access.headers_of(session)}
 
     async def socket(

@@ -4,13 +4,17 @@ Values travel to the robot as a set-point of limited speed, so that a far value 
 step. A held button moves its joint until it is released or its browser falls silent.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from station.ui.cartesian_model import HELD_FOR
-from station.ui.operate_model import POSITION_UNITS, Operated, SetPointRamp
+from station.ui.operate_model import POSITION_UNITS, Movers, Operated, SetPointRamp
 from station.ui.station_view import StationView
 
+AHEAD = 1.0
+"""How far ahead a held button aims where a joint has no limit [rad] or [m].
+
+More than the joint can go before the button has to be heard of again."""
 UNKNOWN_START = (
     "It is not known yet where the robot was told to be. Try again in a moment."
 )
@@ -22,25 +26,30 @@ class SetPoint:
 
     Attributes:
         controller: Which controller takes it.
-        values: One number per element, in the units of the elements.
+        values: One number per element, in the units of the elements; None for those
+            that stay as the controller was told last.
         epoch: The epoch that it is meant for; None while that is not known.
     """
 
     controller: str
-    values: list[float]
+    values: Sequence[float | None]
     epoch: int | None
 
 
 class ControllerDesk:
     """The commands of one browser to one controller.
 
+    Args:
+        movers: Shared by all browsers.
+
     Attributes:
         operated: The controller that is commanded, or why there is none.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, movers: Movers) -> None:
         self.operated = Operated()
-        self._ramp = SetPointRamp(())
+        self._movers = movers
+        self._ramp = SetPointRamp((), movers)
         self._epoch: int | None = None
         self._held: dict[int, tuple[int, float]] = {}
 
@@ -60,7 +69,7 @@ class ControllerDesk:
             view: What is known of the station.
         """
         if operated.elements != self.operated.elements:
-            self._ramp = SetPointRamp(operated.elements)
+            self._ramp = SetPointRamp(operated.elements, self._movers)
         is_other = operated.name != self.operated.name or view.epoch != self._epoch
         if operated.reason or is_other:
             self.let_go()
@@ -112,22 +121,40 @@ class ControllerDesk:
                 f"{self.operated.name} takes {element.unit}, not positions. Type a "
                 "value, or start a position controller to jog."
             )
+        start = self._ramp.present(index)
+        if start is None:
+            return UNKNOWN_START
+        if index in self._held and self._ramp.has_lost(index):
+            return ""  # The next step ends it, and says so.
         end = element.maximum if sign > 0 else element.minimum
-        if end is None:
-            return f"{name} has no limit in that direction. Type a value."
+        self._ramp.touch(index, start + sign * AHEAD if end is None else end, now)
         self._held[index] = (sign, now)
-        return "" if self._ramp.touch(index, end, now) else UNKNOWN_START
+        return ""
 
     def release(self) -> None:
         """Stop the motion of all held buttons."""
-        if self._held:
-            self._held.clear()
-            self._ramp.halt()
+        self._ramp.halt(self._held)
+        self._held.clear()
 
     def let_go(self) -> None:
         """Forget every motion, and send no more for it."""
         self._held.clear()
         self._ramp.let_go()
+
+    def give_up_lost(self) -> list[str]:
+        """End the motion of the joints that somebody else has moved since.
+
+        Returns:
+            Their names.
+        """
+        lost = self._ramp.give_up_lost()
+        for index in lost:
+            self._held.pop(index, None)
+        return [self.operated.elements[index].name for index in lost]
+
+    def confirm(self) -> None:
+        """Note that the station took the last set-point."""
+        self._ramp.confirm()
 
     def step(self, dt: float, speed: float, now: float) -> SetPoint | None:
         """Return the next set-point to send, or None when there is nothing to send.

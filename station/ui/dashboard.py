@@ -24,7 +24,7 @@ from station.ui.layers.scene_facts import (
 )
 from station.ui.layers.trail_layer import Trails
 from station.ui.markup import warning
-from station.ui.operate_model import choose_all_operated
+from station.ui.operate_model import Movers, choose_all_operated
 from station.ui.panels.commanding_panel import CommandingPanel
 from station.ui.panels.controllers_panel import ControllersPanel
 from station.ui.panels.jog_panel import JogPanel
@@ -182,6 +182,11 @@ class Dashboard:
         if self._task is not None:
             self._task.cancel()
             await asyncio.wait({self._task})
+
+    @property
+    def movers(self) -> Movers:
+        """Who moves which joint, shared by all that command joints."""
+        return self._operate.movers
 
     def bar(self) -> BarState:
         """Return the present content of the status strip; callable by any thread."""

@@ -18,6 +18,7 @@ from station.ui.cartesian_model import HELD_FOR
 from station.ui.controller_desk import SetPoint
 from station.ui.hand_desk import HandDesk
 from station.ui.joint_desk import FASTEST, SLOWEST, JointDesk
+from station.ui.operate_model import Movers
 from station.ui.socket_ends import close_socket, send_frame, until_first
 from station.ui.station_view import StationView
 
@@ -86,6 +87,7 @@ class DeskSocket:
         view: Returns what is known of the station.
         renew: Lets the client act with what its session has at the station now, and
             returns the lease of control that it acts under; None without one.
+        movers: Shared by all desks of the dashboard.
         now: Monotonic clock [s].
     """
 
@@ -95,6 +97,7 @@ class DeskSocket:
         client: AsyncStationClient,
         view: Callable[[], StationView],
         renew: Callable[[], str | None] = lambda: None,
+        movers: Movers | None = None,
         now: Callable[[], float] = time.monotonic,
     ) -> None:
         self._socket = socket
@@ -103,8 +106,9 @@ class DeskSocket:
         self._renew = renew
         self._now = now
         self._lease: str | None = None
+        self._epoch: int | None = None
         self._barred_until = float("-inf")
-        self._joints = JointDesk()
+        self._joints = JointDesk(movers)
         self._hand = HandDesk()
 
     async def run(self, wait_for_end: Callable[[], Awaitable[None]]) -> None:
@@ -134,8 +138,7 @@ class DeskSocket:
 
     def _hear(self, said: _Go | _Jog | _HandJog | _HandGo | _Speed | _Release) -> None:
         now = self._now()
-        self._joints.refresh(self._view())
-        self._hand.refresh(self._view())
+        self._look()
         refusal = ""
         match said:
             case _Go():
@@ -155,17 +158,27 @@ class DeskSocket:
                 self._hand.release()
         if refusal:
             self._refusal = refusal
+        if refusal and self._is_held_in_vain(said):
+            self._barred_until = now + HELD_FOR
 
     _refusal = ""
+
+    def _is_held_in_vain(self, said: _Message) -> bool:
+        """Return whether a button is held while nothing may move.
+
+        It does not move the robot either as soon as something may.
+        """
+        if isinstance(said, _Jog):
+            return bool(self._joints.reason)
+        return isinstance(said, _HandJog) and bool(self._hand.jog.reason)
 
     async def _send(self) -> None:
         rounds, link = 0, ""
         while True:
             await asyncio.sleep(SEND_PERIOD)
-            view = self._view()
-            self._joints.refresh(view)
-            self._hand.refresh(view)
+            view = self._look()
             self._look_at_control()
+            await self._look_at_others()
             set_points = self._joints.step(SEND_PERIOD, self._now())
             hand = self._hand.step(self._now())
             for set_point in set_points if hand is None else (*set_points, hand):
@@ -178,11 +191,33 @@ class DeskSocket:
             elif rounds % _TELL_EVERY == 0 or link != before:
                 await self._tell()
 
+    def _look(self) -> StationView:
+        """Look what runs; a new epoch ends every motion, and what is held with it."""
+        view = self._view()
+        if self._epoch not in {None, view.epoch}:
+            self._barred_until = self._now() + HELD_FOR
+        self._epoch = view.epoch
+        self._joints.refresh(view)
+        self._hand.refresh(view)
+        return view
+
     def _look_at_control(self) -> None:
         """End every motion when the control is lost under which it was asked for."""
         before, self._lease = self._lease, self._renew()
         if before is not None and self._lease != before:
             self._let_go()
+
+    async def _look_at_others(self) -> None:
+        """End the motion of the joints that another browser has moved since."""
+        lost = self._joints.give_up_lost()
+        if lost:
+            self._barred_until = self._now() + HELD_FOR
+            who = f"Somebody else moves {', '.join(lost)} now"
+            await self._tell(
+                refused=f"{who}; your motion of it has ended.",
+                code="taken_over",
+                remedy="Agree who moves it, or take control.",
+            )
 
     def _let_go(self) -> None:
         """Forget every motion; a button that is still held has to be pressed anew."""
@@ -198,6 +233,8 @@ class DeskSocket:
         except ApiError as error:
             self._let_go()
             await self._tell(refused=error.detail, code=error.code, remedy=error.remedy)
+        else:
+            self._joints.confirm(set_point.controller)
 
     async def _tell(self, **more: str) -> None:
         """Tell the page what is commanded, what was refused, and how the link is.

@@ -44,6 +44,7 @@ _STATIC_TYPES = {
     ".css": "text/css; charset=utf-8",
     ".js": "text/javascript; charset=utf-8",
 }
+_STOP = f"{PREFIX}/stop"
 _METHODS = ["GET", "POST", "PUT", "PATCH", "DELETE"]
 _VIEW_PARAMETERS = frozenset({"darkMode", "initialCameraPosition"})
 
@@ -197,16 +198,16 @@ class _Gateway:
             return _no_session()
         if session.role is not Role.OPERATOR:
             return _json({"code": "forbidden", "detail": "Viewers only watch."}, 403)
+        if self._parts.bar().link == "lost":
+            return _lost()
         return await _answer(self._parts.release(session, arm=arm))
 
     async def api(self, request: "Request") -> Response:
         session = self.find_session(request)
         if session is None:
             return _no_session()
-        if request.method == "GET" and self._parts.bar().link == "lost":
-            # A browser has six connections, and one of them is for the stop.
-            remedy = "STOP works. Look whether `station run` still runs."
-            return refused(502, "unreachable", "The station does not answer.", remedy)
+        if request.url.path != _STOP and self._parts.bar().link == "lost":
+            return _lost()
         access = self._parts.workspace.access
         token = access.token_of(session)
         answer = await self._parts.api.forward(request, session)
@@ -288,6 +289,16 @@ def _file(name: str, media_type: str) -> Response:
 
 def _json(content: dict[str, object], status: int = 200) -> Response:
     return JSONResponse(content, status)
+
+
+def _lost() -> Response:
+    """Refuse what a lost station cannot do now.
+
+    A browser has six connections, and one of them is for the stop. What a person asks
+    for is not to be done when the station is back.
+    """
+    remedy = "STOP works. Look whether `station run` still runs."
+    return refused(502, "unreachable", "The station does not answer.", remedy)
 
 
 def _no_session() -> Response:

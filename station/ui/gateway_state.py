@@ -22,6 +22,7 @@ class BarState:
         paused: Simulated time stands still.
         epoch: Changes at each stop, reset and recovery.
         message: The last refusal or failure, as the station words it.
+        refused: The last refusal alone while it is recent: of Viser's panel or a pull.
     """
 
     link: str
@@ -35,6 +36,7 @@ class BarState:
     paused: bool = False
     epoch: int | None = None
     message: str = ""
+    refused: str = ""
 
 
 def bar_state(view: StationView, message: str) -> BarState:
@@ -45,10 +47,10 @@ def bar_state(view: StationView, message: str) -> BarState:
         message: The last refusal; the reason of a broken link takes its place when
             there is none.
     """
-    message = message or view.failure
+    refused, message = message, message or view.failure
     status = view.status
     if status is None:
-        return BarState(view.link, view.age, message=message)
+        return BarState(view.link, view.age, message=message, refused=refused)
     return BarState(
         link=view.link,
         age=view.age,
@@ -61,6 +63,7 @@ def bar_state(view: StationView, message: str) -> BarState:
         paused=status.simulation is not None and status.simulation.paused,
         epoch=status.epoch,
         message=message,
+        refused=refused,
     )
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from station.ui.controller_desk import ControllerDesk, SetPoint
-from station.ui.operate_model import choose_all_operated
+from station.ui.operate_model import Movers, choose_all_operated
 from station.ui.station_view import StationView
 
 SLOWEST, FASTEST = 0.02, 1.5
@@ -13,13 +13,17 @@ SLOWEST, FASTEST = 0.02, 1.5
 class JointDesk:
     """The joint commands of one browser.
 
+    Args:
+        movers: Shared by all browsers.
+
     Attributes:
         speed: Fastest change of a position [rad/s] or [m/s].
     """
 
-    def __init__(self) -> None:
+    def __init__(self, movers: Movers | None = None) -> None:
         self.speed = 0.5
-        self._desks = [ControllerDesk()]
+        self._movers = Movers() if movers is None else movers
+        self._desks = [ControllerDesk(self._movers)]
 
     @property
     def controllers(self) -> list[str]:
@@ -44,7 +48,9 @@ class JointDesk:
         """
         known = {desk.operated.name: desk for desk in self._desks}
         chosen = choose_all_operated(view)
-        self._desks = [known.get(one.name) or ControllerDesk() for one in chosen]
+        self._desks = [
+            known.get(one.name) or ControllerDesk(self._movers) for one in chosen
+        ]
         for desk, operated in zip(self._desks, chosen, strict=True):
             desk.refresh(operated, view)
 
@@ -98,6 +104,20 @@ class JointDesk:
         """Forget every motion, and send no more for it."""
         for desk in self._desks:
             desk.let_go()
+
+    def give_up_lost(self) -> list[str]:
+        """End the motion of the joints that somebody else has moved since.
+
+        Returns:
+            Their names.
+        """
+        return [name for desk in self._desks for name in desk.give_up_lost()]
+
+    def confirm(self, controller: str) -> None:
+        """Note that the station took the last set-point of a controller."""
+        for desk in self._desks:
+            if desk.operated.name == controller:
+                desk.confirm()
 
     def step(self, dt: float, now: float) -> list[SetPoint]:
         """Return the next set-points to send, at most one for each controller.

@@ -159,6 +159,7 @@ async def _serve(
         follows=config.follower is not None,
         ca=config.ca,
     )
+    shown.begin_within(sessions.promptness)
     pusher = SessionPusher(sessions, logged_in)
     dashboard = Dashboard(
         guarded.server,
@@ -272,7 +273,9 @@ def _gateway(
             bar=dashboard.bar,
             relay=relay,
             api=forwarded,
-            workspace=WorkspaceParts(dashboard.view, access, dashboard.triangles),
+            workspace=WorkspaceParts(
+                dashboard.view, access, dashboard.triangles, dashboard.movers
+            ),
             views=dashboard.shown_views(),
             origins=OriginPolicy(config.host, config.host_names),
             sessions=logged_in,

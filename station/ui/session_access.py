@@ -10,12 +10,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from station.client import AsyncStationClient
+from station.client.promptness import Promptness
 from station.ui.sessions import Role, Session
 from station.ui.station_follower import StationAccess
 from station.wire import ControlState
 
 LEASE_HEADER = "X-Control-Lease"
 """Header in which a request names the lease that it acts under."""
+BEGIN_WITHIN = 3.0
+"""How long after it was asked for the station may begin a change [s]."""
 _REQUEST_TIMEOUT = 2.0
 _NOBODYS = "nobodys-token"
 
@@ -43,6 +46,9 @@ class SessionAccess:
             station that was started anew is known by its refusals alone.
         ca: File of the certificates to trust with https; None for those of the station
             on this machine, or of the system.
+
+    Attributes:
+        promptness: Lets the station refuse a change that a person asked for long ago.
     """
 
     def __init__(
@@ -54,6 +60,7 @@ class SessionAccess:
         follows: bool = False,
         ca: str | None = None,
     ) -> None:
+        self.promptness = Promptness(BEGIN_WITHIN)
         self._ca = ca
         self._station = station
         self._follows = follows
@@ -161,6 +168,7 @@ class SessionAccess:
         client = AsyncStationClient(
             self.url, _NOBODYS, timeout=_REQUEST_TIMEOUT, ca=self._ca
         )
+        client.begin_within(self.promptness)
         self.renew(client, session)
         return client
 

@@ -3,7 +3,7 @@
 import asyncio
 import json
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
 import yaml
@@ -13,6 +13,7 @@ from starlette.routing import Route, WebSocketRoute
 from station.ui.control_routes import ControlRoutes, refused
 from station.ui.desk_socket import DeskSocket
 from station.ui.load_examples import example_parameters, suggested_name
+from station.ui.operate_model import Movers
 from station.ui.session_access import SessionAccess
 from station.ui.sessions import Role, Session, Sessions
 from station.ui.station_view import StationView
@@ -43,11 +44,13 @@ class WorkspaceParts:
         view: Returns what is known of the station; callable by any thread.
         access: The credentials of the sessions at the station.
         triangles: How many triangles the drawn robots have.
+        movers: Who moves which joint, shared by all that command joints.
     """
 
     view: Callable[[], StationView]
     access: SessionAccess
     triangles: int = 0
+    movers: Movers = field(default_factory=Movers)
 
 
 class WorkspaceRoutes:
@@ -125,6 +128,7 @@ class WorkspaceRoutes:
                 client,
                 self._parts.view,
                 lambda: self._parts.access.renew(client, session),
+                self._parts.movers,
             )
             # Its socket is open as long as the page is.
             keeping = asyncio.create_task(self._control.keep(session))

@@ -306,7 +306,8 @@ class CommandRequest(RequestModel):
     """A set-point.
 
     Attributes:
-        command: One number per element, in the controller's order, in its units.
+        command: One number per element, in the controller's order, in its units; null
+            leaves an element at what the controller was told last.
         epoch: Epoch it was made for; refused when a stop or reset came since.
         timeout: How long it is valid [s wall time], 0 for ever; the controller's own
             when null. What happens then is the controller's setting.
@@ -320,7 +321,7 @@ class CommandRequest(RequestModel):
         }
     )
 
-    command: list[float] = Field(max_length=1024)
+    command: list[float | None] = Field(max_length=1024)
     epoch: int | None = Field(default=None, ge=0)
     timeout: float | None = Field(default=None, ge=0.0, le=3600.0)
     rates: list[float] | None = Field(default=None, max_length=1024)

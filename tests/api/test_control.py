@@ -52,6 +52,16 @@ def test_without_a_lease_everybody_may(control):
     assert control.present() is None
 
 
+def test_who_holds_control_is_called_by_the_name_that_was_given(control):
+    lease = control.take(SHARED, None, "Ada", 10.0, origin=ME)
+
+    assert control.name_of(SHARED, lease.key) == "Ada (operator)"
+    assert control.name_of(SHARED, None) == "operator"
+    assert control.name_of(GRACE, None) == "grace"
+    control.take(GRACE, None, "grace", 10.0, force=True, origin=ME)
+    assert control.name_of(GRACE, None) == "grace"
+
+
 def test_others_are_refused_with_the_owners_name(control):
     control.take(ADA, None, "Ada", 10.0, origin=ME)
 

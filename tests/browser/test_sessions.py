@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -14,6 +15,7 @@ from station.client import StationClient
 from tests.browser.conftest import free_ports
 from tests.browser.workspace_page import (
     CONTROLLER,
+    OTHER,
     WorkspacePage,
     position,
     wait_until,
@@ -208,6 +210,34 @@ def test_stop_is_answered_while_the_station_hangs_and_every_dock_looks_at_it(
         page.wait_for_selector(_LIVE, timeout=40_000)
         assert wait_until(lambda: client.status().stop_state == "stopped")
         assert page.locator("#motion").inner_text() == "STOPPED"
+
+
+def test_what_is_clicked_while_the_station_hangs_is_not_done_later(place, log_in):
+    with place.client() as client:
+        workspace = log_in()
+        page = workspace.page
+        other = workspace.button("controllers", f"Start {OTHER}")
+        page.locator("#enable").wait_for()
+        os.kill(place.station.pid, signal.SIGSTOP)
+        try:
+            page.locator("#enable").click()  # It is sent, and read when time is over.
+            page.wait_for_selector('#bar[data-link="lost"]')
+            other.click()
+            line = page.locator("#refusal-line")
+            line.get_by_text("The link to the station is lost.").wait_for()
+            page.wait_for_function(
+                "() => Number(document.querySelector('#link').textContent"
+                ".match(/data ([0-9.]+) s/)[1]) > 4"
+            )
+        finally:
+            os.kill(place.station.pid, signal.SIGCONT)
+        page.wait_for_selector(_LIVE, timeout=40_000)
+        page.locator("#log-button").click()
+        # Or its connection, on which nothing was heard for long, is closed unread.
+        refused = re.compile("too late to be begun|It is not known whether it was done")
+        page.locator("#log").get_by_text(refused).wait_for()
+        running = {c.name for c in client.controllers() if c.state == "running"}
+        assert not running & {CONTROLLER, OTHER}
 
 
 def test_two_people_type_into_forms_of_their_own(log_in):

@@ -47,6 +47,31 @@ def test_the_other_browser_is_told_that_it_only_watches(ada, watching, enabled):
     assert enabled.lease.state().owner == "ada"
 
 
+def test_two_people_move_different_joints_and_the_later_one_the_same_joint(
+    workspace, watching, enabled
+):
+    ada, grace = workspace, watching
+    for one in (ada, grace):
+        one.page.wait_for_function(
+            "() => !document.querySelector('.joints input').disabled"
+        )
+        one.button("joints", "rad").click()
+    ada.type_into("joints", "Command of joint1", "0.9")
+    grace.type_into("joints", "Command of joint7", "1.5")
+    assert wait_until(
+        lambda: (
+            abs(position(enabled, "panda_joint1") - 0.9) < 0.02
+            and abs(position(enabled, "panda_joint7") - 1.5) < 0.02
+        )
+    )
+    ada.type_into("joints", "Command of joint1", "-0.9")
+    assert wait_until(lambda: position(enabled, "panda_joint1") < 0.8)
+    grace.type_into("joints", "Command of joint1", "0.9")
+    ada.page.locator("#refusal-line").get_by_text("Somebody else moves").wait_for()
+    assert wait_until(lambda: abs(position(enabled, "panda_joint1") - 0.9) < 0.02)
+    assert not grace.page.locator("#refusal-line").is_visible()
+
+
 def _is_a_switch(response):
     """Return whether this answers a switch that was to be carried out."""
     asked = response.request.post_data or ""

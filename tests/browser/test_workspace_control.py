@@ -26,6 +26,22 @@ def test_who_holds_control_acts_and_others_are_refused(workspace, in_control):
     assert wait_until(lambda: in_control.status().stop_state == "armed")
 
 
+def test_a_refused_release_is_logged_with_what_helps(workspace, enabled):
+    page = workspace.page
+    enabled.stop("A test.")
+    taken = enabled.lease.take("grace")
+    enabled.lease.act_under(taken.lease)
+    page.locator("#bar").get_by_role("button", name="Release stop").click()
+    line = page.locator("#refusal-line")
+    line.get_by_text("grace holds control").wait_for()
+    line.get_by_role("button", name="Take control …").wait_for()
+    assert enabled.status().stop_state == "stopped"
+    enabled.release_stop()
+    enabled.release_stop(arm=True)
+    enabled.lease.release()
+    page.locator("#control").get_by_text("any operator").wait_for()
+
+
 def test_no_lease_reaches_the_page(workspace, in_control):
     told = workspace.page.evaluate(
         "async () => (await Promise.all(['/workspace/control', '/api/v1/control']"

@@ -237,7 +237,8 @@ class FakeStation:
             if len(body["command"]) == len(POSE):
                 self.pose = body["command"]
             return JSONResponse({"epoch": self.epoch}, 202)
-        self.desired = body["command"]
+        told = zip(body["command"], self.desired, strict=False)
+        self.desired = [old if new is None else new for new, old in told]
         self.positions = list(self.desired)
         return JSONResponse({"epoch": self.epoch}, 202)
 

@@ -15,13 +15,15 @@ from station.api.auth import Authenticator
 from station.api.server import ApiServer
 from station.local.tls import trust
 from station.ui.api_relay import ApiRelay
-from station.ui.session_access import SessionAccess
+from station.ui.session_access import BEGIN_WITHIN, SessionAccess
 from station.ui.sessions import Role, Session
 from station.ui.station_follower import StationAccess
 from tests.api.spring import make_station
 from tests.certificates import make_certificate
 from tests.ui.fake_station import OPERATOR, VIEWER, FakeStation
 from tests.ui.served import Served
+
+_PATIENCE = 5.0
 
 
 def _station(url):
@@ -205,6 +207,27 @@ def test_only_chosen_headers_go_either_way():
     assert "cookie" not in seen
     assert told.headers["etag"] == '"7"'
     assert "set-cookie" not in told.headers
+
+
+def test_a_change_is_not_begun_long_after_it_was_asked_for():
+    seen = {}
+
+    async def answer(request):
+        seen[request.method, request.url.path] = request.headers.get("x-not-after")
+        return JSONResponse({}, headers={"X-Station-Clock": "1000.0"})
+
+    route = Route("/api/v1/{path:path}", answer, methods=["GET", "POST", "DELETE"])
+    with Served(Starlette(routes=[route])) as station:
+        page = _Page(station.url)
+        with Served(page.app()) as gateway:
+            at = gateway.url + "/api/v1"
+            httpx.get(f"{at}/status")
+            httpx.post(f"{at}/controllers/switch")
+            httpx.delete(f"{at}/playback")  # An end is right however late it comes.
+            httpx.get(gateway.url + "/close")
+    late = float(seen.pop(("POST", "/api/v1/controllers/switch"))) - 1000.0
+    assert BEGIN_WITHIN <= late < BEGIN_WITHIN + _PATIENCE
+    assert set(seen.values()) == {None}
 
 
 def test_a_station_with_tls_is_asked_if_its_certificate_is_trusted(tmp_path):

@@ -4,7 +4,7 @@ import pytest
 
 from station.ui.cartesian_model import HELD_FOR
 from station.ui.controller_desk import ControllerDesk
-from station.ui.operate_model import choose_operated
+from station.ui.operate_model import Movers, choose_operated
 from tests.ui.views import controller, element, sample, view
 
 NAMES = ("joint1", "joint2")
@@ -23,7 +23,7 @@ def _view(**changes):
 
 @pytest.fixture
 def desk():
-    made = ControllerDesk()
+    made = ControllerDesk(Movers())
     _refresh(made, _view())
     return made
 
@@ -40,9 +40,9 @@ def test_a_typed_value_arrives_exactly_and_no_faster_than_allowed(desk):
     assert desk.go({"joint2": 0.3217}, now=0.0) == ""
     first = desk.step(0.04, SPEED, 0.04)
     assert first.controller == "arm"
-    assert first.values == [0.1, pytest.approx(0.12)]
+    assert first.values == [None, pytest.approx(0.12)]
     sent = [desk.step(0.04, SPEED, 1.0) for _ in range(14)]
-    assert [s.values for s in sent if s is not None][-1] == [0.1, 0.3217]
+    assert [s.values for s in sent if s is not None][-1] == [None, 0.3217]
     assert sent[-1] is None
 
 
@@ -72,6 +72,44 @@ def test_a_browser_that_falls_silent_releases_its_buttons(desk):
     assert desk.remaining == 0.0
 
 
+def test_releasing_a_button_ends_no_motion_to_a_typed_value(desk):
+    desk.go({"joint2": 0.5}, now=0.0)
+    desk.hold("joint1", 1, now=0.0)
+    desk.step(0.04, SPEED, 0.04)
+    desk.release()
+    assert desk.step(0.04, SPEED, 0.08).values == [None, pytest.approx(0.14)]
+
+
+def test_a_held_button_does_not_take_back_what_somebody_else_moves_since():
+    movers = Movers()
+    ada, grace = ControllerDesk(movers), ControllerDesk(movers)
+    for one in (ada, grace):
+        _refresh(one, _view())
+        one.hold("joint1", 1, now=0.0)
+        one.step(0.04, SPEED, 0.04)
+        one.confirm()
+    ada.hold("joint1", 1, now=0.05)
+    assert ada.give_up_lost() == ["joint1"]
+    assert ada.step(0.04, SPEED, 0.08) is None
+    assert grace.give_up_lost() == []
+
+
+@pytest.mark.parametrize(("unit", "limit"), [("m", 1.0), ("rad", None)])
+def test_joints_that_slide_or_turn_without_end_move_while_a_button_is_held(unit, limit):
+    desk = ControllerDesk(Movers())
+    ends = {"minimum": None if limit is None else -limit, "maximum": limit}
+    elements = {"arm": tuple(element(name, unit, **ends) for name in NAMES)}
+    _refresh(desk, _view(elements=elements))
+    values = []
+    for round_ in range(100):
+        assert desk.hold("joint1", -1, now=0.04 * round_) == ""
+        values.append(desk.step(0.04, SPEED, 0.04 * round_).values[0])
+    least = 0.1 - 100 * 0.04 * SPEED
+    assert min(values) == pytest.approx(least if limit is None else -limit)
+    desk.release()
+    assert desk.step(0.04, SPEED, 4.0) is None
+
+
 @pytest.mark.parametrize(
     "change", [{"stop_state": "stopped"}, {"age": 5.0}, {"elements": {}}]
 )
@@ -83,9 +121,9 @@ def test_no_motion_survives_a_stop_a_lost_link_or_another_controller(desk, chang
 
 
 def test_velocities_are_typed_and_not_jogged():
-    desk = ControllerDesk()
+    desk = ControllerDesk(Movers())
     elements = {"arm": tuple(element(name, "rad/s") for name in NAMES)}
     _refresh(desk, _view(elements=elements))
     assert "takes rad/s, not positions" in desk.hold("joint1", 1, now=0.0)
     desk.go({"joint1": 0.4}, now=0.0)
-    assert desk.step(0.04, SPEED, 0.04).values == [0.4, 0.1]
+    assert desk.step(0.04, SPEED, 0.04).values == [0.4, None]

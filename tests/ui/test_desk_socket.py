@@ -12,8 +12,9 @@ from websockets.sync.client import connect
 from station.client import ApiError
 from station.ui import desk_socket
 from station.ui.desk_socket import DeskSocket
+from station.ui.operate_model import Movers
 from tests.ui.served import Served
-from tests.ui.views import controller, element, sample, view
+from tests.ui.views import controller, element, sample, status, view
 
 NAMES = ("joint1", "joint2")
 VIEW = view(
@@ -32,6 +33,7 @@ class _Client:
         self.refusal = None
         self.lease = None
         self.view = VIEW
+        self.movers = Movers()
 
     async def command(self, name, values, *, epoch):
         if self.refusal is not None:
@@ -44,7 +46,9 @@ def served():
     client = _Client()
 
     async def serve(socket):
-        desk = DeskSocket(socket, client, lambda: client.view, lambda: client.lease)
+        desk = DeskSocket(
+            socket, client, lambda: client.view, lambda: client.lease, client.movers
+        )
         await desk.run(asyncio.Event().wait)
 
     app = Starlette(routes=[WebSocketRoute("/desk", serve)])
@@ -82,7 +86,7 @@ def test_the_desk_moves_a_joint_to_a_typed_value(desk, client):
     _say(desk, do="speed", joints=1.5)
     _say(desk, do="go", targets={"joint1": 0.15})
     _hear(desk, lambda told: client.sent and told["remaining"] == 0.0)
-    assert client.sent[-1] == ("arm", [0.15, 0.1], 1)
+    assert client.sent[-1] == ("arm", [0.15, None], 1)
 
 
 def test_a_held_button_stops_when_the_page_falls_silent(desk, client):
@@ -129,6 +133,18 @@ def test_two_browsers_do_not_share_a_motion(served, desk):
         assert _hear(other, lambda told: "remaining" in told)["remaining"] == 0.0
 
 
+@pytest.mark.usefixtures("client")
+def test_whose_joint_another_browser_moves_is_told_so(served, desk):
+    with connect(served[1], proxy=None) as other:
+        _say(desk, do="go", targets={"joint1": 0.9, "joint2": 0.9})
+        _hear(desk, lambda told: told["remaining"] > 0.0)
+        _say(other, do="go", targets={"joint1": -0.9})
+        told = _hear(desk, lambda told: "refused" in told)
+        assert (told["code"], "joint1" in told["refused"]) == ("taken_over", True)
+        assert _hear(desk, lambda told: "refused" not in told)["remaining"] > 0.0
+        assert _hear(other, lambda told: told.get("remaining", 0.0) > 0.0)
+
+
 def _sent_while_held(desk, client, rounds):
     """Hold a button for some rounds of the desk; return how much was sent after one."""
     _say(desk, do="jog", joint="joint2", sign=-1)
@@ -152,6 +168,24 @@ def test_a_button_that_is_held_when_control_is_lost_has_to_be_pressed_anew(
     _hear(desk, lambda told: "remaining" in told)
     _hear(desk, lambda told: "remaining" in told)
     assert _sent_while_held(desk, client, 2) > 0
+
+
+@pytest.mark.alone
+def test_a_button_that_is_held_during_a_reset_has_to_be_pressed_anew(desk, client):
+    assert _sent_while_held(desk, client, 1) > 0
+    client.view = replace(VIEW, status=status(epoch=2))
+    _hear(desk, lambda told: "remaining" in told)
+    assert _sent_while_held(desk, client, 3) == 0
+
+
+@pytest.mark.alone
+def test_a_button_that_is_held_while_the_robot_is_stopped_does_not_move_it_later(
+    desk, client
+):
+    client.view = replace(VIEW, status=status("stopped"))
+    assert _sent_while_held(desk, client, 1) == 0
+    client.view = VIEW
+    assert _sent_while_held(desk, client, 3) == 0
 
 
 @pytest.mark.alone

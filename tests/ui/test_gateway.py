@@ -250,13 +250,16 @@ def test_the_api_is_asked_with_the_credential_of_the_session(browser):
     assert closed.value.rcvd.code == 4401
 
 
-def test_looks_at_a_lost_station_are_answered_at_once(browser, station):
+def test_all_but_a_stop_is_refused_at_once_while_the_station_is_lost(browser, station):
     _log_in(browser)
     station.link = "lost"
     refused = browser.get("/api/v1/status")
     assert (refused.status_code, refused.json()["code"]) == (502, "unreachable")
     own = _own(browser)
-    assert browser.put("/api/v1/status", headers=own).text.startswith("PUT")
+    for path in ("/api/v1/controllers/switch", "/release", "/arm"):
+        refused = browser.post(path, headers=own)
+        assert (refused.status_code, refused.json()["code"]) == (502, "unreachable")
+    assert browser.post("/api/v1/stop", headers=own).text.startswith("POST")
     assert browser.post("/stop", headers=own).status_code == 200
 
 

@@ -3,6 +3,7 @@
 from fastapi import APIRouter, Request, Response
 
 from station.api import answers
+from station.api.audit import note_preview
 from station.api.dependencies import EventRecorderDep, Operator, StationDep, Viewer
 from station.api.idempotency import Idempotent, IdempotentRoute
 from station.api.routes.problems import problems
@@ -73,6 +74,8 @@ def switch_controllers(
     The answer says what was started and stopped, and by how much the command of each
     joint jumped. A conflict answers 409 and names the controllers that hold the joints.
     """
+    if request.dry_run:
+        note_preview(connection)
     if request.strictness == "strict":
         for name in (*request.start, *request.stop):
             station.controller(name)  # an unknown name is a 404, not a conflict

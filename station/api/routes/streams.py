@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 from fastapi import APIRouter, WebSocket
 
-from station.api.audit import ACCESS, origin_of
+from station.api.audit import note_access, origin_of
 from station.api.auth import Access, Authenticator, Role
 from station.api.control import HEADER as LEASE_HEADER
 from station.api.control import ControlHeldError
@@ -78,7 +78,7 @@ async def command_stream(websocket: WebSocket, controller: str) -> None:
     state.command_streams += 1
     origin = origin_of(websocket)
     log: EventLog = state.event_recorder.log
-    text = f"{access.name} sends set-points to '{controller}'."
+    text = f"{origin.who} sends set-points to '{controller}'."
     log.record(
         EventKind.COMMAND_STREAM, text, what=controller, result="open", origin=origin
     )
@@ -89,7 +89,7 @@ async def command_stream(websocket: WebSocket, controller: str) -> None:
         state.command_streams -= 1
         log.record(
             EventKind.COMMAND_STREAM,
-            f"{access.name} sends no more set-points to '{controller}'.",
+            f"{origin.who} sends no more set-points to '{controller}'.",
             what=controller,
             result=str(code or "closed"),
             details=stream.counts(),
@@ -125,7 +125,7 @@ async def accepted_access(websocket: WebSocket) -> Access | None:
         reason = "The token, session or ticket is missing, unknown or too old."
         await websocket.close(CLOSE_UNAUTHORIZED, reason)
         return None
-    websocket.scope["state"][ACCESS] = access
+    note_access(websocket, access)
     return access
 
 

@@ -5,7 +5,7 @@ import math
 import ssl
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import httpx
 from pydantic import BaseModel, JsonValue
@@ -14,6 +14,9 @@ from station.client.command_options import CommandOptions
 from station.client.errors import ApiError, StationUnreachableError
 from station.client.routes import LEASE_HEADER, PREFIX
 from station.client.stream_options import Rate, StreamOptions, bearer
+
+if TYPE_CHECKING:
+    from station.client.promptness import Promptness
 
 ModelT = TypeVar("ModelT", bound=BaseModel)
 Query = Mapping[str, str | list[str]]
@@ -35,6 +38,7 @@ class AsyncConnection:
         timeout: Longest wait for an answer [s]; may be changed.
         lease: The lease of control that requests act under; None without one.
         tls: How the station's certificate is checked; None for plain HTTP.
+        promptness: Until when changes may begin; None for however late.
     """
 
     def __init__(
@@ -50,6 +54,7 @@ class AsyncConnection:
         self.timeout = timeout
         self.lease: str | None = None
         self.tls = tls
+        self.promptness: Promptness | None = None
         self._http = httpx.AsyncClient(
             base_url=url,
             headers=bearer(token),
@@ -161,6 +166,8 @@ class AsyncConnection:
             ValueError: A number of the body is not finite.
         """
         sent = dict(headers or {})
+        if self.promptness is not None:
+            sent |= self.promptness.headers()
         if self.lease is not None:
             sent[LEASE_HEADER] = self.lease
         content = None
@@ -220,6 +227,8 @@ class AsyncConnection:
             )
         except httpx.TransportError as error:
             raise StationUnreachableError(self.url, error) from error
+        if self.promptness is not None:
+            self.promptness.hear(response.headers)
         if not response.is_success:
             refusal = ApiError.from_body(response.status_code, response.content)
             raise refusal

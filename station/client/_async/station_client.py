@@ -24,6 +24,7 @@ from station.client.async_command_stream import AsyncCommandStream
 from station.client.async_stream import AsyncStream
 from station.client.notebook import describe
 from station.client.poses import Pose, Target
+from station.client.promptness import Promptness
 from station.client.routes import (
     Restart,
     Strictness,
@@ -129,6 +130,15 @@ class AsyncStationClient:
     @timeout.setter
     def timeout(self, timeout: float) -> None:
         self._connection.timeout = timeout
+
+    def begin_within(self, promptness: Promptness | None) -> None:
+        """Let the station refuse changes that it would begin too late.
+
+        Args:
+            promptness: Until when, from the next request on; may be shared by several
+                clients of one station. None lets a change begin however late it comes.
+        """
+        self._connection.promptness = promptness
 
     @property
     def tls(self) -> ssl.SSLContext | None:
@@ -275,14 +285,13 @@ class AsyncStationClient:
 
     async def last_command(self, name: str) -> wire.CommandInfo:
         """Return the elements of a controller's set-point, and the last set-point."""
-        return await self._connection.get(
-            controller_path(name, "command"), wire.CommandInfo
-        )
+        path = controller_path(name, "command")
+        return await self._connection.get(path, wire.CommandInfo)
 
     async def command(
         self,
         name: str,
-        values: Sequence[float],
+        values: Sequence[float | None],
         epoch: int | None = None,
         timeout: float | None = None,
         rates: Sequence[float] | None = None,
@@ -291,7 +300,8 @@ class AsyncStationClient:
 
         Args:
             name: The controller.
-            values: One number per element, in its order and units.
+            values: One number per element, in its order and units; None leaves an
+                element at what the controller was told last.
             epoch: Refuse when a stop or reset came since that epoch.
             timeout: How long it is valid [s], 0 for ever; None for the controller's
                 own setting.
@@ -309,9 +319,8 @@ class AsyncStationClient:
 
     async def controller_state(self, name: str) -> wire.ControllerSample:
         """Return what a controller did in the last cycle."""
-        return await self._connection.get(
-            controller_path(name, "state"), wire.ControllerSample
-        )
+        path = controller_path(name, "state")
+        return await self._connection.get(path, wire.ControllerSample)
 
     def command_stream(
         self, controller: str, *, timeout: float = 0.2
@@ -350,9 +359,8 @@ class AsyncStationClient:
 
     async def cancel_goal(self, name: str, goal_id: str) -> wire.Goal:
         """Cancel a goal; the joints hold from the next cycle on."""
-        return await self._connection.send(
-            "DELETE", goal_path(name, goal_id), wire.Goal
-        )
+        path = goal_path(name, goal_id)
+        return await self._connection.send("DELETE", path, wire.Goal)
 
     async def follow_trajectory(
         self, name: str, trajectory: Mapping[str, JsonValue], epoch: int | None = None

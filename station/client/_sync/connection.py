@@ -6,7 +6,7 @@ import math
 import ssl
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import httpx
 from pydantic import BaseModel, JsonValue
@@ -15,6 +15,9 @@ from station.client.command_options import CommandOptions
 from station.client.errors import ApiError, StationUnreachableError
 from station.client.routes import LEASE_HEADER, PREFIX
 from station.client.stream_options import Rate, StreamOptions, bearer
+
+if TYPE_CHECKING:
+    from station.client.promptness import Promptness
 
 ModelT = TypeVar("ModelT", bound=BaseModel)
 Query = Mapping[str, str | list[str]]
@@ -36,6 +39,7 @@ class Connection:
         timeout: Longest wait for an answer [s]; may be changed.
         lease: The lease of control that requests act under; None without one.
         tls: How the station's certificate is checked; None for plain HTTP.
+        promptness: Until when changes may begin; None for however late.
     """
 
     def __init__(
@@ -51,6 +55,7 @@ class Connection:
         self.timeout = timeout
         self.lease: str | None = None
         self.tls = tls
+        self.promptness: Promptness | None = None
         self._http = httpx.Client(
             base_url=url,
             headers=bearer(token),
@@ -162,6 +167,8 @@ class Connection:
             ValueError: A number of the body is not finite.
         """
         sent = dict(headers or {})
+        if self.promptness is not None:
+            sent |= self.promptness.headers()
         if self.lease is not None:
             sent[LEASE_HEADER] = self.lease
         content = None
@@ -221,6 +228,8 @@ class Connection:
             )
         except httpx.TransportError as error:
             raise StationUnreachableError(self.url, error) from error
+        if self.promptness is not None:
+            self.promptness.hear(response.headers)
         if not response.is_success:
             refusal = ApiError.from_body(response.status_code, response.content)
             raise refusal

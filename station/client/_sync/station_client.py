@@ -24,6 +24,7 @@ from station.client._sync.tokens_client import TokensClient
 from station.client.command_stream import CommandStream
 from station.client.notebook import describe
 from station.client.poses import Pose, Target
+from station.client.promptness import Promptness
 from station.client.routes import (
     Restart,
     Strictness,
@@ -130,6 +131,15 @@ class StationClient:
     @timeout.setter
     def timeout(self, timeout: float) -> None:
         self._connection.timeout = timeout
+
+    def begin_within(self, promptness: Promptness | None) -> None:
+        """Let the station refuse changes that it would begin too late.
+
+        Args:
+            promptness: Until when, from the next request on; may be shared by several
+                clients of one station. None lets a change begin however late it comes.
+        """
+        self._connection.promptness = promptness
 
     @property
     def tls(self) -> ssl.SSLContext | None:
@@ -276,12 +286,13 @@ class StationClient:
 
     def last_command(self, name: str) -> wire.CommandInfo:
         """Return the elements of a controller's set-point, and the last set-point."""
-        return self._connection.get(controller_path(name, "command"), wire.CommandInfo)
+        path = controller_path(name, "command")
+        return self._connection.get(path, wire.CommandInfo)
 
     def command(
         self,
         name: str,
-        values: Sequence[float],
+        values: Sequence[float | None],
         epoch: int | None = None,
         timeout: float | None = None,
         rates: Sequence[float] | None = None,
@@ -290,7 +301,8 @@ class StationClient:
 
         Args:
             name: The controller.
-            values: One number per element, in its order and units.
+            values: One number per element, in its order and units; None leaves an
+                element at what the controller was told last.
             epoch: Refuse when a stop or reset came since that epoch.
             timeout: How long it is valid [s], 0 for ever; None for the controller's
                 own setting.
@@ -308,9 +320,8 @@ class StationClient:
 
     def controller_state(self, name: str) -> wire.ControllerSample:
         """Return what a controller did in the last cycle."""
-        return self._connection.get(
-            controller_path(name, "state"), wire.ControllerSample
-        )
+        path = controller_path(name, "state")
+        return self._connection.get(path, wire.ControllerSample)
 
     def command_stream(self, controller: str, *, timeout: float = 0.2) -> CommandStream:
         """Return a stream of set-points for a `with` block (`async with`).
@@ -347,7 +358,8 @@ class StationClient:
 
     def cancel_goal(self, name: str, goal_id: str) -> wire.Goal:
         """Cancel a goal; the joints hold from the next cycle on."""
-        return self._connection.send("DELETE", goal_path(name, goal_id), wire.Goal)
+        path = goal_path(name, goal_id)
+        return self._connection.send("DELETE", path, wire.Goal)
 
     def follow_trajectory(
         self, name: str, trajectory: Mapping[str, JsonValue], epoch: int | None = None

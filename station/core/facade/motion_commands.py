@@ -4,8 +4,9 @@ Every command is checked alike first: the station must be armed, the controller 
 run, and the epoch, if the caller names one, must be the present one.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
+from station.core.control.controller import ControllerBase
 from station.core.control.controller_manager import ControllerManager
 from station.core.errors import (
     ControllerNotFoundError,
@@ -82,7 +83,7 @@ class MotionCommands:
     def set_command(
         self,
         name: str,
-        values: list[float],
+        values: Sequence[float | None],
         epoch: int | None = None,
         timeout: float | None = None,
         rates: list[float] | None = None,
@@ -92,7 +93,10 @@ class MotionCommands:
 
         Args:
             name: The controller.
-            values: One number per element of its set-point.
+            values: One number per element of its set-point; None leaves an element at
+                what the controller was told last. Of two callers at the same time that
+                leave out each other's elements, neither undoes what the other asks for
+                if both calls are made under one lock.
             epoch: The epoch in which the caller decided; the present one when None.
             timeout: How long it is valid [s wall time], 0 for ever; the controller's
                 own when None.
@@ -110,16 +114,48 @@ class MotionCommands:
             LoopError: The loop died.
         """
         port = self._set_point_port(name)
-        port.check(values, timeout, rates)
         generation = port.generation
+        whole = self._whole(name, port, values)
+        port.check(whole, timeout, rates)
         present = self._check_may_move(name, epoch)
         receipt = receipt or self.receipt()
         # A stop or a reset in between changes the generation and voids the set-point.
-        port.post([*values, *(rates or [])], timeout, generation, receipt)
+        port.post([*whole, *(rates or [])], timeout, generation, receipt)
         self._inputs.note_command(
-            "set_point", receipt, name=name, values=values, timeout=timeout, rates=rates
+            "set_point", receipt, name=name, values=whole, timeout=timeout, rates=rates
         )
         return present
+
+    def _whole(
+        self, name: str, port: SetPointPort, values: Sequence[float | None]
+    ) -> list[float]:
+        """Return a set-point with what is in force for each None.
+
+        Raises:
+            ControllerNotFoundError: None of that name is loaded.
+            ControllerStateError: It is not running.
+            InvalidCommandError: What is in force is not known.
+        """
+        given = [value for value in values if value is not None]
+        if len(given) == len(values):
+            return given
+        controller = self.manager.get_controller(name)
+        self._check_running(name, controller)
+        size, in_force = len(port.elements), port.newest
+        if in_force is None and (sample := controller.sample) is not None:
+            in_force = list(sample.desired)
+        if in_force is None or len(in_force) < size or len(values) != size:
+            raise InvalidCommandError(
+                f"The command for '{name}' leaves elements out, which cannot be "
+                "filled in.",
+                remedy=f"Send {size} values, each a number or null, once the "
+                "controller has run for a cycle.",
+                details={"expected": [element.name for element in port.elements]},
+            )
+        return [
+            told if value is None else value
+            for value, told in zip(values, in_force[:size], strict=True)
+        ]
 
     def let_go(self, names: Iterable[str], reason: str) -> None:
         """End what controllers were commanded: their commander has lost control.
@@ -325,14 +361,7 @@ class MotionCommands:
         """
         self.loop.check_alive()
         self.loop.stop_latch.check()
-        controller = self.manager.get_controller(name)
-        if not controller.is_running():
-            raise ControllerStateError(
-                f"Controller '{name}' is {controller.state.value}; it takes commands "
-                "while it is running.",
-                remedy=f"Start controller '{name}' first.",
-                details={"controller": name, "state": controller.state.value},
-            )
+        self._check_running(name, self.manager.get_controller(name))
         present = self.loop.epoch
         if epoch is not None and epoch != present:
             raise StaleEpochError(
@@ -341,6 +370,21 @@ class MotionCommands:
                 details={"epoch": present},
             )
         return present
+
+    @staticmethod
+    def _check_running(name: str, controller: ControllerBase) -> None:
+        """Refuse commands of a controller that does not run.
+
+        Raises:
+            ControllerStateError: It is not running.
+        """
+        if not controller.is_running():
+            raise ControllerStateError(
+                f"Controller '{name}' is {controller.state.value}; it takes commands "
+                "while it is running.",
+                remedy=f"Start controller '{name}' first.",
+                details={"controller": name, "state": controller.state.value},
+            )
 
     def _set_point_port(self, name: str) -> SetPointPort:
         port = self.manager.get_controller(name).set_points

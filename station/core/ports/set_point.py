@@ -84,6 +84,18 @@ class SetPointPort:
         self.news = SetPointNews(self._slot)
         self.generation = 0
         self._in_force: Receipt | None = None
+        # The set-point posted last and its generation; None once it is not in force.
+        self._newest: tuple[list[float], int] | None = None
+
+    @property
+    def newest(self) -> list[float] | None:
+        """The set-point posted last, picked up or not, with its rates.
+
+        None if there was none since the controller started, and once it has expired or
+        was made void: the controller is at rest then.
+        """
+        newest = self._newest
+        return newest[0] if newest and newest[1] == self.generation else None
 
     def check(
         self,
@@ -139,7 +151,9 @@ class SetPointPort:
         limit = self.timeout if timeout is None else timeout
         deadline = self.clock.now() + limit if limit > 0.0 else inf
         of = self.generation if generation is None else generation
-        self._slot.append((list(values), deadline, of, receipt))
+        posted = list(values)
+        self._newest = (posted, of)
+        self._slot.append((posted, deadline, of, receipt))
 
     def expire(self) -> None:
         """Let the set-point in force expire now, and drop the one in the slot.
@@ -147,6 +161,7 @@ class SetPointPort:
         What was not picked up yet never is. Without a set-point in force, nothing else
         happens.
         """
+        self._newest = None
         self._slot.append((None, -inf, self.generation, None))
 
     def has_news(self) -> bool:
@@ -182,6 +197,9 @@ class SetPointPort:
         if not self._has_expired():
             return False
         self.news.deadline = inf
+        newest = self._newest
+        if newest is not None and newest[0] is self.last:
+            self._newest = None
         if self._in_force is not None:
             self._in_force.end()
         return True

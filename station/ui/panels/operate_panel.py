@@ -8,7 +8,12 @@ import viser
 from typing_extensions import override
 
 from station.ui.markup import good, hint, warning
-from station.ui.operate_model import Operated, SetPointRamp, choose_operated
+from station.ui.operate_model import (
+    Movers,
+    Operated,
+    SetPointRamp,
+    choose_operated,
+)
 from station.ui.panels.commanding_panel import CommandingPanel
 from station.ui.reporter import Event, Reporter
 from station.ui.slider_scale import SliderScale, command_scale
@@ -29,6 +34,9 @@ class OperatePanel(CommandingPanel):
         reporter: Says what went wrong.
         limits: Position limits of the robot's joints, for disabled sliders that only
             show the robot; limits that the station reports take precedence.
+
+    Attributes:
+        movers: Shared by all that command joints.
     """
 
     def __init__(
@@ -37,7 +45,8 @@ class OperatePanel(CommandingPanel):
         super().__init__(link, reporter)
         self._gui = gui
         self._limits = limits
-        self._ramp = SetPointRamp(())
+        self.movers = Movers()
+        self._ramp = SetPointRamp((), self.movers)
         self._state = gui.add_html(hint("Waiting for the station …"))
         self._speed = gui.add_slider(
             "Top speed [rad/s]", min=0.05, max=1.5, step=0.05, initial_value=0.5
@@ -56,7 +65,7 @@ class OperatePanel(CommandingPanel):
         """Follow the robot, or show why the sliders are disabled."""
         operated = choose_operated(view)
         if operated.elements != self._operated.elements:
-            self._ramp = SetPointRamp(operated.elements)
+            self._ramp = SetPointRamp(operated.elements, self.movers)
         self._operate(operated, view)
         elements = operated.elements or _joint_elements(view, self._limits)
         if elements != self._shown:
@@ -68,6 +77,10 @@ class OperatePanel(CommandingPanel):
         """Send set-points that approach the values of the sliders, until cancelled."""
         while True:
             await asyncio.sleep(_SEND_PERIOD)
+            lost = [self._shown[i].name for i in self._ramp.give_up_lost()]
+            if lost:
+                text = f"Somebody else moves {', '.join(lost)} now."
+                self._reporter.say("Motion ended", text, None)
             command = self._ramp.step(_SEND_PERIOD, self._speed.value)
             if command is None:
                 continue
@@ -75,6 +88,7 @@ class OperatePanel(CommandingPanel):
                 await self._link.client.command(
                     self._operated.name, command, epoch=self._epoch
                 )
+                self._ramp.confirm()
 
     def _follow(self, view: StationView) -> None:
         sample = view.samples.get(self._operated.name)

@@ -43,8 +43,14 @@ async function patiently(path, ms, options = {}) {
 async function post(path) {
   const answer = await patiently(path, STOP_PATIENCE_MS, { method: "POST" });
   const body = await answer.json();
-  if (!answer.ok) throw new Error(`${body.detail} ${body.remedy ?? ""}`);
+  if (!answer.ok) throw Object.assign(new Error(`${body.detail} ${body.remedy ?? ""}`), { told: { ...body, status: answer.status } });
   return body;
+}
+
+// A refusal belongs into the log of the docks. Without them it is a notice.
+function refuse(told, path) {
+  const heard = new CustomEvent("station-refused", { detail: { told, path }, cancelable: true });
+  if (window.dispatchEvent(heard)) notice(`${told.detail} ${told.remedy ?? ""}`);
 }
 
 // What the station has answered to a stop or a release is newer than what the dashboard
@@ -53,6 +59,7 @@ async function post(path) {
 const ANSWER_HOLDS_MS = 1500;
 let answered = { state: "", until: 0 };
 let latest = null;
+let refusedBefore = "";
 
 function showAnswer(told) {
   answered = { state: told.state, until: Date.now() + ANSWER_HOLDS_MS };
@@ -83,7 +90,8 @@ async function act(path) {
   try {
     showAnswer(await post(path));
   } catch (error) {
-    notice(error.message);
+    const remedy = "Look at the strip whether it was done, and try again.";
+    refuse(error.told ?? { code: "unreachable", detail: `It is not known whether it was done: ${error.message}`, remedy }, path);
   }
   refresh();
 }
@@ -118,6 +126,9 @@ function render(polled) {
   element("role").hidden = operator;
   element("release").hidden = !operator || state.stop_state !== "stopped";
   element("arm").hidden = !operator || state.stop_state !== "released";
+  // Of the panel that Viser draws, which is one for all browsers, and of pulls.
+  if (state.refused && state.refused !== refusedBefore) refuse({ code: "panel", detail: state.refused });
+  refusedBefore = state.refused ?? "";
   if (Date.now() > noticeUntil) {
     element("notice").textContent = state.message;
     element("notice").hidden = !state.message;
@@ -170,10 +181,12 @@ function listenEverywhere() {
   listen(element("view").contentWindow);
 }
 
-// Both the press and the release are swallowed: Space would click a focused button.
+// Space is a letter of a text; Escape stops while a field has the focus, too, whatever else
+// it would do there. Both the press and the release are swallowed: Space would click a
+// focused button.
 function onKey(event) {
-  const stops = event.key === "Escape" || event.key === " ";
-  if (!stops || isTyping(event.target)) return;
+  const stops = event.key === "Escape" || (event.key === " " && !isTyping(event.target));
+  if (!stops) return;
   event.preventDefault();
   event.stopPropagation();
   if (event.type === "keydown" && !event.repeat) stop();

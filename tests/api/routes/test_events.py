@@ -31,6 +31,28 @@ def test_a_change_is_recorded_with_who_did_it(client):
     assert event.request_id
 
 
+def test_a_change_under_a_lease_is_recorded_with_the_name_of_its_owner(spring):
+    spring.lease.act_under(spring.lease.take("ada").lease)
+    spring.switch_controllers(stop=["spring"])
+
+    assert requests_of(spring)[-1] == (
+        "ada (operator)",
+        "POST /controllers/switch",
+        "200",
+    )
+    assert spring.events(kinds=["switch"])[-1].who == "ada (operator)"
+
+
+def test_a_preview_of_a_switch_leaves_no_event(spring):
+    before = len(spring.events())
+    plan = spring.switch_controllers(stop=["spring"], dry_run=True)
+    with pytest.raises(ApiError):
+        spring.switch_controllers(start=["unknown"], dry_run=True)
+
+    assert plan.stopped == ["spring"]
+    assert len(spring.events()) == before
+
+
 def test_a_refusal_is_recorded_with_its_code(client):
     with pytest.raises(ApiError):
         client.unload_controller("unknown")

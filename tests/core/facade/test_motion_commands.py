@@ -65,6 +65,45 @@ def test_the_cycle_that_takes_a_set_point_up_is_noted(station):
     assert (old.cycle, new.cycle) == (None, first)
 
 
+@pytest.fixture
+def group(station):
+    """Return the station with the group controller running."""
+    station.switch_controllers(SwitchRequest(start=("group",)))
+    station.loop.step()
+    return station
+
+
+def test_two_callers_that_move_different_joints_do_not_undo_each_other(group):
+    at_rest = group.controller_sample("group").desired
+    group.motion.set_command("group", [0.1, None])
+    group.loop.step()
+    assert list(group.motion.set_point("group").values) == [0.1, at_rest[1]]
+    group.motion.set_command("group", [None, 0.2])
+    group.motion.set_command("group", [0.3, None])  # before a cycle took the other up
+    group.loop.step()
+    assert list(group.motion.set_point("group").values) == [0.3, 0.2]
+
+
+def test_an_element_is_not_left_at_a_set_point_that_a_stop_made_void(group):
+    group.motion.set_command("group", [0.1, 0.1])
+    group.stop("A test.")
+    group.loop.step()
+    group.release_stop(arm=False)
+    group.release_stop(arm=True)
+    group.switch_controllers(SwitchRequest(start=("group",)))
+    group.loop.step()
+    at_rest = group.controller_sample("group").desired
+    group.motion.set_command("group", [None, 0.2])
+    group.loop.step()
+    assert list(group.motion.set_point("group").values) == [at_rest[0], 0.2]
+    assert at_rest[0] != 0.1
+
+
+def test_elements_are_left_out_by_none_alone(group):
+    with pytest.raises(InvalidCommandError, match="leaves elements out"):
+        group.motion.set_command("group", [None])
+
+
 def test_the_cycle_that_takes_a_trajectory_up_is_noted(arm):
     receipt = arm.motion.receipt()
     arm.motion.follow_trajectory("arm", TRAJECTORY, receipt=receipt)

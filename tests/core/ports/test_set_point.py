@@ -34,6 +34,26 @@ def test_a_posted_list_may_be_changed_afterwards(port):
     assert port.take() == [0.1, 0.1]
 
 
+def test_the_set_point_in_force_is_the_one_posted_last_until_it_ends(port, clock):
+    assert port.newest is None
+    port.post([0.1, 0.1])
+    port.take()
+    port.post([0.2, 0.2])
+    assert port.newest == [0.2, 0.2]
+    port.take()
+    clock.advance(0.6)
+    port.take_expiry()
+    assert port.newest is None
+    port.post([0.3, 0.3])
+    port.expire()
+    assert port.newest is None
+    port.post([0.3, 0.3])
+    port.clear()
+    assert port.newest is None
+    port.post([0.4, 0.4], generation=0)  # decided before the stop
+    assert port.newest is None
+
+
 @pytest.mark.parametrize("values", [[0.0], [0.0, 0.0, 0.0], []])
 def test_a_wrong_length_is_refused(port, values):
     with pytest.raises(InvalidCommandError, match="takes 2: a, b"):

@@ -17,7 +17,7 @@ def panel(bench):
 def running(bench, panel):
     """A group controller runs, and the sliders follow it."""
     bench.station.load("arm", running=True)
-    assert bench.wait(lambda: panel._operated.name == "arm" and panel._ramp._current)
+    assert bench.wait(lambda: panel._operated.name == "arm" and panel._ramp.is_known)
     return bench
 
 
@@ -47,7 +47,15 @@ def test_a_touched_slider_moves_its_joint_in_small_steps(running, panel):
     first = [command[0] for command in _commands(running)]
     steps = [b - a for a, b in zip([0.0, *first], first, strict=False)]
     assert max(steps) <= panel._speed.value * 0.04 + 1e-9
-    assert all(command[1:] == START[1:] for command in _commands(running))
+    assert all(set(command[1:]) == {None} for command in _commands(running))
+
+
+def test_a_move_ends_when_somebody_else_moves_its_joint(running, panel):
+    running.enter(panel._sliders[0].slider, 2.0)
+    assert running.wait(lambda: _commands(running))
+    panel.movers.take(panel._shown[0].name, "somebody else")
+    assert running.wait(lambda: not panel._ramp.commanding)
+    assert "Somebody else moves" in running.dashboard._reporter.message
 
 
 def test_sliders_follow_what_others_command(running, panel):

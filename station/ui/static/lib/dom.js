@@ -48,7 +48,10 @@ export function typed(text) {
   return clean !== "" && Number.isFinite(value) ? value : null;
 }
 
-/** A button that acts while it is held, by pointer or with the Enter key. */
+/**
+ * A button that acts while it is held, by pointer or with the Enter key. One that is
+ * disabled meanwhile, e.g. by a stop, has to be pressed anew.
+ */
 export function holdButton(label, title, hold, release) {
   const button = h("button", { class: "s hold", type: "button", title }, label);
   button.setAttribute("aria-label", title);
@@ -66,6 +69,7 @@ export function holdButton(label, title, hold, release) {
     hold();
     timer = setInterval(() => (button.isConnected ? hold() : end()), 100);
   };
+  new MutationObserver(() => button.disabled && end()).observe(button, { attributes: true, attributeFilter: ["disabled"] });
   button.addEventListener("pointerdown", (event) => {
     if (event.button !== 0) return;
     button.setPointerCapture(event.pointerId);

@@ -46,6 +46,13 @@ class Refusals extends EventTarget {
 
 export const refusals = new Refusals();
 
+// What the strip asked for. It works without this log, so it asks whether somebody heard.
+window.addEventListener("station-refused", (event) => {
+  event.preventDefault();
+  const { told, path } = event.detail;
+  refusals.add({ ...told, remedy: forPerson(told.remedy ?? "") }, path ? { method: "POST", path } : {});
+});
+
 /** Return the remedies that are one click: a label and what the click does, or null. */
 export function remedyOf(entry, state, actions) {
   if (state.stop === "stopped") {

@@ -9,7 +9,8 @@ const REMEDY = "Look whether the station still runs; this page reconnects by its
 // A browser keeps six connections to the dashboard, for all its tabs, and a station that
 // hangs would keep them all. So what has to go on to the station takes turns, a few looks
 // and a few actions at a time, and looks at a station that is lost are given up: there is
-// a connection left for STOP and for the strip.
+// a connection left for STOP and for the strip. An action that still waits for its turn
+// then is given up as well: nobody wants it done when the station is back.
 class Turns {
   constructor(most) {
     this.free = most;
@@ -18,12 +19,16 @@ class Turns {
 
   async take() {
     if (this.free > 0) this.free -= 1;
-    else await new Promise((go) => this.waiting.push(go));
+    else await new Promise((go, giveUp) => this.waiting.push({ go, giveUp }));
+  }
+
+  giveUp() {
+    for (const one of this.waiting.splice(0)) one.giveUp(new Error("the station is lost"));
   }
 
   give() {
     const next = this.waiting.shift();
-    if (next) next();
+    if (next) next.go();
     else this.free += 1;
   }
 }
@@ -36,6 +41,8 @@ window.addEventListener("station-bar", ({ detail }) => {
   if (detail.link === "live" && link !== "live") for (const socket of [...broken]) socket.open();
   link = detail.link;
   if (link !== "lost") return;
+  looks.giveUp();
+  actions.giveUp();
   lost.abort();
   lost = new AbortController();
 });
@@ -69,11 +76,16 @@ export class Refusal extends Error {
   }
 }
 
+function linkIsLost() {
+  return new Refusal(0, { code: "unreachable", detail: "The link to the station is lost.", remedy: REMEDY });
+}
+
 /** Send a request and return the JSON of its answer; throws a Refusal. */
 export async function send(method, path, body, headers = {}) {
-  // Looks at a station that is known to be lost would only take time from its return.
-  if (link === "lost" && method === "GET" && isForStation(path))
-    throw new Refusal(0, { code: "unreachable", detail: "The link to the station is lost.", remedy: REMEDY });
+  // Looks at a station that is known to be lost would only take time from its return, and
+  // an action would be done when nobody expects it any more. A stop is not refused here.
+  const isRefused = isForStation(path) && path !== `${API}/stop`;
+  if (link === "lost" && isRefused) throw linkIsLost();
   let answer;
   try {
     answer = await fetched(method, path, {
@@ -82,6 +94,7 @@ export async function send(method, path, body, headers = {}) {
       body: body === undefined ? undefined : typeof body === "string" ? body : JSON.stringify(body),
     });
   } catch {
+    if (link === "lost" && isRefused) throw linkIsLost();
     throw new Refusal(0, {
       code: "unreachable",
       detail: "The dashboard does not answer.",
@@ -188,6 +201,11 @@ class Desk extends EventTarget {
       if (told.link === "live" && link !== "live") window.dispatchEvent(new Event("station-back"));
       this.dispatchEvent(new Event("change"));
     });
+  }
+
+  /** Say something that matters only to a motion that runs, and is said again before the next. */
+  mention(message) {
+    this.socket?.say(message);
   }
 
   say(message) {

@@ -2,6 +2,7 @@
 import { act, follow, send } from "./station.js";
 
 const POLL_MS = 350;
+const ENABLING = "The controller is being started.";
 
 class Store extends EventTarget {
   constructor() {
@@ -14,6 +15,7 @@ class Store extends EventTarget {
     this.markers = []; // {at: station time [s], text}
     this.stationTime = 0;
     this.endOfArm = {};
+    this.isEnabling = false; // while "Enable sliders" waits for the station
   }
 
   get isOperator() {
@@ -43,6 +45,7 @@ class Store extends EventTarget {
     try {
       const docks = await send("GET", "/workspace/state");
       this.notice(this.docks, docks);
+      if (this.isEnabling) docks.enabling.reason ||= ENABLING;
       this.docks = docks;
       this.followArms(docks.arms.map((arm) => arm.arm_id));
       this.dispatchEvent(new Event("docks"));
@@ -122,7 +125,19 @@ export async function restartController(name) {
 /** Start what makes the joints take values; load it first if no such thing is loaded. */
 export async function enableSliders() {
   const wanted = store.docks?.enabling;
-  if (!wanted?.name) return;
+  if (!wanted?.name || store.isEnabling) return;
+  store.isEnabling = true;
+  store.docks.enabling = { ...wanted, reason: wanted.reason || ENABLING };
+  store.dispatchEvent(new Event("docks"));
+  try {
+    await startWanted(wanted);
+  } finally {
+    store.isEnabling = false;
+    await store.refresh();
+  }
+}
+
+async function startWanted(wanted) {
   if (wanted.type) {
     const read = await send("POST", "/workspace/parameters", wanted.parameters);
     const loaded = await act("POST", "/controllers", {
@@ -133,5 +148,4 @@ export async function enableSliders() {
     if (!loaded) return;
   }
   await act("POST", "/controllers/switch", { start: [wanted.name, ...wanted.also], stop: wanted.replaces });
-  await store.refresh();
 }

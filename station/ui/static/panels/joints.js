@@ -7,6 +7,8 @@ import { store } from "../lib/store.js";
 
 const DEGREES = 180 / Math.PI;
 const NEAR_LIMIT = 0.05; // part of the range at each end
+const POSITIONS = ["rad", "m"]; // units of what a held button can move
+const SHOW_SENT_MS = 500; // until the desk says how far it is
 
 class Joints extends Panel {
   build() {
@@ -24,7 +26,10 @@ class Joints extends Panel {
     this.speed = h("input", { type: "range", min: 2, max: 85, step: 1, value: kept.get("speed", 29), title: "Top speed of a joint on its way to a typed value, or while its button is held" });
     this.speed.setAttribute("aria-label", "Top speed in degrees per second");
     this.speedText = h("output", {});
-    this.speed.addEventListener("input", () => this.showSpeed());
+    this.speed.addEventListener("input", () => {
+      this.showSpeed();
+      desk.mention(this.wantedSpeed); // for a motion that runs
+    });
     this.tools.append(...this.units, h("label", { class: "speed" }, "top speed ", this.speed, this.speedText));
     this.head = h("tr", {});
     this.body = h("tbody", {});
@@ -80,8 +85,12 @@ class Joints extends Panel {
     this.move(known);
   }
 
+  get wantedSpeed() {
+    return { do: "speed", joints: Number(this.speed.value) / DEGREES };
+  }
+
   move(targets) {
-    desk.say({ do: "speed", joints: Number(this.speed.value) / DEGREES });
+    desk.say(this.wantedSpeed);
     desk.say({ do: "go", targets });
   }
 
@@ -100,7 +109,9 @@ class Joints extends Panel {
   showSpeed() {
     const value = Number(this.speed.value);
     kept.set("speed", value);
-    show(this.speedText, this.unit === "deg" ? `${value} °/s` : `${(value / DEGREES).toFixed(2)} rad/s`);
+    const number = (value / DEGREES).toFixed(2);
+    const slides = [...this.rows.keys()].some((joint) => store.docks.sliding.includes(joint));
+    show(this.speedText, (this.unit === "deg" ? `${value} °/s` : `${number} rad/s`) + (slides ? `, ${number} m/s` : ""));
   }
 
   get scale() {
@@ -127,7 +138,7 @@ class Joints extends Panel {
       const usable = may && Boolean(element);
       row.element = element;
       row.input.disabled = !usable;
-      for (const button of row.hold) button.disabled = !usable || element.unit !== "rad";
+      for (const button of row.hold) button.disabled = !usable || !POSITIONS.includes(element.unit);
     }
     this.showState();
   }
@@ -146,6 +157,8 @@ class Joints extends Panel {
       return offered ? "Nothing that runs takes joint values. Click “Enable sliders” over the 3D view." : operated.reason;
     }
     const going = desk.state.remaining ?? 0;
+    // The distances of several joints have one number, which has a unit if all turn.
+    if (going > 1e-6 && operated.elements.some((e) => e.unit === "m")) return "Moving.";
     if (going > 1e-6) return `Moving: ${number(going * this.scale, 2)} ${this.unit} to go.`;
     return `${operated.names.join(" and ")} ${operated.names.length > 1 ? "take" : "takes"} values: type one and press Enter, or hold − and +.`;
   }
@@ -153,6 +166,7 @@ class Joints extends Panel {
   buildRows(names) {
     this.rows.clear();
     this.body.replaceChildren(...[...shortNames(names)].map(([joint, label]) => this.makeRow(joint, label)));
+    this.showSpeed();
   }
 
   makeRow(joint, label) {
@@ -164,9 +178,12 @@ class Joints extends Panel {
     const input = h("input", { class: "value", inputMode: "decimal", autocomplete: "off", spellcheck: false });
     input.setAttribute("aria-label", `Command of ${label}`);
     here.hidden = !limits; // A joint that turns without end has no place within limits.
-    const row = { here, told, bar, cells, input, limits, sent: null, position: 0, hold: [] };
+    const row = { here, told, bar, cells, input, limits, sent: null, position: 0, hold: [], edited: false };
+    // What nobody has typed is only shown: Enter on it moves nothing.
+    input.addEventListener("input", () => (row.edited = true));
+    input.addEventListener("blur", () => (row.edited = false));
     input.addEventListener("keydown", (event) => {
-      if (event.key === "Enter") this.send(joint, row);
+      if (event.key === "Enter" && row.edited) this.send(joint, row);
     });
     input.addEventListener("focus", () => input.select());
     row.hold = [-1, 1].map((sign) =>
@@ -174,7 +191,7 @@ class Joints extends Panel {
         sign < 0 ? "−" : "+",
         `Move ${label} ${sign < 0 ? "down" : "up"} while held`,
         () => {
-          if (!row.told_speed) desk.say({ do: "speed", joints: Number(this.speed.value) / DEGREES });
+          if (!row.told_speed) desk.say(this.wantedSpeed);
           row.told_speed = true;
           row.sent = null;
           desk.say({ do: "jog", joint, sign });
@@ -199,7 +216,8 @@ class Joints extends Panel {
       return;
     }
     const target = value / this.scaleOf(row.element);
-    row.sent = { text: row.input.value.trim(), target };
+    row.sent = { text: row.input.value.trim(), target, at: performance.now() };
+    row.edited = false;
     this.move({ [joint]: target });
     row.input.select();
   }
@@ -240,19 +258,23 @@ class Joints extends Panel {
 
   drawCommand(joint, row, digits) {
     const value = this.desired.get(joint);
-    row.told.hidden = value == null || row.element?.unit !== "rad";
+    row.told.hidden = value == null || !POSITIONS.includes(row.element?.unit);
     if (value == null) {
-      if (document.activeElement !== row.input) row.input.value = "";
+      if (!row.edited) row.input.value = "";
       return;
     }
     if (row.limits) {
       const [low, high] = row.limits;
       row.told.style.left = `${Math.min(Math.max((value - low) / (high - low), 0), 1) * 100}%`;
     }
-    if (document.activeElement === row.input) return;
+    if (row.edited) return;
     // What a person typed stays as typed while it is what the robot is told.
-    const isSent = row.sent && (Math.abs(row.sent.target - value) < 1e-9 || desk.state.remaining > 1e-6);
-    row.input.value = isSent ? row.sent.text : number(value * this.scaleOf(row.element), digits);
+    const isOnItsWay = desk.state.remaining > 1e-6 || performance.now() - row.sent?.at < SHOW_SENT_MS;
+    if (row.sent && !isOnItsWay && Math.abs(row.sent.target - value) >= 1e-9) row.sent = null;
+    const text = row.sent?.text ?? number(value * this.scaleOf(row.element), digits);
+    if (row.input.value === text) return;
+    row.input.value = text;
+    if (document.activeElement === row.input) row.input.select(); // to be typed over
   }
 }
 
