@@ -2,7 +2,6 @@
 
 import math
 import re
-from pathlib import Path
 
 import pytest
 
@@ -94,40 +93,6 @@ def test_a_running_controller_is_restarted_in_its_row(workspace, enabled):
     assert enabled.controller(CONTROLLER).state == "running"
 
 
-def test_a_gain_that_is_an_enumeration_is_chosen_by_name(workspace, client):
-    name = next(
-        c.name
-        for c in client.controllers()
-        if c.type.endswith("CartesianJogController")
-    )
-    dock = workspace.dock("tuning")
-    dock.get_by_label("Controller to tune").select_option(name)
-    assert client.gains(name).values["frame"] == 0
-    dock.get_by_label(f"frame of {name}").select_option("1")
-    workspace.button("tuning", "Apply").click()
-    assert wait_until(lambda: client.gains(name).values["frame"] == 1)
-    workspace.button("tuning", "Undo").click()
-    assert wait_until(lambda: client.gains(name).values["frame"] == 0)
-
-
-def test_a_set_of_gains_is_saved_compared_and_applied(workspace, enabled):
-    dock = workspace.dock("tuning")
-    name = "panda_joint2/p"
-    before = enabled.gains(CONTROLLER).values[name]
-    dock.get_by_text("Sets of gains").click()
-    dock.get_by_label("Name of the set").fill("test-set")
-    dock.get_by_role("button", name="Save", exact=True).click()
-    dock.get_by_text("no gain differs").wait_for()
-    enabled.set_gains(CONTROLLER, {name: before - 50})
-    dock.get_by_label("Set of gains").dispatch_event("change")
-    dock.get_by_text(f"{name}: set {before:.4f}, now {before - 50:.4f}").wait_for()
-    dock.get_by_role("button", name="Apply set").click()
-    assert wait_until(lambda: enabled.gains(CONTROLLER).values[name] == before)
-    dock.get_by_role("button", name="Delete", exact=True).click()
-    assert wait_until(lambda: enabled.gain_sets.names() == [])
-    dock.get_by_text("Sets of gains").click()
-
-
 def test_thresholds_load_and_end_effector_are_set_as_in_franka_desk(workspace, client):
     running = [c.name for c in client.controllers() if c.state == "running"]
     moving = [name for name in running if name != "joint_state_controller"]
@@ -212,55 +177,6 @@ def test_waypoints_are_named_reordered_and_removed(workspace, enabled):
     assert wait_until(lambda: "near" not in names())
     workspace.button("move", "Delete").click()
     assert wait_until(lambda: paths.names() == [])
-
-
-def test_a_plot_is_paused_zoomed_measured_and_saved(workspace, enabled):
-    page, dock = workspace.page, workspace.dock("plots")
-    box = dock.locator(".plot").first
-    plot = "document.querySelector('st-plots').plots[0].plot"
-    page.wait_for_function(f"() => {plot}.traces[0].history.times.length > 30")
-    workspace.button("plots", "Pause").click()
-    end = page.evaluate(f"() => {plot}.end")
-    before = enabled.status().cycle
-    canvas = box.locator("canvas")
-    canvas.focus()
-    span = page.evaluate(f"() => {plot}.span")
-    canvas.press("+")
-    assert page.evaluate(f"() => {plot}.span") < span
-    canvas.press("ArrowLeft")
-    canvas.press("Enter")
-    for _ in range(10):
-        canvas.press("ArrowRight")
-    page.wait_for_function(f"() => {plot}.fixed !== null && {plot}.cursor !== null")
-    assert wait_until(lambda: enabled.status().cycle > before + 100)
-    assert page.evaluate(f"() => {plot}.end") == end
-    canvas.press("-")
-    box.locator(".picker > summary").click()
-    with page.expect_download() as download:
-        box.get_by_role("button", name="CSV", exact=True).click()
-    rows = Path(download.value.path()).read_text().splitlines()
-    assert rows[0].startswith("time [s],q joint1 [rad]")
-    assert len(rows) > 10
-    box.locator(".picker > summary").click()
-    workspace.button("plots", "Resume").click()
-    page.wait_for_function(f"() => {plot}.end === null")
-
-
-def test_switches_and_gains_are_marked_in_the_plots(workspace, enabled):
-    page = workspace.page
-    dock = workspace.dock("tuning")
-    dock.get_by_label("Controller to tune").select_option(CONTROLLER)
-    dock.get_by_label("Joint to tune").select_option("panda_joint7")
-    dock.get_by_label("d of panda_joint7").fill("4.5")
-    workspace.button("tuning", "Apply").click()
-    assert wait_until(lambda: enabled.gains(CONTROLLER).values["panda_joint7/d"] == 4.5)
-    workspace.button("tuning", "Undo").click()
-    enabled.switch_controllers(stop=[CONTROLLER])
-    marks = "document.querySelector('st-plots').plots[0].plot.markers.map(m => m.text)"
-    for text in ("gains panda_joint7/d", "gains undone", f"{CONTROLLER} stopped"):
-        page.wait_for_function(
-            f"(text) => {marks}.some((mark) => mark.includes(text))", arg=text
-        )
 
 
 def test_the_speed_of_the_simulation_and_its_reset_are_the_stations(workspace, enabled):
