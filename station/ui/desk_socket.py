@@ -9,14 +9,14 @@ import asyncio
 import json
 import time
 from collections.abc import Awaitable, Callable
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from station.client import ApiError, AsyncStationClient
 from station.ui.cartesian_model import HELD_FOR
 from station.ui.controller_desk import SetPoint
-from station.ui.hand_desk import HandDesk
+from station.ui.hand_desk import HandDesks
 from station.ui.joint_desk import FASTEST, SLOWEST, JointDesk
 from station.ui.socket_ends import close_socket, send_frame, until_first
 from station.ui.station_view import StationView
@@ -49,13 +49,21 @@ class _Jog(_Message):
 
 class _HandJog(_Message):
     do: Literal["hand"]
+    arm: str
     axis: int = Field(ge=0, le=5)
     sign: _Sign
 
 
 class _HandGo(_Message):
     do: Literal["reach"]
+    arm: str
     position: list[_Finite] = Field(min_length=3, max_length=3)
+
+
+class _HandSpeed(_Message):
+    do: Literal["hand_speed"]
+    along: _Finite = Field(gt=0)
+    about: _Finite = Field(gt=0)
 
 
 class _Speed(_Message):
@@ -67,14 +75,8 @@ class _Release(_Message):
     do: Literal["release"]
 
 
-_MESSAGE: TypeAdapter[_Go | _Jog | _HandJog | _HandGo | _Speed | _Release] = (
-    TypeAdapter(
-        Annotated[
-            _Go | _Jog | _HandJog | _HandGo | _Speed | _Release,
-            Field(discriminator="do"),
-        ]
-    )
-)
+_Said: TypeAlias = _Go | _Jog | _HandJog | _HandGo | _HandSpeed | _Speed | _Release
+_MESSAGE: TypeAdapter[_Said] = TypeAdapter(Annotated[_Said, Field(discriminator="do")])
 
 
 class DeskSocket:
@@ -105,7 +107,7 @@ class DeskSocket:
         self._lease: str | None = None
         self._barred_until = float("-inf")
         self._joints = JointDesk()
-        self._hand = HandDesk()
+        self._hands = HandDesks()
 
     async def run(self, wait_for_end: Callable[[], Awaitable[None]]) -> None:
         """Serve the browser.
@@ -132,10 +134,10 @@ class DeskSocket:
                 first = error.errors()[0]
                 await self._tell(refused=f"{first['msg']}.")
 
-    def _hear(self, said: _Go | _Jog | _HandJog | _HandGo | _Speed | _Release) -> None:
+    def _hear(self, said: _Said) -> None:
         now = self._now()
         self._joints.refresh(self._view())
-        self._hand.refresh(self._view())
+        self._hands.refresh(self._view())
         refusal = ""
         match said:
             case _Go():
@@ -145,14 +147,16 @@ class DeskSocket:
             case _Jog():
                 refusal = self._joints.hold(said.joint, said.sign, now)
             case _HandJog():
-                refusal = self._hand.hold(said.axis, said.sign, now)
+                refusal = self._hands.hold(said.arm, said.axis, said.sign, now)
             case _HandGo():
-                refusal = self._hand.go(said.position, now)
+                refusal = self._hands.go(said.arm, said.position, now)
+            case _HandSpeed():
+                self._hands.set_speed(said.along, said.about)
             case _Speed():
                 self._joints.set_speed(said.joints)
             case _Release():
                 self._joints.release()
-                self._hand.release()
+                self._hands.release()
         if refusal:
             self._refusal = refusal
 
@@ -164,11 +168,11 @@ class DeskSocket:
             await asyncio.sleep(SEND_PERIOD)
             view = self._view()
             self._joints.refresh(view)
-            self._hand.refresh(view)
+            self._hands.refresh(view)
             self._look_at_control()
             set_points = self._joints.step(SEND_PERIOD, self._now())
-            hand = self._hand.step(self._now())
-            for set_point in set_points if hand is None else (*set_points, hand):
+            hands = self._hands.step(self._now())
+            for set_point in (*set_points, *hands):
                 await self._command(set_point)
             rounds += 1
             before, link = link, view.link
@@ -188,7 +192,7 @@ class DeskSocket:
         """Forget every motion; a button that is still held has to be pressed anew."""
         self._barred_until = self._now() + HELD_FOR
         self._joints.let_go()
-        self._hand.let_go()
+        self._hands.let_go()
 
     async def _command(self, set_point: SetPoint) -> None:
         try:
@@ -210,11 +214,7 @@ class DeskSocket:
             "controller": ", ".join(self._joints.controllers),
             "reason": self._joints.reason,
             "remaining": self._joints.remaining,
-            "jog": {"controller": self._hand.jog.name, "reason": self._hand.jog.reason},
-            "target": {
-                "controller": self._hand.target.name,
-                "reason": self._hand.target.reason,
-            },
+            "hands": self._hands.told(),
             **more,
         }
         # When the browser has gone, `_listen` ends the desk.

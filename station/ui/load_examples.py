@@ -50,7 +50,8 @@ def example_parameters(controller_type: str, joints: Iterable[str]) -> str:
     Args:
         controller_type: The type, e.g.
             `effort_controllers/JointGroupPositionController`.
-        joints: The robot's joints; fingers are left out.
+        joints: The robot's joints; fingers are left out. A controller of one Franka
+            arm gets the joints of the first arm.
     """
     family, _, kind = controller_type.rpartition("/")
     arm = [name for name in joints if "finger" not in name]
@@ -60,7 +61,8 @@ def example_parameters(controller_type: str, joints: Iterable[str]) -> str:
         return ""
     if family.startswith("franka_"):
         prefix = arm[0].rpartition("_joint")[0]
-        return f"arm_id: {prefix}\njoint_names: [{', '.join(arm)}]\n"
+        own = ", ".join(name for name in arm if name.startswith(f"{prefix}_joint"))
+        return f"arm_id: {prefix}\njoint_names: [{own}]\n"
     grouped = any(word in kind for word in _OF_SEVERAL_JOINTS)
     pid = family == "effort_controllers" and "Effort" not in kind
     if not grouped:

@@ -13,6 +13,7 @@ from tests.browser.workspace_page import (
 
 pytestmark = pytest.mark.slow
 
+EYE = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0]
 KIND = "effort_controllers/JointGroupPositionController"
 
 
@@ -101,6 +102,12 @@ def test_thresholds_load_and_end_effector_are_set_as_in_franka_desk(workspace, c
     dock = workspace.dock("move")
     dock.get_by_text("Arm: collision thresholds").click()
     panda = client.robot("panda")
+    turned = [0.0, 1.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, *EYE[8:12], 0.0, 0.0, 0.02, 1.0]
+    panda.set_EE_frame(turned)
+    _shows(
+        dock.get_by_label("End effector in the nominal frame: x, y, z"), "0, 0, 0.02"
+    )
+    _shows(dock.get_by_label("Load: mass"), "0")
     dock.get_by_label("Load: mass").fill("0.35")
     dock.get_by_role("button", name="Set Load").click()
     assert wait_until(lambda: panda.state().m_load == pytest.approx(0.35)), (
@@ -109,8 +116,11 @@ def test_thresholds_load_and_end_effector_are_set_as_in_franka_desk(workspace, c
     dock.get_by_label("End effector in the nominal frame: x, y, z").fill("0, 0, 0.05")
     dock.get_by_role("button", name="Set End effector").click()
     assert wait_until(lambda: panda.state().NE_T_EE[14] == pytest.approx(0.05))
+    assert panda.state().NE_T_EE[:12] == pytest.approx(turned[:12])
     since = client.events(limit=1)[-1].id
-    dock.get_by_label("Collision thresholds: contact force").fill("33")
+    wanted = {"contact torque": 20, "collision torque": 40, "contact force": 33}
+    for label, value in {**wanted, "collision force": 50}.items():
+        dock.get_by_label(f"Collision thresholds: {label}").fill(str(value))
     dock.get_by_role("button", name="Set Collision thresholds").click()
 
     def asked():
@@ -119,17 +129,27 @@ def test_thresholds_load_and_end_effector_are_set_as_in_franka_desk(workspace, c
 
     assert wait_until(asked)
     assert asked()[-1].startswith("20")
+    dock.get_by_label("Load: mass").fill("0")
+    dock.get_by_role("button", name="Set Load").click()
+    assert wait_until(lambda: panda.state().m_load == pytest.approx(0.0))
+    panda.set_EE_frame(EYE)
+    _shows(dock.get_by_label("End effector in the nominal frame: x, y, z"), "0, 0, 0")
+    _guiding_is_what_the_arm_says(dock, panda)
+    dock.get_by_text("Arm: collision thresholds").click()
+
+
+def _shows(field, text):
+    """Wait until a field has a text that nobody typed."""
+    assert wait_until(lambda: field.input_value() == text), field.input_value()
+
+
+def _guiding_is_what_the_arm_says(dock, panda):
     guide = dock.get_by_role("button", name=re.compile("^Guiding"))
     guide.click()
     assert wait_until(lambda: panda.errors().robot_mode == "guiding")
-    guide.click()
-    assert wait_until(lambda: panda.errors().robot_mode != "guiding")
-    dock.get_by_label("Load: mass").fill("0")
-    dock.get_by_role("button", name="Set Load").click()
-    dock.get_by_label("End effector in the nominal frame: x, y, z").fill("0, 0, 0")
-    dock.get_by_role("button", name="Set End effector").click()
-    assert wait_until(lambda: panda.state().NE_T_EE[14] == pytest.approx(0.0))
-    dock.get_by_text("Arm: collision thresholds").click()
+    dock.get_by_text("Guiding off").wait_for()
+    panda.guiding(pressed=False)
+    dock.get_by_text("Guiding on").wait_for()
 
 
 def test_the_hand_is_jogged_while_a_button_is_held(workspace, client):
