@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 import yaml
+from pydantic import BaseModel, JsonValue, ValidationError
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route, WebSocketRoute
 
@@ -25,6 +26,12 @@ if TYPE_CHECKING:
 
 _NOT_LOGGED_IN = 4401
 _FORBIDDEN = 4403
+
+
+class _Parameters(BaseModel):
+    """Parameters of a controller, as the fields of the page have them."""
+
+    params: dict[str, JsonValue]
 
 
 class FindSession(Protocol):
@@ -73,6 +80,7 @@ class WorkspaceRoutes:
             Route("/workspace/state", self._state),
             Route("/workspace/example", self._example),
             Route("/workspace/parameters", self._read_yaml, methods=["POST"]),
+            Route("/workspace/yaml", self._write_yaml, methods=["POST"]),
             WebSocketRoute("/workspace/desk", self._desk),
             *self._control.routes(),
         ]
@@ -110,6 +118,19 @@ class WorkspaceRoutes:
             detail = "The parameters must be keys with values, e.g. `joints: [a, b]`."
             return refused(422, "invalid_yaml", detail)
         return JSONResponse({"params": params})
+
+    async def _write_yaml(self, request: "Request") -> Response:
+        """Answer parameters, the JSON under `params`, as a text in YAML."""
+        if self._find(request) is None:
+            return _no_session()
+        try:
+            params = _Parameters.model_validate_json(await request.body()).params
+        except ValidationError:
+            return refused(422, "invalid_request", "The body must be `{params: {…}}`.")
+        text = yaml.safe_dump(
+            params, allow_unicode=True, default_flow_style=None, sort_keys=False
+        )
+        return JSONResponse({"yaml": text if params else ""})
 
     async def _desk(self, socket: "WebSocket") -> None:
         session = self._find(socket)

@@ -83,6 +83,33 @@ def test_parameters_are_written_as_yaml_and_a_wrong_one_is_refused(workspace, cl
     assert wait_until(lambda: "written" not in [c.name for c in client.controllers()])
 
 
+def test_yaml_and_fields_are_two_views_of_the_same_values(workspace, client):
+    dock = workspace.dock("controllers")
+    workspace.button("controllers", "Load …").click()
+    dock.get_by_label("Search controller types").fill("effort group position")
+    dock.get_by_role("option", name=KIND).click()
+    dock.get_by_label("Name of the controller").fill("viewed")
+    field = dock.get_by_label("panda_joint1 / pid / p", exact=True)
+    field.fill("613")
+    dock.get_by_role("button", name="Edit as YAML").click()
+    text = dock.get_by_label("Parameters in YAML")
+    assert wait_until(lambda: "p: 613" in text.input_value()), text.input_value()
+    good = text.input_value()
+    text.fill(good.replace("p: 613", "p: ["))
+    dock.get_by_role("button", name="Edit as fields").click()
+    line = workspace.page.locator("#refusal-line")
+    line.get_by_text("The parameters are no YAML").wait_for()
+    assert text.is_visible()
+    text.fill(good.replace("p: 613", "p: 617"))
+    dock.get_by_role("button", name="Edit as fields").click()
+    field.wait_for()
+    assert field.input_value() == "617"
+    dock.get_by_role("button", name="Load", exact=True).click()
+    assert wait_until(lambda: "viewed" in [c.name for c in client.controllers()])
+    assert client.gains("viewed").values["panda_joint1/p"] == 617
+    client.unload_controller("viewed")
+
+
 def test_a_running_controller_is_restarted_in_its_row(workspace, enabled):
     told = []
     workspace.page.on(
