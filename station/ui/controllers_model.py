@@ -108,7 +108,7 @@ def command_units(
         controller: The controller.
         sliding: The joints whose positions are lengths.
     """
-    units = {}
+    units: dict[str, str] = {}
     for claim in controller.claimed_resources:
         interface = claim.hardware_interface.rpartition("::")[2]
         for kind, pair in _UNITS.items():

@@ -97,7 +97,8 @@ class WorkspaceRoutes:
             return _no_session()
         kind = request.query_params.get("type", "")
         view = self._parts.view()
-        text = example_parameters(kind, view.positions)
+        arm = request.query_params.get("arm", "")
+        text = example_parameters(kind, view.positions, arm)
         return JSONResponse({
             "name": suggested_name(kind, (c.name for c in view.controllers)),
             "yaml": text,

@@ -34,8 +34,10 @@ class LoadForm extends Panel {
     search.focus();
   }
 
-  async chooseType(type) {
-    const example = await send("GET", `/workspace/example?type=${encodeURIComponent(type)}`);
+  /** Show the parameters of a type, filled in for this robot, or for one of its arms. */
+  async chooseType(type, arm = "") {
+    const query = new URLSearchParams({ type, arm });
+    const example = await send("GET", `/workspace/example?${query}`);
     const { controller_types: types } = await api("GET", "/controller-types");
     const known = types.find((each) => each.type === type);
     this.declared = known?.parameters ?? [];
@@ -56,13 +58,26 @@ class LoadForm extends Panel {
       this.typeList.hidden = false;
       this.chosen.replaceChildren();
     });
-    this.chosen.replaceChildren(
+    const parts = [
       h("p", {}, h("b", {}, type), " ", known?.description ?? ""),
+      this.armChoice(type, arm),
       h("label", {}, "name", name),
       this.view,
       this.text,
       h("div", { class: "line" }, button("Load", false), button("Load and start", true), this.other, back),
-    );
+    ];
+    this.chosen.replaceChildren(...parts.filter(Boolean));
+  }
+
+  /** Return a choice of the arm for a type that is of one; null where there is nothing to choose. */
+  armChoice(type, arm) {
+    const arms = store.docks.arms.map((one) => one.arm_id);
+    if (arms.length < 2 || !type.startsWith("franka_")) return null;
+    const choice = h("select", {}, ...arms.map((name) => h("option", {}, name)));
+    choice.value = arm || arms[0];
+    choice.setAttribute("aria-label", "Arm of the controller");
+    choice.addEventListener("change", () => this.chooseType(type, choice.value));
+    return h("label", {}, "arm", choice);
   }
 
   /** Make the fields for some parameters, and for those that are declared besides. */
