@@ -162,9 +162,14 @@ _STORE = "(await import('/static/lib/store.js')).store"
 
 
 def test_a_page_comes_back_by_itself_when_its_station_does(place, log_in):
-    page = log_in().page
+    workspace = log_in()
+    page, dock = workspace.page, workspace.dock("tuning")
     with place.client() as client:
+        before = client.gains(CONTROLLER).values["panda_joint1/p"]
+        client.set_gains(CONTROLLER, {"panda_joint1/p": before + 1})
         client.switch_controllers(start=[CONTROLLER])
+    gain = dock.get_by_label("p of panda_joint1")
+    assert wait_until(lambda: gain.input_value() == f"{before + 1:g}")
     page.wait_for_function(f"async () => {_STORE}.markers.length > 0")
     place.station.kill()
     place.station.wait(10)
@@ -174,6 +179,7 @@ def test_a_page_comes_back_by_itself_when_its_station_does(place, log_in):
     page.wait_for_selector(f"body:not(.stale) {_LIVE}", timeout=3000)
     # Station time begins anew: old marks would be shown at wrong times.
     page.wait_for_function(f"async () => {_STORE}.markers.length === 0")
+    assert wait_until(lambda: gain.input_value() == f"{before:g}")
     with place.client() as client:
         client.switch_controllers(start=[CONTROLLER])
         page.wait_for_function(

@@ -2,7 +2,7 @@
 import { h, number, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { refusals } from "../lib/refusals.js";
-import { act } from "../lib/station.js";
+import { act, api } from "../lib/station.js";
 import { store } from "../lib/store.js";
 
 /** The names that the station can keep as files. */
@@ -64,7 +64,9 @@ class GainSets extends Panel {
 
   /** Ask which sets there are; `chosen` is shown, if it is one of them. */
   async list(chosen = this.sets.value) {
-    const names = (await act("GET", "/gain-sets"))?.gain_sets ?? [];
+    const told = await api("GET", "/gain-sets").catch(() => null); // a lost station is in the strip
+    if (!told) return;
+    const names = told.gain_sets;
     this.sets.replaceChildren(...names.map((name) => h("option", {}, name)));
     if (!names.length) this.sets.append(h("option", { value: "" }, "none saved yet"));
     if (names.includes(chosen)) this.sets.value = chosen;
@@ -74,8 +76,8 @@ class GainSets extends Panel {
 
   async showDiff() {
     if (!this.sets.value) return show(this.diff, "Save the present gains under a name to come back to them.");
-    const set = await act("GET", this.path);
-    if (!set) return undefined;
+    const set = await api("GET", this.path).catch(() => null);
+    if (!set) return show(this.diff, "This set cannot be read; somebody may have deleted it.");
     const lines = set.differences.map((d) => `${d.controller} ${d.name}: set ${number(d.saved, 4)}, now ${number(d.present, 4)}`);
     return show(this.diff, lines.length ? `Differs from the present gains: ${lines.join("; ")}.` : "The set is in force: no gain differs.");
   }

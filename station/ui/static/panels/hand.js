@@ -113,7 +113,9 @@ class Hand extends Panel {
   async askFrame(name) {
     this.framed = name;
     const gains = await api("GET", `/controllers/${name}/gains`).catch(() => null);
-    if (gains && name === this.framed) this.frame = gains.values.frame;
+    if (name !== this.framed) return;
+    if (gains) this.frame = gains.values.frame;
+    else this.framed = ""; // asked again
   }
 
   refresh() {
@@ -124,7 +126,7 @@ class Hand extends Panel {
     this.reach.disabled = !isOf(target);
     this.startJog.hidden = Boolean(jog.controller) || !store.isOperator;
     this.startTarget.hidden = Boolean(target.controller) || !store.isOperator;
-    if (jog.controller && jog.controller !== this.framed) this.askFrame(jog.controller);
+    if (isOf(jog) && jog.controller !== this.framed) this.askFrame(jog.controller);
     Object.values(this.speeds).forEach(({ input, tell }, i) => {
       const most = String(fastest ? fastest[i] : Object.values(MOST)[i]);
       if (input.max === most) return;

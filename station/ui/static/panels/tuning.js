@@ -66,6 +66,7 @@ class Tuning extends Panel {
 
   refresh() {
     const names = store.docks.controllers.filter((c) => c.resources.length && c.state !== "loading").map((c) => c.name);
+    if (this.isOld && store.docks.link === "live") this.read();
     if (names.join() === this.names) return this.follow();
     this.names = names.join();
     const chosen = this.choice.value;
@@ -90,7 +91,9 @@ class Tuning extends Panel {
     const name = this.choice.value;
     if (!name) return;
     const gains = await api("GET", `/controllers/${name}/gains`).catch(({ status }) => (status >= 400 && status < 500 ? { values: {}, schema: {}, etag: "" } : null));
-    if (gains === null) return; // A station that is lost keeps what is shown and typed.
+    // A station that is lost keeps what is shown and typed, and is asked again when it is back.
+    this.isOld = gains === null;
+    if (this.isOld) return;
     // Another controller was chosen meanwhile: its answer comes, or was here before this one.
     if (name !== this.choice.value) return;
     this.gains = gains;
