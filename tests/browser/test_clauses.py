@@ -188,10 +188,24 @@ def test_the_hand_is_jogged_while_a_button_is_held(workspace, client):
         "() => !document.querySelector('.jog button').disabled"
     )
     panda = client.robot("panda")
+    (jog,) = (
+        c.name
+        for c in client.controllers()
+        if c.type.endswith("CartesianJogController") and c.state == "running"
+    )
+    client.set_gains(jog, {"frame": 1})
+    dock.get_by_text("in the axes of the end effector").wait_for()
+    client.set_gains(jog, {"frame": 0})
+    dock.get_by_text("in the axes of the base").wait_for()
+    speed = dock.get_by_label("Top speed of the hand [m/s]")
+    fastest = client.last_command(jog).elements[0].maximum
+    assert wait_until(lambda: float(speed.get_attribute("max")) == fastest)
+    speed.fill("0.08")
     before = panda.state().O_T_EE[14]
     up.hover()
     workspace.page.mouse.down()
     assert wait_until(lambda: panda.state().O_T_EE[14] > before + 0.015)
+    assert client.last_command(jog).last[2] == pytest.approx(0.08)
     workspace.page.mouse.up()
     assert wait_until(lambda: abs(max(panda.state().dq, key=abs)) < 0.01)
     dock.get_by_text("Hand: jog and target").click()
