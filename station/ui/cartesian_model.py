@@ -7,7 +7,9 @@ dashboard itself fails, the controller's `command_timeout` ends the motion.
 
 import math
 from collections.abc import Sequence
+from itertools import zip_longest
 
+from station.ui.controllers_model import arms_of
 from station.ui.operate_model import Operated
 from station.ui.station_view import StationView
 
@@ -26,15 +28,19 @@ _NEAR = 1e-4
 _NEARER = 1e-4
 
 
-def choose_cartesian(view: StationView, names: tuple[str, ...], kind: str) -> Operated:
+def choose_cartesian(
+    view: StationView, names: tuple[str, ...], kind: str, arm: str = ""
+) -> Operated:
     """Return the running controller that takes these elements, or why there is none.
 
     Args:
         view: What is known of the station.
         names: The elements.
         kind: End of the type of such controllers, e.g. `CartesianJogController`.
+        arm: The arm whose end effector is moved; empty where there is one at most.
     """
-    for controller in view.controllers:
+    controllers = [c for c in view.controllers if not arm or arm in arms_of(view, c)]
+    for controller in controllers:
         elements = view.elements.get(controller.name, ())
         if controller.state == "running" and (
             tuple(element.name for element in elements) == names
@@ -42,11 +48,12 @@ def choose_cartesian(view: StationView, names: tuple[str, ...], kind: str) -> Op
             return Operated(controller.name, tuple(elements), view.blocked())
     if view.blocked():
         return Operated(reason=view.blocked())
-    loaded = [c.name for c in view.controllers if c.type.endswith(kind)]
+    loaded = [c.name for c in controllers if c.type.endswith(kind)]
     if loaded:
         return Operated(reason=f"Start {loaded[0]} in the Controllers tab.")
     if any(kind in known.type for known in view.types):
-        return Operated(reason=f"Load a {kind} in the Controllers tab, and start it.")
+        what = f"{kind} of {arm}" if arm else kind
+        return Operated(reason=f"Load a {what} in the Controllers tab, and start it.")
     return Operated(reason=f"This station has no {kind}.")
 
 
@@ -143,6 +150,31 @@ class TargetPose:
         if away < _NEAR or now - self._best_at > PATIENCE:
             self._target = None
         return target
+
+
+def arms_to_move(view: StationView) -> list[str]:
+    """Return the arms between which a person chooses.
+
+    Returns:
+        One empty name where there are not several: any controller is of that arm.
+    """
+    arms = [] if view.status is None else [arm.arm_id for arm in view.status.robots]
+    return arms if len(arms) > 1 else [""]
+
+
+def bases_of_hands(arms: Sequence[str], bases: Sequence[str]) -> dict[str, str]:
+    """Return the scene node of the base of each hand that can be moved, by arm.
+
+    Args:
+        arms: The arms that are drawn.
+        bases: Scene nodes of their bases; fewer where a robot could not be drawn.
+
+    Returns:
+        One entry under an empty name where there are not several arms.
+    """
+    if len(arms) < 2:
+        return {"": bases[0] if bases else ""}
+    return dict(zip_longest(arms, bases[: len(arms)], fillvalue=""))
 
 
 def distance(first: Sequence[float], second: Sequence[float]) -> float:

@@ -1,9 +1,18 @@
 """The contents and choices of the Controllers panel, independent of Viser."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 from station.ui.station_view import StationView
 from station.wire import ControllerState
+
+_UNITS = {
+    "Position": ("rad", "m"),
+    "PosVel": ("rad", "m"),
+    "Velocity": ("rad/s", "m/s"),
+    "Effort": ("Nm", "N"),
+}
+"""Units of what is written to an interface, for joints that turn and that slide."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +97,36 @@ def _joints_of(view: StationView, controller: ControllerState) -> frozenset[str]
         f"{arm.arm_id}_joint" for arm in arms if f"{arm.arm_id}_robot" in claimed
     )
     return claimed | {name for name in view.positions if name.startswith(stems)}
+
+
+def command_units(
+    controller: ControllerState, sliding: Collection[str]
+) -> dict[str, str]:
+    """Return the unit of what a controller commands, by joint.
+
+    Args:
+        controller: The controller.
+        sliding: The joints whose positions are lengths.
+    """
+    units: dict[str, str] = {}
+    for claim in controller.claimed_resources:
+        interface = claim.hardware_interface.rpartition("::")[2]
+        for kind, pair in _UNITS.items():
+            if interface.startswith(kind):
+                units |= {name: pair[name in sliding] for name in claim.resources}
+    return units
+
+
+def arms_of(view: StationView, controller: ControllerState) -> tuple[str, ...]:
+    """Return the arms that a controller claims, whole or some of their joints."""
+    claimed = resources_of(controller)
+    arms = () if view.status is None else view.status.robots
+    return tuple(
+        arm.arm_id
+        for arm in arms
+        if f"{arm.arm_id}_robot" in claimed
+        or any(name.startswith(f"{arm.arm_id}_joint") for name in claimed)
+    )
 
 
 def resources_of(controller: ControllerState) -> frozenset[str]:

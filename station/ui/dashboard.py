@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import viser
 
 from station.client import ApiError, AsyncStationClient
+from station.ui.cartesian_model import bases_of_hands
 from station.ui.color_scheme import paint
 from station.ui.gateway_state import BarState, bar_state
 from station.ui.layers.push_layer import Pusher, Pushing
@@ -127,9 +128,7 @@ class Dashboard:
             for other in beside:
                 limits |= other.joint_limits()
             self._operate = OperatePanel(server.gui, self._link, self._reporter, limits)
-            self._jog = JogPanel(server.gui, self._link, self._reporter)
-            base = "" if self._scene is None else self._scene.base
-            self._target = TargetPanel(server, self._link, self._reporter, base)
+            self._hands = self._add_hands([one.arm_id for one in robots])
         with tabs.add_tab("Controllers"):
             controllers = ControllersPanel(server.gui, self._link, self._reporter)
         with tabs.add_tab("Tune"):
@@ -139,8 +138,7 @@ class Dashboard:
         self._panels: list[Panel] = [
             recovery,
             self._operate,
-            self._jog,
-            self._target,
+            *self._hands,
             controllers,
             self._tune,
             simulation,
@@ -160,6 +158,16 @@ class Dashboard:
             _logger.warning("%s", error)
             return str(error)
         return ""
+
+    def _add_hands(self, arms: Sequence[str]) -> list[JogPanel | TargetPanel]:
+        """Add the widgets that move the end effector of each arm."""
+        bases = [one.base for one in (self._scene, *self._beside) if one]
+        server, link, reporter = self._server, self._link, self._reporter
+        panels: list[JogPanel | TargetPanel] = []
+        for arm, base in bases_of_hands(arms, bases).items():
+            panels.append(JogPanel(server.gui, link, reporter, arm))
+            panels.append(TargetPanel(server, link, reporter, base, arm))
+        return panels
 
     def start(self) -> None:
         """Start to follow the station."""
@@ -236,9 +244,8 @@ class Dashboard:
         async with self._client, asyncio.TaskGroup() as tasks:
             tasks.create_task(self._link.run())
             tasks.create_task(self._operate.run())
-            tasks.create_task(self._jog.run())
-            tasks.create_task(self._target.run())
-            tasks.create_task(self._tune.run())
+            for panel in (*self._hands, self._tune):
+                tasks.create_task(panel.run())
             tasks.create_task(self._follow_robot())
             tasks.create_task(self._repeat(self._refresh_views, VIEWS_PERIOD))
             tasks.create_task(self._repeat(self._refresh_panels, PANEL_PERIOD))

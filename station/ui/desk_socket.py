@@ -9,14 +9,14 @@ import asyncio
 import json
 import time
 from collections.abc import Awaitable, Callable
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from station.client import ApiError, AsyncStationClient
 from station.ui.cartesian_model import HELD_FOR
 from station.ui.controller_desk import SetPoint
-from station.ui.hand_desk import HandDesk
+from station.ui.hand_desk import HandDesks
 from station.ui.joint_desk import FASTEST, SLOWEST, JointDesk
 from station.ui.operate_model import Movers
 from station.ui.socket_ends import close_socket, send_frame, until_first
@@ -50,13 +50,21 @@ class _Jog(_Message):
 
 class _HandJog(_Message):
     do: Literal["hand"]
+    arm: str
     axis: int = Field(ge=0, le=5)
     sign: _Sign
 
 
 class _HandGo(_Message):
     do: Literal["reach"]
+    arm: str
     position: list[_Finite] = Field(min_length=3, max_length=3)
+
+
+class _HandSpeed(_Message):
+    do: Literal["hand_speed"]
+    along: _Finite = Field(gt=0)
+    about: _Finite = Field(gt=0)
 
 
 class _Speed(_Message):
@@ -68,14 +76,8 @@ class _Release(_Message):
     do: Literal["release"]
 
 
-_MESSAGE: TypeAdapter[_Go | _Jog | _HandJog | _HandGo | _Speed | _Release] = (
-    TypeAdapter(
-        Annotated[
-            _Go | _Jog | _HandJog | _HandGo | _Speed | _Release,
-            Field(discriminator="do"),
-        ]
-    )
-)
+_Said: TypeAlias = _Go | _Jog | _HandJog | _HandGo | _HandSpeed | _Speed | _Release
+_MESSAGE: TypeAdapter[_Said] = TypeAdapter(Annotated[_Said, Field(discriminator="do")])
 
 
 class DeskSocket:
@@ -109,7 +111,7 @@ class DeskSocket:
         self._epoch: int | None = None
         self._barred_until = float("-inf")
         self._joints = JointDesk(movers)
-        self._hand = HandDesk()
+        self._hands = HandDesks()
 
     async def run(self, wait_for_end: Callable[[], Awaitable[None]]) -> None:
         """Serve the browser.
@@ -136,7 +138,7 @@ class DeskSocket:
                 first = error.errors()[0]
                 await self._tell(refused=f"{first['msg']}.")
 
-    def _hear(self, said: _Go | _Jog | _HandJog | _HandGo | _Speed | _Release) -> None:
+    def _hear(self, said: _Said) -> None:
         now = self._now()
         self._look()
         refusal = ""
@@ -147,19 +149,28 @@ class DeskSocket:
                 self._barred_until = now + HELD_FOR
             case _Jog():
                 refusal = self._joints.hold(said.joint, said.sign, now)
-            case _HandJog():
-                refusal = self._hand.hold(said.axis, said.sign, now)
-            case _HandGo():
-                refusal = self._hand.go(said.position, now)
+            case _HandJog() | _HandGo() | _HandSpeed():
+                refusal = self._hear_of_hand(said, now)
             case _Speed():
                 self._joints.set_speed(said.joints)
             case _Release():
                 self._joints.release()
-                self._hand.release()
+                self._hands.release()
         if refusal:
             self._refusal = refusal
         if refusal and self._is_held_in_vain(said):
             self._barred_until = now + HELD_FOR
+
+    def _hear_of_hand(self, said: _HandJog | _HandGo | _HandSpeed, now: float) -> str:
+        """Do what concerns an end effector; return why it is not done, or nothing."""
+        match said:
+            case _HandJog():
+                return self._hands.hold(said.arm, said.axis, said.sign, now)
+            case _HandGo():
+                return self._hands.go(said.arm, said.position, now)
+            case _HandSpeed():
+                self._hands.set_speed(said.along, said.about)
+                return ""
 
     _refusal = ""
 
@@ -170,7 +181,7 @@ class DeskSocket:
         """
         if isinstance(said, _Jog):
             return bool(self._joints.reason)
-        return isinstance(said, _HandJog) and bool(self._hand.jog.reason)
+        return isinstance(said, _HandJog) and bool(self._hands.why_no_jog(said.arm))
 
     async def _send(self) -> None:
         rounds, link = 0, ""
@@ -180,8 +191,8 @@ class DeskSocket:
             self._look_at_control()
             await self._look_at_others()
             set_points = self._joints.step(SEND_PERIOD, self._now())
-            hand = self._hand.step(self._now())
-            for set_point in set_points if hand is None else (*set_points, hand):
+            hands = self._hands.step(self._now())
+            for set_point in (*set_points, *hands):
                 await self._command(set_point)
             rounds += 1
             before, link = link, view.link
@@ -198,7 +209,7 @@ class DeskSocket:
             self._barred_until = self._now() + HELD_FOR
         self._epoch = view.epoch
         self._joints.refresh(view)
-        self._hand.refresh(view)
+        self._hands.refresh(view)
         return view
 
     def _look_at_control(self) -> None:
@@ -223,7 +234,7 @@ class DeskSocket:
         """Forget every motion; a button that is still held has to be pressed anew."""
         self._barred_until = self._now() + HELD_FOR
         self._joints.let_go()
-        self._hand.let_go()
+        self._hands.let_go()
 
     async def _command(self, set_point: SetPoint) -> None:
         try:
@@ -247,11 +258,7 @@ class DeskSocket:
             "controller": ", ".join(self._joints.controllers),
             "reason": self._joints.reason,
             "remaining": self._joints.remaining,
-            "jog": {"controller": self._hand.jog.name, "reason": self._hand.jog.reason},
-            "target": {
-                "controller": self._hand.target.name,
-                "reason": self._hand.target.reason,
-            },
+            "hands": self._hands.told(),
             **more,
         }
         # When the browser has gone, `_listen` ends the desk.

@@ -1,12 +1,14 @@
-"""What one person asks of the end effector: held directions, and a typed position."""
+"""What one person asks of an end effector: held directions, and a typed position."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from station.ui.cartesian_model import (
     POSE,
     TWIST,
     HeldButtons,
     TargetPose,
+    arms_to_move,
     choose_cartesian,
 )
 from station.ui.controller_desk import SetPoint
@@ -15,23 +17,41 @@ from station.ui.station_view import StationView
 
 JOG_KIND = "CartesianJogController"
 TARGET_KIND = "CartesianStreamingController"
+SLOWEST_HAND = 0.005
+"""Slowest speed of a held direction that a person may choose [m/s] or [rad/s]."""
+_FIRST_TURN = 3
+
+
+@dataclass(frozen=True, slots=True)
+class HandSpeed:
+    """How fast held buttons move an end effector.
+
+    Attributes:
+        along: Speed of a held direction [m/s].
+        about: Angular speed of a held direction [rad/s].
+    """
+
+    along: float = 0.05
+    about: float = 0.3
 
 
 class HandDesk:
-    """The commands of one browser to the end effector.
+    """The commands of one browser to one end effector.
+
+    Args:
+        arm: The arm that carries it; empty where there are not several.
 
     Attributes:
         jog: The controller that held buttons command, or why there is none.
         target: The controller that goes to a pose, or why there is none.
-        speed: Speed of a held direction [m/s].
-        turn: Angular speed of a held direction [rad/s].
+        speed: How fast held buttons move it, unless its controller allows less.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, arm: str = "") -> None:
         self.jog = Operated()
         self.target = Operated()
-        self.speed = 0.05
-        self.turn = 0.3
+        self.speed = HandSpeed()
+        self._arm = arm
         self._epoch: int | None = None
         self._buttons = HeldButtons()
         self._pose = TargetPose()
@@ -39,8 +59,8 @@ class HandDesk:
 
     def refresh(self, view: StationView) -> None:
         """Look which controllers run; a new epoch ends what was asked for before."""
-        jog = choose_cartesian(view, TWIST, JOG_KIND)
-        target = choose_cartesian(view, POSE, TARGET_KIND)
+        jog = choose_cartesian(view, TWIST, JOG_KIND, self._arm)
+        target = choose_cartesian(view, POSE, TARGET_KIND, self._arm)
         is_other = view.epoch != self._epoch
         if jog.reason or is_other or jog.name != self.jog.name:
             self._buttons.let_go()
@@ -52,6 +72,15 @@ class HandDesk:
         if sample is not None and len(sample.desired) == len(POSE):
             known = [value for value in sample.desired if value is not None]
             self._desired = known if len(known) == len(POSE) else []
+
+    @property
+    def fastest(self) -> HandSpeed | None:
+        """What the jog controller allows; None where it says nothing, or none runs."""
+        if len(self.jog.elements) != len(TWIST):
+            return None
+        along = self.jog.elements[0].maximum
+        about = self.jog.elements[_FIRST_TURN].maximum
+        return None if along is None or about is None else HandSpeed(along, about)
 
     def hold(self, axis: int, sign: int, now: float) -> str:
         """Move along or about an axis for as long as its button is held.
@@ -103,10 +132,93 @@ class HandDesk:
         Args:
             now: Monotonic time [s].
         """
-        twist = self._buttons.twist(now, self.speed, self.turn)
+        most = self.fastest or self.speed
+        along = min(self.speed.along, most.along)
+        twist = self._buttons.twist(now, along, min(self.speed.about, most.about))
         if twist is not None:
             return SetPoint(self.jog.name, twist, self._epoch)
         if not self._desired:
             return None
         pose = self._pose.command(self._desired, now)
         return None if pose is None else SetPoint(self.target.name, pose, self._epoch)
+
+
+class HandDesks:
+    """The commands of one browser to the end effectors of all arms.
+
+    Attributes:
+        desks: One for each arm, by name; under an empty name where there are not
+            several arms.
+    """
+
+    def __init__(self) -> None:
+        self.desks = {"": HandDesk()}
+        self._speed = HandSpeed()
+
+    def refresh(self, view: StationView) -> None:
+        """Look which arms there are, and which controllers run."""
+        arms = arms_to_move(view)
+        self.desks = {arm: self.desks.get(arm) or HandDesk(arm) for arm in arms}
+        for desk in self.desks.values():
+            desk.speed = self._speed
+            desk.refresh(view)
+
+    def set_speed(self, along: float, about: float) -> None:
+        """Limit the speed of held directions.
+
+        Args:
+            along: Speed [m/s]; at least `SLOWEST_HAND`.
+            about: Angular speed [rad/s]; at least `SLOWEST_HAND`.
+        """
+        self._speed = HandSpeed(max(along, SLOWEST_HAND), max(about, SLOWEST_HAND))
+
+    def hold(self, arm: str, axis: int, sign: int, now: float) -> str:
+        """Move one hand while a button is held; as `HandDesk.hold`."""
+        desk = self._desk_of(arm)
+        return _no_arm(arm) if desk is None else desk.hold(axis, sign, now)
+
+    def go(self, arm: str, position: Sequence[float], now: float) -> str:
+        """Let one hand go to a position; as `HandDesk.go`."""
+        desk = self._desk_of(arm)
+        return _no_arm(arm) if desk is None else desk.go(position, now)
+
+    def release(self) -> None:
+        """Treat all held buttons as released; the next step commands rest."""
+        for desk in self.desks.values():
+            desk.release()
+
+    def let_go(self) -> None:
+        """Forget every motion, and send no more for it."""
+        for desk in self.desks.values():
+            desk.let_go()
+
+    def step(self, now: float) -> list[SetPoint]:
+        """Return the next set-points to send, at most one for each hand."""
+        steps = (desk.step(now) for desk in self.desks.values())
+        return [set_point for set_point in steps if set_point is not None]
+
+    def told(self) -> dict[str, object]:
+        """Return by arm which controllers move its hand and how fast, for the page."""
+        return {arm: _told(desk) for arm, desk in self.desks.items()}
+
+    def why_no_jog(self, arm: str) -> str:
+        """Return why held buttons do not move a hand; empty when they do."""
+        desk = self._desk_of(arm)
+        return _no_arm(arm) if desk is None else desk.jog.reason
+
+    def _desk_of(self, arm: str) -> HandDesk | None:
+        """Return the desk of an arm; a single arm is also meant by its own name."""
+        return self.desks.get(arm, self.desks.get(""))
+
+
+def _told(desk: HandDesk) -> dict[str, object]:
+    most = desk.fastest
+    return {
+        "jog": {"controller": desk.jog.name, "reason": desk.jog.reason},
+        "target": {"controller": desk.target.name, "reason": desk.target.reason},
+        "fastest": None if most is None else [most.along, most.about],
+    }
+
+
+def _no_arm(arm: str) -> str:
+    return f"This station has no arm '{arm}'."

@@ -44,13 +44,17 @@ def suggested_name(controller_type: str, taken: Iterable[str]) -> str:
     return next(f"{base}_{i}" for i in range(2, 1000) if f"{base}_{i}" not in names)
 
 
-def example_parameters(controller_type: str, joints: Iterable[str]) -> str:
+def example_parameters(
+    controller_type: str, joints: Iterable[str], arm_id: str = ""
+) -> str:
     """Return parameters in YAML that load on this robot.
 
     Args:
         controller_type: The type, e.g.
             `effort_controllers/JointGroupPositionController`.
         joints: The robot's joints; fingers are left out.
+        arm_id: Whose joints a controller of one Franka arm gets; empty for those of
+            the first arm.
     """
     family, _, kind = controller_type.rpartition("/")
     arm = [name for name in joints if "finger" not in name]
@@ -59,8 +63,9 @@ def example_parameters(controller_type: str, joints: Iterable[str]) -> str:
     if not arm:
         return ""
     if family.startswith("franka_"):
-        prefix = arm[0].rpartition("_joint")[0]
-        return f"arm_id: {prefix}\njoint_names: [{', '.join(arm)}]\n"
+        prefix = arm_id or arm[0].rpartition("_joint")[0]
+        own = ", ".join(name for name in arm if name.startswith(f"{prefix}_joint"))
+        return f"arm_id: {prefix}\njoint_names: [{own}]\n"
     grouped = any(word in kind for word in _OF_SEVERAL_JOINTS)
     pid = family == "effort_controllers" and "Effort" not in kind
     if not grouped:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
 import yaml
+from pydantic import BaseModel, JsonValue, ValidationError
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route, WebSocketRoute
 
@@ -26,6 +27,12 @@ if TYPE_CHECKING:
 
 _NOT_LOGGED_IN = 4401
 _FORBIDDEN = 4403
+
+
+class _Parameters(BaseModel):
+    """Parameters of a controller, as the fields of the page have them."""
+
+    params: dict[str, JsonValue]
 
 
 class FindSession(Protocol):
@@ -76,6 +83,7 @@ class WorkspaceRoutes:
             Route("/workspace/state", self._state),
             Route("/workspace/example", self._example),
             Route("/workspace/parameters", self._read_yaml, methods=["POST"]),
+            Route("/workspace/yaml", self._write_yaml, methods=["POST"]),
             WebSocketRoute("/workspace/desk", self._desk),
             *self._control.routes(),
         ]
@@ -92,7 +100,8 @@ class WorkspaceRoutes:
             return _no_session()
         kind = request.query_params.get("type", "")
         view = self._parts.view()
-        text = example_parameters(kind, view.positions)
+        arm = request.query_params.get("arm", "")
+        text = example_parameters(kind, view.positions, arm)
         return JSONResponse({
             "name": suggested_name(kind, (c.name for c in view.controllers)),
             "yaml": text,
@@ -113,6 +122,19 @@ class WorkspaceRoutes:
             detail = "The parameters must be keys with values, e.g. `joints: [a, b]`."
             return refused(422, "invalid_yaml", detail)
         return JSONResponse({"params": params})
+
+    async def _write_yaml(self, request: "Request") -> Response:
+        """Answer parameters, the JSON under `params`, as a text in YAML."""
+        if self._find(request) is None:
+            return _no_session()
+        try:
+            params = _Parameters.model_validate_json(await request.body()).params
+        except ValidationError:
+            return refused(422, "invalid_request", "The body must be `{params: {…}}`.")
+        text = yaml.safe_dump(
+            params, allow_unicode=True, default_flow_style=None, sort_keys=False
+        )
+        return JSONResponse({"yaml": text if params else ""})
 
     async def _desk(self, socket: "WebSocket") -> None:
         session = self._find(socket)

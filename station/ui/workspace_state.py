@@ -4,7 +4,13 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 
-from station.ui.controllers_model import claims_text, offer_for, resources_of
+from station.ui.controllers_model import (
+    arms_of,
+    claims_text,
+    command_units,
+    offer_for,
+    resources_of,
+)
 from station.ui.load_examples import example_parameters, suggested_name
 from station.ui.operate_model import choose_all_operated, choose_operated
 from station.ui.recovery_model import choose_rescue
@@ -162,6 +168,8 @@ def _row(view: StationView, controller: ControllerState) -> dict[str, object]:
             [] if view.status is None else [a.arm_id for a in view.status.robots],
         ),
         "resources": sorted(resources_of(controller)),
+        "arms": list(arms_of(view, controller)),
+        "command_units": command_units(controller, view.sliding),
         "takes_set_points": bool(view.elements.get(controller.name)),
         "update_p50": controller.time.p50,
         "update_p99": controller.time.p99,

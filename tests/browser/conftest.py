@@ -141,18 +141,21 @@ def page(browser, running_station):
 
 
 @contextmanager
-def logged_in(browser, running, *, height=800, scale=1.0, begin=lambda _: None):
+def logged_in(
+    browser, running, *, width=1280, height=800, scale=1.0, begin=lambda _: None
+):
     """Open the dashboard in a browser of its own, and log in.
 
     Args:
         browser: Makes it.
         running: The station.
+        width: Of the window [px].
         height: Of the window [px].
         scale: Pixels of a picture over those of the page, in each direction.
         begin: Called with the context before the page is opened.
     """
     context = browser.new_context(
-        viewport={"width": 1280, "height": height}, device_scale_factor=scale
+        viewport={"width": width, "height": height}, device_scale_factor=scale
     )
     context.add_init_script(DRAW_ON_REQUEST)
     begin(context)

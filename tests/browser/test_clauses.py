@@ -2,7 +2,6 @@
 
 import math
 import re
-from pathlib import Path
 
 import pytest
 
@@ -14,6 +13,7 @@ from tests.browser.workspace_page import (
 
 pytestmark = pytest.mark.slow
 
+EYE = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0]
 KIND = "effort_controllers/JointGroupPositionController"
 
 
@@ -83,6 +83,33 @@ def test_parameters_are_written_as_yaml_and_a_wrong_one_is_refused(workspace, cl
     assert wait_until(lambda: "written" not in [c.name for c in client.controllers()])
 
 
+def test_yaml_and_fields_are_two_views_of_the_same_values(workspace, client):
+    dock = workspace.dock("controllers")
+    workspace.button("controllers", "Load …").click()
+    dock.get_by_label("Search controller types").fill("effort group position")
+    dock.get_by_role("option", name=KIND).click()
+    dock.get_by_label("Name of the controller").fill("viewed")
+    field = dock.get_by_label("panda_joint1 / pid / p", exact=True)
+    field.fill("613")
+    dock.get_by_role("button", name="Edit as YAML").click()
+    text = dock.get_by_label("Parameters in YAML")
+    assert wait_until(lambda: "p: 613" in text.input_value()), text.input_value()
+    good = text.input_value()
+    text.fill(good.replace("p: 613", "p: ["))
+    dock.get_by_role("button", name="Edit as fields").click()
+    line = workspace.page.locator("#refusal-line")
+    line.get_by_text("The parameters are no YAML").wait_for()
+    assert text.is_visible()
+    text.fill(good.replace("p: 613", "p: 617"))
+    dock.get_by_role("button", name="Edit as fields").click()
+    field.wait_for()
+    assert field.input_value() == "617"
+    dock.get_by_role("button", name="Load", exact=True).click()
+    assert wait_until(lambda: "viewed" in [c.name for c in client.controllers()])
+    assert client.gains("viewed").values["panda_joint1/p"] == 617
+    client.unload_controller("viewed")
+
+
 def test_a_running_controller_is_restarted_in_its_row(workspace, enabled):
     told = []
     workspace.page.on(
@@ -94,40 +121,6 @@ def test_a_running_controller_is_restarted_in_its_row(workspace, enabled):
     assert enabled.controller(CONTROLLER).state == "running"
 
 
-def test_a_gain_that_is_an_enumeration_is_chosen_by_name(workspace, client):
-    name = next(
-        c.name
-        for c in client.controllers()
-        if c.type.endswith("CartesianJogController")
-    )
-    dock = workspace.dock("tuning")
-    dock.get_by_label("Controller to tune").select_option(name)
-    assert client.gains(name).values["frame"] == 0
-    dock.get_by_label(f"frame of {name}").select_option("1")
-    workspace.button("tuning", "Apply").click()
-    assert wait_until(lambda: client.gains(name).values["frame"] == 1)
-    workspace.button("tuning", "Undo").click()
-    assert wait_until(lambda: client.gains(name).values["frame"] == 0)
-
-
-def test_a_set_of_gains_is_saved_compared_and_applied(workspace, enabled):
-    dock = workspace.dock("tuning")
-    name = "panda_joint2/p"
-    before = enabled.gains(CONTROLLER).values[name]
-    dock.get_by_text("Sets of gains").click()
-    dock.get_by_label("Name of the set").fill("test-set")
-    dock.get_by_role("button", name="Save", exact=True).click()
-    dock.get_by_text("no gain differs").wait_for()
-    enabled.set_gains(CONTROLLER, {name: before - 50})
-    dock.get_by_label("Set of gains").dispatch_event("change")
-    dock.get_by_text(f"{name}: set {before:.4f}, now {before - 50:.4f}").wait_for()
-    dock.get_by_role("button", name="Apply set").click()
-    assert wait_until(lambda: enabled.gains(CONTROLLER).values[name] == before)
-    dock.get_by_role("button", name="Delete", exact=True).click()
-    assert wait_until(lambda: enabled.gain_sets.names() == [])
-    dock.get_by_text("Sets of gains").click()
-
-
 def test_thresholds_load_and_end_effector_are_set_as_in_franka_desk(workspace, client):
     running = [c.name for c in client.controllers() if c.state == "running"]
     moving = [name for name in running if name != "joint_state_controller"]
@@ -136,6 +129,12 @@ def test_thresholds_load_and_end_effector_are_set_as_in_franka_desk(workspace, c
     dock = workspace.dock("move")
     dock.get_by_text("Arm: collision thresholds").click()
     panda = client.robot("panda")
+    turned = [0.0, 1.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, *EYE[8:12], 0.0, 0.0, 0.02, 1.0]
+    panda.set_EE_frame(turned)
+    _shows(
+        dock.get_by_label("End effector in the nominal frame: x, y, z"), "0, 0, 0.02"
+    )
+    _shows(dock.get_by_label("Load: mass"), "0")
     dock.get_by_label("Load: mass").fill("0.35")
     dock.get_by_role("button", name="Set Load").click()
     assert wait_until(lambda: panda.state().m_load == pytest.approx(0.35)), (
@@ -144,8 +143,11 @@ def test_thresholds_load_and_end_effector_are_set_as_in_franka_desk(workspace, c
     dock.get_by_label("End effector in the nominal frame: x, y, z").fill("0, 0, 0.05")
     dock.get_by_role("button", name="Set End effector").click()
     assert wait_until(lambda: panda.state().NE_T_EE[14] == pytest.approx(0.05))
+    assert panda.state().NE_T_EE[:12] == pytest.approx(turned[:12])
     since = client.events(limit=1)[-1].id
-    dock.get_by_label("Collision thresholds: contact force").fill("33")
+    wanted = {"contact torque": 20, "collision torque": 40, "contact force": 33}
+    for label, value in {**wanted, "collision force": 50}.items():
+        dock.get_by_label(f"Collision thresholds: {label}").fill(str(value))
     dock.get_by_role("button", name="Set Collision thresholds").click()
 
     def asked():
@@ -154,17 +156,27 @@ def test_thresholds_load_and_end_effector_are_set_as_in_franka_desk(workspace, c
 
     assert wait_until(asked)
     assert asked()[-1].startswith("20")
+    dock.get_by_label("Load: mass").fill("0")
+    dock.get_by_role("button", name="Set Load").click()
+    assert wait_until(lambda: panda.state().m_load == pytest.approx(0.0))
+    panda.set_EE_frame(EYE)
+    _shows(dock.get_by_label("End effector in the nominal frame: x, y, z"), "0, 0, 0")
+    _guiding_is_what_the_arm_says(dock, panda)
+    dock.get_by_text("Arm: collision thresholds").click()
+
+
+def _shows(field, text):
+    """Wait until a field has a text that nobody typed."""
+    assert wait_until(lambda: field.input_value() == text), field.input_value()
+
+
+def _guiding_is_what_the_arm_says(dock, panda):
     guide = dock.get_by_role("button", name=re.compile("^Guiding"))
     guide.click()
     assert wait_until(lambda: panda.errors().robot_mode == "guiding")
-    guide.click()
-    assert wait_until(lambda: panda.errors().robot_mode != "guiding")
-    dock.get_by_label("Load: mass").fill("0")
-    dock.get_by_role("button", name="Set Load").click()
-    dock.get_by_label("End effector in the nominal frame: x, y, z").fill("0, 0, 0")
-    dock.get_by_role("button", name="Set End effector").click()
-    assert wait_until(lambda: panda.state().NE_T_EE[14] == pytest.approx(0.0))
-    dock.get_by_text("Arm: collision thresholds").click()
+    dock.get_by_text("Guiding off").wait_for()
+    panda.guiding(pressed=False)
+    dock.get_by_text("Guiding on").wait_for()
 
 
 def test_the_hand_is_jogged_while_a_button_is_held(workspace, client):
@@ -176,10 +188,24 @@ def test_the_hand_is_jogged_while_a_button_is_held(workspace, client):
         "() => !document.querySelector('.jog button').disabled"
     )
     panda = client.robot("panda")
+    (jog,) = (
+        c.name
+        for c in client.controllers()
+        if c.type.endswith("CartesianJogController") and c.state == "running"
+    )
+    client.set_gains(jog, {"frame": 1})
+    dock.get_by_text("in the axes of the end effector").wait_for()
+    client.set_gains(jog, {"frame": 0})
+    dock.get_by_text("in the axes of the base").wait_for()
+    speed = dock.get_by_label("Top speed of the hand [m/s]")
+    fastest = client.last_command(jog).elements[0].maximum
+    assert wait_until(lambda: float(speed.get_attribute("max")) == fastest)
+    speed.fill("0.08")
     before = panda.state().O_T_EE[14]
     up.hover()
     workspace.page.mouse.down()
     assert wait_until(lambda: panda.state().O_T_EE[14] > before + 0.015)
+    assert client.last_command(jog).last[2] == pytest.approx(0.08)
     workspace.page.mouse.up()
     assert wait_until(lambda: abs(max(panda.state().dq, key=abs)) < 0.01)
     dock.get_by_text("Hand: jog and target").click()
@@ -212,55 +238,6 @@ def test_waypoints_are_named_reordered_and_removed(workspace, enabled):
     assert wait_until(lambda: "near" not in names())
     workspace.button("move", "Delete").click()
     assert wait_until(lambda: paths.names() == [])
-
-
-def test_a_plot_is_paused_zoomed_measured_and_saved(workspace, enabled):
-    page, dock = workspace.page, workspace.dock("plots")
-    box = dock.locator(".plot").first
-    plot = "document.querySelector('st-plots').plots[0].plot"
-    page.wait_for_function(f"() => {plot}.traces[0].history.times.length > 30")
-    workspace.button("plots", "Pause").click()
-    end = page.evaluate(f"() => {plot}.end")
-    before = enabled.status().cycle
-    canvas = box.locator("canvas")
-    canvas.focus()
-    span = page.evaluate(f"() => {plot}.span")
-    canvas.press("+")
-    assert page.evaluate(f"() => {plot}.span") < span
-    canvas.press("ArrowLeft")
-    canvas.press("Enter")
-    for _ in range(10):
-        canvas.press("ArrowRight")
-    page.wait_for_function(f"() => {plot}.fixed !== null && {plot}.cursor !== null")
-    assert wait_until(lambda: enabled.status().cycle > before + 100)
-    assert page.evaluate(f"() => {plot}.end") == end
-    canvas.press("-")
-    box.locator(".picker > summary").click()
-    with page.expect_download() as download:
-        box.get_by_role("button", name="CSV", exact=True).click()
-    rows = Path(download.value.path()).read_text().splitlines()
-    assert rows[0].startswith("time [s],q joint1 [rad]")
-    assert len(rows) > 10
-    box.locator(".picker > summary").click()
-    workspace.button("plots", "Resume").click()
-    page.wait_for_function(f"() => {plot}.end === null")
-
-
-def test_switches_and_gains_are_marked_in_the_plots(workspace, enabled):
-    page = workspace.page
-    dock = workspace.dock("tuning")
-    dock.get_by_label("Controller to tune").select_option(CONTROLLER)
-    dock.get_by_label("Joint to tune").select_option("panda_joint7")
-    dock.get_by_label("d of panda_joint7").fill("4.5")
-    workspace.button("tuning", "Apply").click()
-    assert wait_until(lambda: enabled.gains(CONTROLLER).values["panda_joint7/d"] == 4.5)
-    workspace.button("tuning", "Undo").click()
-    enabled.switch_controllers(stop=[CONTROLLER])
-    marks = "document.querySelector('st-plots').plots[0].plot.markers.map(m => m.text)"
-    for text in ("gains panda_joint7/d", "gains undone", f"{CONTROLLER} stopped"):
-        page.wait_for_function(
-            f"(text) => {marks}.some((mark) => mark.includes(text))", arg=text
-        )
 
 
 def test_the_speed_of_the_simulation_and_its_reset_are_the_stations(workspace, enabled):

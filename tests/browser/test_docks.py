@@ -3,11 +3,13 @@
 import pytest
 
 from station.wire import Fault
+from tests.browser.conftest import logged_in
 from tests.browser.workspace_page import (
     CONTROLLER,
     WorkspacePage,
     position,
     wait_until,
+    without_scene,
 )
 
 pytestmark = pytest.mark.slow
@@ -162,6 +164,68 @@ def test_a_replay_shows_a_ghost_and_moves_nothing(workspace, enabled):
     assert hidden.value.ok
     assert enabled.last_command(CONTROLLER).last == before
     assert not [u for m, u in sent if m != "GET" and "/api/v1/" in u]
+
+
+def test_an_incident_is_replayed_as_a_ghost(workspace, enabled):
+    known = {one.identifier for one in enabled.incidents.list()}
+    enabled.stop("a test")
+
+    def new():
+        found = enabled.incidents.list()
+        return [one.identifier for one in found if one.identifier not in known]
+
+    assert wait_until(new, 20.0)
+    (incident,) = new()
+    enabled.release_stop()
+    enabled.release_stop(arm=True)
+    workspace.button("timeline", "Incidents").click()
+    dock = workspace.dock("timeline")
+    replay = dock.get_by_role("button", name=f"Replay {incident}", exact=True)
+    with workspace.page.expect_response(_answers_ghost("POST")) as shown:
+        replay.click()
+    assert shown.value.json() == {"shown": True}
+    asked = shown.value.request.post_data_json
+    assert len(asked["positions"]) >= 7
+    with workspace.page.expect_response(_answers_ghost("DELETE")):
+        workspace.button("timeline", "End replay").click()
+    workspace.button("timeline", "Events").click()
+
+
+def test_on_a_narrow_screen_the_first_tap_shows_what_is_in_a_dock(
+    browser, running_station
+):
+    with logged_in(browser, running_station, width=390, begin=without_scene) as page:
+        page.wait_for_selector('#bar[data-link="live"]')
+        shown = {
+            "Waypoints and moves": ("move", "+ Capture"),
+            "Tuning": ("tuning", "Run test"),
+            "Simulation": ("simulation", "Reset"),
+        }
+        for title, (dock, button) in shown.items():
+            page.locator("#docks-nav").get_by_role("button", name=title).click()
+            place = page.locator(f'.dock[data-dock="{dock}"]')
+            place.get_by_role("button", name=button, exact=True).wait_for()
+
+
+def test_only_the_newest_preview_of_a_switch_is_shown(workspace, enabled):
+    names = [c.name for c in enabled.controllers() if c.state != "running"][:2]
+    preview = workspace.dock("controllers").locator(".preview")
+    held = []
+
+    def hold_the_first(route):
+        (route.continue_ if held else held.append)(*([] if held else [route]))
+
+    workspace.page.route("**/controllers/switch", hold_the_first)
+    first, second = (workspace.button("controllers", f"Start {n}") for n in names)
+    first.focus()
+    assert wait_until(lambda: workspace.page.wait_for_timeout(50) or held)
+    second.focus()
+    preview.get_by_text(f"Start {names[1]}: ").wait_for()
+    with workspace.page.expect_response("**/controllers/switch"):
+        held[0].continue_()
+    workspace.page.wait_for_timeout(100)
+    assert preview.inner_text().startswith(f"Start {names[1]}: ")
+    workspace.page.unroute("**/controllers/switch")
 
 
 @pytest.mark.usefixtures("enabled")

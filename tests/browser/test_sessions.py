@@ -160,14 +160,28 @@ def test_logging_out_in_one_tab_stops_the_jog_of_another(place, log_in):
         workspace.page.wait_for_url("**/login*")
 
 
+_STORE = "(await import('/static/lib/store.js')).store"
+
+
 def test_a_page_comes_back_by_itself_when_its_station_does(place, log_in):
-    page = log_in().page
+    workspace = log_in()
+    page, dock = workspace.page, workspace.dock("tuning")
+    with place.client() as client:
+        before = client.gains(CONTROLLER).values["panda_joint1/p"]
+        client.set_gains(CONTROLLER, {"panda_joint1/p": before + 1})
+        client.switch_controllers(start=[CONTROLLER])
+    gain = dock.get_by_label("p of panda_joint1")
+    assert wait_until(lambda: gain.input_value() == f"{before + 1:g}")
+    page.wait_for_function(f"async () => {_STORE}.markers.length > 0")
     place.station.kill()
     place.station.wait(10)
     page.wait_for_selector(_NOT_LIVE)
     place.start()
     # With the newest joints in its table, too: no part of the page is stale.
     page.wait_for_selector(f"body:not(.stale) {_LIVE}", timeout=3000)
+    # Station time begins anew: old marks would be shown at wrong times.
+    page.wait_for_function(f"async () => {_STORE}.markers.length === 0")
+    assert wait_until(lambda: gain.input_value() == f"{before:g}")
     with place.client() as client:
         client.switch_controllers(start=[CONTROLLER])
         page.wait_for_function(

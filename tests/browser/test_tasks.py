@@ -189,6 +189,17 @@ def test_the_cube_is_grasped_and_lifted(person, client):
     assert wait_until(lambda: client.scene()[0].position[2] > 0.1, 20)
 
 
+def test_the_objects_are_listed_where_they_are(person, client):
+    person.fold("simulation")
+    table = person.page.locator("st-simulation .objects")
+    for one in client.scene():
+        place = ", ".join(f"{value + 0.0:.3f}" for value in one.position)
+        row = table.locator("tbody tr").filter(has_text=one.name)
+        assert wait_until(lambda r=row, p=place: p in r.inner_text()), row.inner_text()
+    fixed = table.locator("tbody tr").filter(has_text="table").get_by_text("fixed")
+    assert fixed.count() == 1
+
+
 def test_hitting_the_table_is_recovered_from_and_its_alarm_acknowledged(person, client):
     enable(person)
     person.field("Command of joint1", "-90")

@@ -97,6 +97,24 @@ def test_each_arm_has_a_controller_of_its_own(workspace, client):
     _nothing_failed(client)
 
 
+def test_a_controller_of_the_chosen_arm_is_loaded(workspace, client):
+    kind = "franka_example_controllers/CartesianImpedanceExampleController"
+    dock = workspace.dock("controllers")
+    workspace.button("controllers", "Load …").click()
+    dock.get_by_label("Search controller types").fill("CartesianImpedance")
+    dock.get_by_role("option", name=kind).click()
+    dock.get_by_label("Arm of the controller").select_option("panda_2")
+    names = dock.get_by_label("joint_names", exact=True)
+    assert wait_until(lambda: names.input_value().startswith("panda_2_joint1, "))
+    dock.get_by_label("Name of the controller").fill("of_two")
+    dock.get_by_role("button", name="Load", exact=True).click()
+    assert wait_until(lambda: "of_two" in [c.name for c in client.controllers()])
+    claims = client.controller("of_two").claimed_resources
+    joints = {name for claim in claims for name in claim.resources}
+    assert joints == {f"panda_2_joint{i}" for i in range(1, 8)}
+    client.unload_controller("of_two")
+
+
 def _parameters(joints):
     return yaml.safe_load(example_parameters(GROUP, joints))
 

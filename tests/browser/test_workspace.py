@@ -122,6 +122,8 @@ def test_a_switch_says_what_it_does_before_the_click(workspace, enabled):
     start.click()
     assert wait_until(lambda: _state(enabled, OTHER) == "running")
     assert _state(enabled, CONTROLLER) != "running"
+    # How far each joint stepped is known now; a start from rest steps none by much.
+    preview.get_by_text(f"Started {OTHER}: ").wait_for()
 
 
 def test_a_controller_is_loaded_from_a_form_and_unloaded(workspace, client):

@@ -1,5 +1,7 @@
 """Held buttons, a dragged target, and why there is nothing to move."""
 
+from dataclasses import replace
+
 import pytest
 
 from station.ui.cartesian_model import (
@@ -9,12 +11,15 @@ from station.ui.cartesian_model import (
     TWIST,
     HeldButtons,
     TargetPose,
+    arms_to_move,
+    bases_of_hands,
     choose_cartesian,
     distance,
 )
 from station.wire import ControllerType
-from tests.ui.views import controller, element, view
+from tests.ui.views import arm, controller, element, status, view
 
+ARMS = ("left", "right")
 KIND = "CartesianJogController"
 HERE = [0.3, 0.0, 0.5, 1.0, 0.0, 0.0, 0.0]
 THERE = [0.4, 0.0, 0.5, 1.0, 0.0, 0.0, 0.0]
@@ -39,6 +44,36 @@ def test_another_kind_of_set_point_is_not():
     chosen = choose_cartesian(view(jog(), elements=elements(POSE)), TWIST, KIND)
 
     assert chosen.name == ""
+
+
+@pytest.mark.parametrize("arm_id", ["left", "right"])
+def test_the_controller_of_the_arm_is_chosen(arm_id):
+    running = [controller(f"{a}_jog", "running", (f"{a}_robot",)) for a in ARMS]
+    names = tuple(element(name) for name in TWIST)
+    seen = view(*running, elements={one.name: names for one in running})
+    seen = replace(seen, status=status(robots=[arm(a, "idle") for a in ARMS]))
+
+    assert choose_cartesian(seen, TWIST, KIND, arm_id).name == f"{arm_id}_jog"
+    assert arms_to_move(seen) == list(ARMS)
+
+
+def test_what_to_load_names_the_arm():
+    types = (ControllerType(type=f"a/{KIND}", base_class="C"),)
+    reason = choose_cartesian(view(types=types), TWIST, KIND, "left").reason
+    assert reason.startswith(f"Load a {KIND} of left")
+
+
+@pytest.mark.parametrize(
+    ("arms", "bases", "expected"),
+    [
+        ([], [], {"": ""}),
+        (["panda"], ["/robot/a"], {"": "/robot/a"}),
+        (ARMS, ["/robot/a", "/robot_2/a"], {"left": "/robot/a", "right": "/robot_2/a"}),
+        (ARMS, ["/robot/a"], {"left": "/robot/a", "right": ""}),
+    ],
+)
+def test_each_target_is_drawn_at_the_base_of_its_arm(arms, bases, expected):
+    assert bases_of_hands(arms, bases) == expected
 
 
 @pytest.mark.parametrize(

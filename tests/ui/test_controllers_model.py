@@ -6,10 +6,13 @@ import pytest
 
 from station.ui.controllers_model import (
     Offer,
+    arms_of,
     claims_text,
+    command_units,
     offer_for,
     startable_first,
 )
+from station.wire import ClaimedResources
 from tests.ui.views import arm, controller, status, view
 
 
@@ -76,6 +79,40 @@ def test_nothing_is_started_while_stopped():
 )
 def test_claims_fit_a_table_cell(joints, text):
     assert claims_text(controller("arm", joints=joints)) == text
+
+
+@pytest.mark.parametrize(
+    ("interface", "units"),
+    [
+        ("EffortJointInterface", {"turn": "Nm", "slide": "N"}),
+        ("PositionJointInterface", {"turn": "rad", "slide": "m"}),
+        ("PosVelJointInterface", {"turn": "rad", "slide": "m"}),
+        ("VelocityJointInterface", {"turn": "rad/s", "slide": "m/s"}),
+        ("JointStateInterface", {}),
+    ],
+)
+def test_commands_have_the_unit_of_their_interface(interface, units):
+    claim = ClaimedResources(
+        hardware_interface=f"hardware_interface::{interface}",
+        resources=["turn", "slide"],
+    )
+    commanding = controller("arm").model_copy(update={"claimed_resources": [claim]})
+    assert command_units(commanding, {"slide"}) == units
+
+
+@pytest.mark.parametrize(
+    ("claims", "arms"),
+    [
+        (["left_robot"], ("left",)),
+        (["right_joint1", "right_joint2"], ("right",)),
+        (["left_joint1", "right_joint1"], ("left", "right")),
+        (["wheel"], ()),
+    ],
+)
+def test_a_controller_is_of_the_arms_that_it_claims(claims, arms):
+    robots = [arm(name, "idle") for name in ("left", "right")]
+    seen = replace(view(), status=status(robots=robots))
+    assert arms_of(seen, controller("it", joints=claims)) == arms
 
 
 def test_controllers_that_can_be_started_come_first():

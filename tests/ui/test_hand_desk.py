@@ -1,10 +1,12 @@
 """What a person asks of the end effector, with an injected clock."""
 
+from dataclasses import replace
+
 import pytest
 
 from station.ui.cartesian_model import HELD_FOR, POSE, TWIST
-from station.ui.hand_desk import HandDesk
-from tests.ui.views import controller, element, sample, view
+from station.ui.hand_desk import HandDesk, HandDesks
+from tests.ui.views import arm, controller, element, sample, status, view
 
 HERE = sample(1.0, desired=0.5, names=POSE)
 
@@ -24,7 +26,7 @@ def desk():
 def test_a_held_direction_moves_and_ends_with_one_rest(desk):
     desk.refresh(_view(TWIST))
     assert desk.hold(2, -1, now=0.0) == ""
-    assert desk.step(0.1).values == pytest.approx([0, 0, -desk.speed, 0, 0, 0])
+    assert desk.step(0.1).values == pytest.approx([0, 0, -desk.speed.along, 0, 0, 0])
     desk.release()
     assert desk.step(0.2).values == [0.0] * 6
     assert desk.step(0.3) is None
@@ -55,3 +57,60 @@ def test_a_stop_ends_the_motion(desk):
     desk.go([0.4, 0.1, 0.6], now=0.0)
     desk.refresh(_view(POSE, stop_state="stopped"))
     assert desk.step(0.1) is None
+
+
+ARMS = ("left", "right")
+
+
+def _two_arms(names):
+    """Return a station with a running controller for each of two hands."""
+    running = [
+        controller(f"{arm_id}_hand", "running", (f"{arm_id}_robot",)) for arm_id in ARMS
+    ]
+    elements = tuple(element(name, "m", -0.5, 0.5) for name in names)
+    return replace(
+        view(
+            *running,
+            elements={one.name: elements for one in running},
+            samples={one.name: HERE for one in running},
+        ),
+        status=status(robots=[arm(arm_id, "move") for arm_id in ARMS]),
+    )
+
+
+@pytest.fixture
+def desks():
+    return HandDesks()
+
+
+@pytest.mark.parametrize("arm_id", ARMS)
+def test_the_hand_of_the_chosen_arm_moves(desks, arm_id):
+    desks.refresh(_two_arms(TWIST))
+    assert desks.hold(arm_id, 0, 1, now=0.0) == ""
+    assert [point.controller for point in desks.step(0.1)] == [f"{arm_id}_hand"]
+    desks.refresh(_two_arms(POSE))
+    assert desks.go(arm_id, [0.4, 0.1, 0.6], now=0.0) == ""
+    assert [point.controller for point in desks.step(0.1)] == [f"{arm_id}_hand"]
+
+
+def test_an_arm_that_is_not_there_is_refused(desks):
+    desks.refresh(_two_arms(TWIST))
+    assert desks.hold("third", 0, 1, now=0.0) == "This station has no arm 'third'."
+    assert "third" in desks.go("third", [0.4, 0.1, 0.6], now=0.0)
+    assert desks.step(0.1) == []
+
+
+def test_a_single_arm_answers_to_its_own_name(desks):
+    desks.refresh(_view(TWIST))
+    assert desks.hold("panda", 0, 1, now=0.0) == ""
+    assert list(desks.told()) == [""]
+
+
+def test_the_hand_is_no_faster_than_chosen_and_than_its_controller_allows(desks):
+    desks.set_speed(0.2, 2.0)
+    desks.refresh(_two_arms(TWIST))
+    desks.hold("left", 0, 1, now=0.0)
+    desks.hold("left", 5, -1, now=0.0)
+    (point,) = desks.step(0.1)
+    assert point.values == pytest.approx([0.2, 0, 0, 0, 0, -0.5])
+    assert desks.told()["left"]["fastest"] == [0.5, 0.5]

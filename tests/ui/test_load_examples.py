@@ -64,6 +64,19 @@ def test_cartesian_examples_name_the_arm(kind):
     )
 
 
+@pytest.mark.parametrize(
+    ("asked", "arm", "first"), [("", "panda_1", 0), ("panda_2", "panda_2", 2)]
+)
+def test_a_controller_of_one_arm_has_the_joints_of_that_arm(asked, arm, first):
+    joints = [f"panda_{arm}_joint{i}" for arm in (1, 2) for i in (1, 2)]
+
+    kind = "franka_controllers/CartesianJogController"
+    assert yaml.safe_load(example_parameters(kind, joints, asked)) == {
+        "arm_id": arm,
+        "joint_names": joints[first : first + 2],
+    }
+
+
 def test_streaming_and_jogging_take_all_joints():
     kind = "position_controllers/JointStreamingController"
 

@@ -121,9 +121,10 @@ def test_nothing_is_told_without_a_session(browser, bench, path):
     assert browser.get(path).status_code == 401
 
 
-def test_nothing_is_done_without_a_session(browser, bench):
+@pytest.mark.parametrize("path", ["/parameters", "/yaml"])
+def test_nothing_is_done_without_a_session(browser, bench, path):
     bench.session = None
-    assert browser.post("/parameters").status_code == 401
+    assert browser.post(path).status_code == 401
 
 
 def test_the_state_names_what_takes_values(browser):
@@ -140,6 +141,20 @@ def test_an_example_has_a_free_name_and_the_same_parameters_twice(browser):
     assert told["params"] == {"joints": ["panda_joint1"]}
     read = browser.post("/parameters", content=told["yaml"].encode())
     assert read.json()["params"] == told["params"]
+
+
+def test_parameters_are_the_same_in_yaml(browser):
+    params = {"joint": "Gelenk é", "gains": {"p": 600, "limits": [0.1, 2]}, "on": True}
+    text = browser.post("/yaml", json={"params": params}).json()["yaml"]
+    assert "limits: [0.1, 2]" in text
+    read = browser.post("/parameters", content=text.encode())
+    assert read.json()["params"] == params
+    assert browser.post("/yaml", json={"params": {}}).json() == {"yaml": ""}
+
+
+@pytest.mark.parametrize("body", [[], {"params": [1]}, {"params": None}])
+def test_what_are_no_parameters_has_no_yaml(browser, body):
+    assert browser.post("/yaml", json=body).status_code == 422
 
 
 @pytest.mark.parametrize("text", ["a: [", "- 1", "a: .nan", "a: 2026-11-22"])

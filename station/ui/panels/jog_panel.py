@@ -34,16 +34,23 @@ class JogPanel(CommandingPanel):
         gui: Where the folder is built.
         link: The station.
         reporter: Says what went wrong.
+        arm: The arm whose end effector they move; empty where there are not several.
     """
 
     def __init__(
-        self, gui: viser.GuiApi, link: StationLink, reporter: Reporter
+        self,
+        gui: viser.GuiApi,
+        link: StationLink,
+        reporter: Reporter,
+        arm: str = "",
     ) -> None:
         super().__init__(link, reporter)
+        self._arm = arm
         self._buttons = HeldButtons()
         self._told = ""
         self._handles: list[viser.GuiButtonHandle] = []
-        with gui.add_folder("End effector: hold to move"):
+        whose = f"End effector of {arm}" if arm else "End effector"
+        with gui.add_folder(f"{whose}: hold to move"):
             self._state = gui.add_html(hint("Waiting for the station …"))
             self._axes = gui.add_dropdown(
                 "Axes of", AXES, hint="In whose axes the end effector moves."
@@ -78,7 +85,7 @@ class JogPanel(CommandingPanel):
     @override
     def refresh(self, view: StationView) -> None:
         """Show whether the buttons can be used; if they cannot, show why."""
-        operated = choose_cartesian(view, TWIST, KIND)
+        operated = choose_cartesian(view, TWIST, KIND, self._arm)
         if operated.elements and operated.elements != self._operated.elements:
             self._fit(operated)
         self._operate(operated, view)

@@ -27,6 +27,8 @@ class TargetPanel(CommandingPanel):
         link: The station.
         reporter: Says what went wrong.
         base: Scene node of the arm's base frame.
+        arm: The arm whose end effector goes to the target; empty where there are not
+            several.
     """
 
     def __init__(
@@ -35,16 +37,22 @@ class TargetPanel(CommandingPanel):
         link: StationLink,
         reporter: Reporter,
         base: str,
+        arm: str = "",
     ) -> None:
         super().__init__(link, reporter)
+        self._arm = arm
         self._target = TargetPose()
         self._desired: list[float] = []
         self._told = ""
         self._dragged_at = -math.inf
-        with server.gui.add_folder("End effector: drag the target"):
+        whose = f"End effector of {arm}" if arm else "End effector"
+        with server.gui.add_folder(f"{whose}: drag the target"):
             self._state = server.gui.add_html(hint("Waiting for the station …"))
         self._gizmo = server.scene.add_transform_controls(
-            f"{base}/target", scale=_SIZE, visible=False, depth_test=False
+            f"{base}/target{arm and f'_{arm}'}",
+            scale=_SIZE,
+            visible=False,
+            depth_test=False,
         )
         self._gizmo.on_update(self._on_drag)
 
@@ -55,7 +63,7 @@ class TargetPanel(CommandingPanel):
     @override
     def refresh(self, view: StationView) -> None:
         """Let the target follow the arm until a person drags the target."""
-        operated = choose_cartesian(view, POSE, KIND)
+        operated = choose_cartesian(view, POSE, KIND, self._arm)
         if operated.reason or operated.name != self._operated.name:
             self._desired = []
             self._told = ""

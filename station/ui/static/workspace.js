@@ -105,7 +105,7 @@ function makeNav() {
     const button = h("button", { class: "s", type: "button" }, dock.title);
     button.addEventListener("click", () => {
       layout.dock = dock.id;
-      keepLayout();
+      document.querySelector(`.dock[data-dock="${dock.id}"]`).dispatchEvent(new Event("open-dock"));
       chooseDock();
     });
     button.dataset.dock = dock.id;

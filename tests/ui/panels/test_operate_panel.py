@@ -55,7 +55,8 @@ def test_a_move_ends_when_somebody_else_moves_its_joint(running, panel):
     assert running.wait(lambda: _commands(running))
     panel.movers.take(panel._shown[0].name, "somebody else")
     assert running.wait(lambda: not panel._ramp.commanding)
-    assert "Somebody else moves" in running.dashboard._reporter.message
+    reporter = running.dashboard._reporter
+    assert running.wait(lambda: "Somebody else moves" in reporter.message)
 
 
 def test_sliders_follow_what_others_command(running, panel):

@@ -6,6 +6,12 @@ const DASHES = [[], [6, 3], [2, 3], [8, 3, 2, 3]];
 const LEFT = 46;
 const BOTTOM = 16;
 
+/** Return the dashes of a trace: no two of 28 traces have the same colour and dashes. */
+export function dashOf(i) {
+  return DASHES[((i % COLOURS) + Math.floor(i / COLOURS)) % DASHES.length];
+}
+
+
 /** The samples of a channel of the last minute. */
 export class History {
   constructor(seconds = 60) {
@@ -31,6 +37,11 @@ export class History {
   slope(i) {
     if (i < 1 || i >= this.times.length - 1) return null;
     return (this.values[i + 1] - this.values[i - 1]) / (this.times[i + 1] - this.times[i - 1]);
+  }
+
+  /** Return the same samples, to which nothing is added. */
+  copy() {
+    return Object.assign(new History(this.seconds), { times: [...this.times], values: [...this.values] });
   }
 
   clear() {
@@ -203,7 +214,7 @@ export class Plot {
     curves.forEach((points, i) => {
       pen.strokeStyle = pen.fillStyle = style.getPropertyValue(`--trace${(i + 1) % COLOURS}`);
       pen.lineWidth = 1.6;
-      pen.setLineDash(DASHES[Math.floor((i + 1) / COLOURS + i + 1) % DASHES.length]);
+      pen.setLineDash(dashOf(i + 1));
       pen.beginPath();
       for (const [a, b] of points) pen.lineTo(x(a), y(b));
       pen.stroke();
@@ -234,7 +245,7 @@ export class Plot {
   drawTrace(pen, { style, x, y, begin, end, width }, { history }, i) {
     pen.strokeStyle = style.getPropertyValue(`--trace${i % COLOURS}`);
     pen.lineWidth = 1.6;
-    pen.setLineDash(DASHES[Math.floor(i / COLOURS + i) % DASHES.length]);
+    pen.setLineDash(dashOf(i));
     pen.beginPath();
     const { times, values } = history;
     const first = Math.max(history.indexAt(begin) - 1, 0);

@@ -1,8 +1,12 @@
 // What the page knows: polled state of the docks, and the newest frames of the streams.
+import { changesGains, marksOf } from "./event_marks.js";
 import { act, follow, send } from "./station.js";
 
 const POLL_MS = 350;
 const ENABLING = "The controller is being started.";
+const OLD_POLL_MS = 3000; // an answer about the docks may be of the station before
+const MOST_MARKERS = 200;
+const EXPLAINED_MS = 3000;
 
 class Store extends EventTarget {
   constructor() {
@@ -12,7 +16,11 @@ class Store extends EventTarget {
     this.joints = null;
     this.arms = {};
     this.heardAt = 0;
-    this.markers = []; // {at: station time [s], text}
+    this.markers = []; // {at: station time [s], text, what: the request, noted: page time [ms]}
+    this.explained = new Map(); // text of a change of this page by its request, until its event comes
+    this.bootId = "";
+    this.begunAt = -Infinity;
+    this.lastEvent = 0;
     this.stationTime = 0;
     this.endOfArm = {};
     this.isEnabling = false; // while "Enable sliders" waits for the station
@@ -33,6 +41,7 @@ class Store extends EventTarget {
       this.heardAt = performance.now();
       this.dispatchEvent(new Event("joints"));
     });
+    follow("events", "rate=10", (frame) => this.happened(frame.data));
     this.poll();
   }
 
@@ -44,8 +53,9 @@ class Store extends EventTarget {
   async refresh() {
     try {
       const docks = await send("GET", "/workspace/state");
-      this.notice(this.docks, docks);
       if (this.isEnabling) docks.enabling.reason ||= ENABLING;
+      const isOld = performance.now() - this.begunAt < OLD_POLL_MS;
+      if (docks.boot_id && docks.boot_id !== this.bootId && !isOld) this.begin(docks.boot_id);
       this.docks = docks;
       this.followArms(docks.arms.map((arm) => arm.arm_id));
       this.dispatchEvent(new Event("docks"));
@@ -63,22 +73,43 @@ class Store extends EventTarget {
     return this.controller(name);
   }
 
-  /** Mark in the plots what has changed: switches, stops, restarts. */
-  notice(before, after) {
-    if (!before) return;
-    const states = new Map(before.controllers.map((c) => [c.name, c.state]));
-    for (const c of after.controllers) {
-      const was = states.get(c.name);
-      if (was && was !== c.state && (c.state === "running" || was === "running"))
-        this.mark(`${c.name} ${c.state === "running" ? "started" : "stopped"}`);
-    }
-    if (before.epoch !== null && after.epoch !== before.epoch) this.mark("stop, reset or recovery");
+  /** Another run of the station: its time begins anew, so that old marks would be at wrong times. */
+  begin(bootId) {
+    const isAnother = this.bootId !== "";
+    this.bootId = bootId;
+    this.lastEvent = 0;
+    if (!isAnother) return;
+    this.begunAt = performance.now();
+    this.markers = [];
+    this.explained.clear();
+    for (const name of ["restart", "marker", "gains"]) this.dispatchEvent(new Event(name));
   }
 
-  mark(text) {
-    this.markers.push({ at: this.stationTime, text });
-    if (this.markers.length > 200) this.markers.shift();
+  /** Hear an event of the station: it says when and what, whoever asked for it. */
+  happened(event) {
+    if (event.boot_id !== this.bootId) this.begin(event.boot_id);
+    else if (event.id <= this.lastEvent) return; // a frame may come twice after a reconnection
+    this.lastEvent = event.id;
+    for (const text of marksOf(event)) this.mark(event.stamp, text, event.what);
+    this.dispatchEvent(new CustomEvent("happened", { detail: event }));
+    if (changesGains(event)) this.dispatchEvent(new Event("gains"));
+  }
+
+  mark(at, text, what) {
+    const known = this.explained.get(what);
+    this.explained.delete(what);
+    const isKnown = known && performance.now() - known.noted < EXPLAINED_MS;
+    this.markers.push({ at, text: isKnown ? known.text : text, what, noted: isKnown ? -Infinity : performance.now() });
+    if (this.markers.length > MOST_MARKERS) this.markers.shift();
     this.dispatchEvent(new Event("marker"));
+  }
+
+  /** Say what a request of this page has changed; its moment comes, or came, as an event. */
+  explain(what, text) {
+    const marker = this.markers.findLast((one) => one.what === what && performance.now() - one.noted < EXPLAINED_MS);
+    if (!marker) return this.explained.set(what, { text, noted: performance.now() });
+    Object.assign(marker, { text, noted: -Infinity });
+    return this.dispatchEvent(new Event("marker"));
   }
 
   followArms(names) {

@@ -2,7 +2,7 @@
 import { Channels, described, numbersIn, sample, sources } from "../lib/channels.js";
 import { h, kept, shortNames, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
-import { History, Plot, download } from "../lib/plot.js";
+import { History, Plot, dashOf, download } from "../lib/plot.js";
 import { follow } from "../lib/station.js";
 import { store } from "../lib/store.js";
 
@@ -15,6 +15,7 @@ class Plots extends Panel {
   build() {
     this.channels = new Map(); // key to {label, unit, group, read(frame data)}
     this.histories = new Map();
+    this.frozen = new Map(); // what the histories were at the pause; the robot goes on
     this.streamed = new Channels((key, time, value) => this.history(key).add(time, value));
     this.plots = [];
     this.paused = false;
@@ -29,7 +30,10 @@ class Plots extends Panel {
     this.row = h("div", { class: "plots" });
     this.append(this.row);
     store.addEventListener("marker", () => {
-      for (const { plot } of this.plots) plot.markers = store.markers;
+      if (!this.paused) for (const { plot } of this.plots) plot.markers = store.markers;
+    });
+    store.addEventListener("restart", () => {
+      for (const history of this.histories.values()) history.clear();
     });
     store.addEventListener("joints", () => this.hear());
     setInterval(() => this.draw(), 1000 / DRAW_HZ);
@@ -39,7 +43,19 @@ class Plots extends Panel {
     this.paused = paused;
     show(this.pause, paused ? "Resume" : "Pause");
     this.pause.setAttribute("aria-pressed", String(paused));
-    for (const { plot } of this.plots) plot.end = paused ? store.stationTime : null;
+    this.frozen.clear();
+    for (const entry of this.plots) {
+      entry.plot.end = paused ? store.stationTime : null;
+      entry.plot.markers = paused ? [...store.markers] : store.markers;
+      this.apply(entry);
+    }
+  }
+
+  /** Return the samples to draw: while paused, those of the pause. */
+  drawnHistory(key) {
+    if (!this.paused) return this.history(key);
+    if (!this.frozen.has(key)) this.frozen.set(key, this.history(key).copy());
+    return this.frozen.get(key);
   }
 
   refresh() {
@@ -232,13 +248,13 @@ class Plots extends Panel {
 
   apply(entry) {
     const known = entry.keys.filter((key) => this.channel(key));
-    entry.plot.traces = known.map((key) => ({ ...this.channel(key), history: this.history(key) }));
+    entry.plot.traces = known.map((key) => ({ ...this.channel(key), history: this.drawnHistory(key) }));
     const units = [...new Set(entry.plot.traces.map((t) => t.unit).filter(Boolean))].join(", ");
     const labels = entry.plot.traces.map((trace) => trace.label);
     const shared = sharedStart(labels);
     entry.legend.replaceChildren(
       h("b", {}, !labels.length ? "no channel chosen" : units ? `${shared} [${units}]` : shared),
-      ...labels.map((label, i) => h("span", { class: `trace t${i % 7}`, title: label }, label.slice(shared.length))),
+      ...labels.map((label, i) => h("span", { class: `trace t${i % 7}`, title: label }, swatch(i), label.slice(shared.length))),
     );
     entry.plot.canvas.setAttribute("aria-label", `Plot of ${entry.plot.traces.map((t) => t.label).join(", ")}`);
     this.note();
@@ -270,6 +286,16 @@ class Plots extends Panel {
     if (!this.isShown || document.hidden) return;
     for (const { plot } of this.plots) plot.draw(store.stationTime);
   }
+}
+
+/** Return a piece of a trace for the legend, dashed as in the plot. */
+function swatch(i) {
+  const line = document.createElementNS("http://www.w3.org/2000/svg", "line");
+  for (const [name, value] of Object.entries({ x1: 0, y1: 4, x2: 16, y2: 4, "stroke-dasharray": dashOf(i).join(" ") })) line.setAttribute(name, value);
+  const picture = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+  picture.setAttribute("aria-hidden", "true");
+  picture.append(line);
+  return picture;
 }
 
 /** Return what all labels begin with, when there is more than one, e.g. `q joint`. */

@@ -1,10 +1,12 @@
-// Simulation: pause, step, speed, reset, pushes and faults; absent on a real robot.
+// Simulation: pause, step, speed, reset, pushes and faults, and where the objects of the
+// scene are; absent on a real robot.
 import { h, number, show, typed } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { refusals } from "../lib/refusals.js";
-import { act } from "../lib/station.js";
+import { act, api } from "../lib/station.js";
 import { store } from "../lib/store.js";
 
+const LOOK_MS = 500;
 const FAULTS = ["collision", "lost_packets", "delayed_cycle", "nan_sensor", "stuck_joint"];
 
 class Simulation extends Panel {
@@ -36,7 +38,37 @@ class Simulation extends Panel {
       h("div", { class: "line arms" }, this.arm, button("Push hand", "Push the hand for 0.3 s", () => this.push()), this.force, " N"),
       h("div", { class: "line arms" }, button("Inject fault", "For exercises: the arm reacts as to a real one", () => this.inject()), this.fault, button("End faults", "End all faults and pushes", () => act("DELETE", `/robots/${this.arm.value}/faults`)), button("User stop", "Press the user stop of the arm", () => act("POST", `/robots/${this.arm.value}/user_stop`, { pressed: true }))),
     );
-    this.append(this.controls);
+    this.objects = h("tbody", {});
+    const heads = ["object", "x, y, z [m]", "kg"].map((text) => h("th", {}, text));
+    this.scene = h("table", { class: "objects", hidden: true }, h("thead", {}, h("tr", {}, ...heads)), this.objects);
+    this.append(this.controls, this.scene);
+    this.look();
+  }
+
+  /** Show where the objects are; Reset puts them back, and hands and pushes move them. */
+  async look() {
+    if (this.isShown && !document.hidden) {
+      try {
+        this.drawObjects((await api("GET", "/scene")).objects);
+      } catch {
+        // The strip says when the station is lost.
+      }
+    }
+    setTimeout(() => this.look(), LOOK_MS);
+  }
+
+  drawObjects(objects) {
+    this.scene.hidden = !objects.length;
+    const key = objects.map(({ name }) => name).join();
+    if (key !== this.drawn) {
+      this.drawn = key;
+      this.objects.replaceChildren(...objects.map((object) => h("tr", {}, h("th", { scope: "row", title: `${object.type} ${object.size.join(" × ")}` }, object.name), h("td"), h("td"))));
+    }
+    objects.forEach(({ position, mass }, i) => {
+      const [, place, weight] = this.objects.rows[i].cells;
+      show(place, position.map((value) => number(value, 3)).join(", "));
+      show(weight, mass ? number(mass, 2) : "fixed");
+    });
   }
 
   async act(path, body) {

@@ -168,7 +168,6 @@ class TuneSearch extends Panel {
     const told = await act("POST", `${this.url}/apply`, { trial, revisions });
     this.applyButton.hidden = true;
     if (!told) return;
-    store.mark(`gains of ${this.name}`);
     show(this.diff, `Applied, and saved as the set “${this.name}”. Undo, above, takes them back.`);
     this.tuning.reread();
   }

@@ -1,10 +1,11 @@
 // Tuning: gains of one controller, changed together; undo; sets; a bench for one joint.
+import "./gain_sets.js";
 import "./tune_search.js";
 import { h, kept, number, show, sharedPrefix, typed } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { History, Plot } from "../lib/plot.js";
 import { refusals } from "../lib/refusals.js";
-import { act, api } from "../lib/station.js";
+import { act, api, Refusal } from "../lib/station.js";
 import { store } from "../lib/store.js";
 
 /** What each kind of test asks for besides its size and duration. */
@@ -20,23 +21,35 @@ class Tuning extends Panel {
     this.joint.addEventListener("change", () => this.drawGains());
     this.undo = h("button", { class: "s", type: "button", title: "Take the last change of gains back" }, "Undo");
     this.undo.addEventListener("click", async () => {
-      if (await act("POST", "/gain-sets/undo")) store.mark("gains undone");
+      await act("POST", "/gain-sets/undo");
       this.reread();
     });
     this.apply = h("button", { class: "s primary", type: "button", title: "All changed values take effect in the same cycle" }, "Apply");
     this.apply.addEventListener("click", () => this.patch());
     this.fields = h("div", { class: "fields gains" });
     this.state = h("p", { class: "hint state" }, "");
+    this.sets = h("st-gain-sets");
     this.search = h("st-tune-search");
     this.search.tuning = this;
     this.append(
       h("div", { class: "line" }, this.choice, this.joint, this.apply, this.undo),
       this.fields,
       this.state,
-      this.buildSets(),
+      this.sets,
       this.buildBench(),
       this.search,
     );
+    // Gains are changed by scripts and other pages, too, and are others after a restart.
+    store.addEventListener("gains", () => {
+      if (!this.isShown) return (this.names = null); // read when the dock is opened
+      this.read();
+      this.sets.list();
+    });
+  }
+
+  /** Whether a value was typed that is not applied yet. */
+  get isTyped() {
+    return [...(this.inputs?.values() ?? [])].some((input) => input.isConnected && typed(input.value) !== Number(input.dataset.was));
   }
 
   /** The controller and joint that are tuned. */
@@ -47,12 +60,13 @@ class Tuning extends Panel {
   /** Read the gains anew; what was typed and not applied is given up. */
   reread() {
     this.drawnFor = null;
-    this.listSets();
+    this.sets.list();
     return this.read();
   }
 
   refresh() {
     const names = store.docks.controllers.filter((c) => c.resources.length && c.state !== "loading").map((c) => c.name);
+    if (this.isOld && store.docks.link === "live") this.read();
     if (names.join() === this.names) return this.follow();
     this.names = names.join();
     const chosen = this.choice.value;
@@ -60,13 +74,13 @@ class Tuning extends Panel {
     if (names.includes(chosen)) this.choice.value = chosen;
     this.follow();
     this.read();
-    this.listSets();
+    this.sets.list();
   }
 
-  /** Show the controller that has just been started. */
+  /** Show the controller that has just been started, unless that would lose what was typed. */
   follow() {
     const running = store.docks.operated.names[0];
-    if (!running || running === this.followed) return;
+    if (!running || running === this.followed || this.isTyped) return;
     this.followed = running;
     if (this.choice.value === running) return;
     this.choice.value = running;
@@ -76,7 +90,10 @@ class Tuning extends Panel {
   async read() {
     const name = this.choice.value;
     if (!name) return;
-    const gains = await api("GET", `/controllers/${name}/gains`).catch(() => ({ values: {}, schema: {}, etag: "" }));
+    const gains = await api("GET", `/controllers/${name}/gains`).catch(({ status }) => (status >= 400 && status < 500 ? { values: {}, schema: {}, etag: "" } : null));
+    // A station that is lost keeps what is shown and typed, and is asked again when it is back.
+    this.isOld = gains === null;
+    if (this.isOld) return;
     // Another controller was chosen meanwhile: its answer comes, or was here before this one.
     if (name !== this.choice.value) return;
     this.gains = gains;
@@ -104,12 +121,16 @@ class Tuning extends Panel {
       this.drawnFor = drawnFor;
       this.inputs = new Map();
       this.fields.replaceChildren(...keys.map((key) => this.field(key)));
+      this.showHint(keys);
     }
-    show(this.state, keys.length ? "Change values, then Apply: they take effect together, and Undo takes them back." : "This controller has no gains that can be changed while it runs.");
     this.undo.disabled = !store.isOperator;
     this.apply.disabled = this.undo.disabled || !keys.length;
     this.search.hidden = !keys.length && !this.search.name;
     this.showRun();
+  }
+
+  showHint(keys) {
+    show(this.state, keys.length ? "Change values, then Apply: they take effect together, and Undo takes them back." : "This controller has no gains that can be changed while it runs.");
   }
 
   /** A test needs the joint that it moves: there is none until the gains have come. */
@@ -145,69 +166,20 @@ class Tuning extends Panel {
       if (value !== this.gains.values[key]) values[key] = value;
     }
     if (!Object.keys(values).length) return show(this.state, "Nothing was changed.");
-    const done = await act("PATCH", `/controllers/${this.choice.value}/gains`, { values }, { "If-Match": this.gains.etag });
-    if (done) {
+    const path = `/controllers/${this.choice.value}/gains`;
+    try {
+      const done = await api("PATCH", path, { values }, { "If-Match": this.gains.etag });
       const what = Object.entries(values).map(([key, value]) => `${key} ${done.previous[key]} → ${value}`);
-      store.mark(`gains ${what.join(", ")}`);
+      store.explain(`PATCH ${path}`, `gains ${what.join(", ")}`);
       this.drawnFor = null;
       await this.read();
       show(this.state, `Applied in cycle ${done.cycle}: ${what.join(", ")}.`);
-    } else {
+    } catch (error) {
+      if (!(error instanceof Refusal)) throw error;
+      refusals.add(error, { method: "PATCH", path, body: { values } });
       await this.read();
+      if (error.status === 412) show(this.state, "Somebody has changed these gains meanwhile. They were read anew, and what you typed is still here: look, then Apply again.");
     }
-  }
-
-  buildSets() {
-    this.sets = h("select", { title: "Saved sets of gains, kept by the station" });
-    this.sets.setAttribute("aria-label", "Set of gains");
-    this.sets.addEventListener("change", () => this.showDiff());
-    this.setName = h("input", { class: "name", placeholder: "name" });
-    this.setName.setAttribute("aria-label", "Name of the set");
-    this.diff = h("p", { class: "hint" });
-    const button = (label, title, run) => h("button", { class: "s", type: "button", title, onclick: run }, label);
-    const path = () => `/gain-sets/${encodeURIComponent(this.sets.value)}`;
-    return h(
-      "details",
-      {},
-      h("summary", {}, "Sets of gains"),
-      h(
-        "div",
-        { class: "line" },
-        this.sets,
-        button("Apply set", "Put the set into force, all controllers in one cycle", async () => {
-          if (await act("POST", `${path()}/apply`, {})) store.mark(`gain set ${this.sets.value}`);
-          this.read();
-          this.showDiff();
-        }),
-        button("Delete", "Delete the set", async () => {
-          await act("DELETE", path());
-          this.listSets();
-        }),
-        this.setName,
-        button("Save", "Save the gains of all controllers now", async () => {
-          const name = this.setName.value.trim();
-          await act("PUT", `/gain-sets/${encodeURIComponent(name || "unnamed")}`, {});
-          await this.listSets();
-          this.sets.value = name;
-          this.showDiff();
-        }),
-      ),
-      this.diff,
-    );
-  }
-
-  async listSets() {
-    const names = (await act("GET", "/gain-sets"))?.gain_sets ?? [];
-    this.sets.replaceChildren(...names.map((name) => h("option", {}, name)));
-    if (!names.length) this.sets.append(h("option", { value: "" }, "none saved yet"));
-    this.showDiff();
-  }
-
-  async showDiff() {
-    if (!this.sets.value) return show(this.diff, "Save the present gains under a name to come back to them.");
-    const set = await act("GET", `/gain-sets/${encodeURIComponent(this.sets.value)}`);
-    const lines = (set?.differences ?? []).map((d) => `${d.controller} ${d.name}: set ${number(d.saved, 4)}, now ${number(d.present, 4)}`);
-    show(this.diff, lines.length ? `Differs from the present gains: ${lines.join("; ")}.` : "The set is in force: no gain differs.");
   }
 
   buildBench() {

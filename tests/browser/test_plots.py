@@ -1,0 +1,111 @@
+"""The dock Plots: pause, marks, legend, and what is kept when the page is reloaded."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.browser.workspace_page import CONTROLLER, WorkspacePage, wait_until
+
+pytestmark = pytest.mark.slow
+
+
+def test_a_plot_is_paused_zoomed_measured_and_saved(workspace, enabled):
+    page, dock = workspace.page, workspace.dock("plots")
+    box = dock.locator(".plot").first
+    plot = "document.querySelector('st-plots').plots[0].plot"
+    page.wait_for_function(f"() => {plot}.traces[0].history.times.length > 30")
+    workspace.button("plots", "Pause").click()
+    end = page.evaluate(f"() => {plot}.end")
+    before = enabled.status().cycle
+    canvas = box.locator("canvas")
+    canvas.focus()
+    span = page.evaluate(f"() => {plot}.span")
+    canvas.press("+")
+    assert page.evaluate(f"() => {plot}.span") < span
+    canvas.press("ArrowLeft")
+    canvas.press("Enter")
+    for _ in range(10):
+        canvas.press("ArrowRight")
+    page.wait_for_function(f"() => {plot}.fixed !== null && {plot}.cursor !== null")
+    assert wait_until(lambda: enabled.status().cycle > before + 100)
+    assert page.evaluate(f"() => {plot}.end") == end
+    # More than a minute later the picture of the pause is still there.
+    page.evaluate(
+        "(later) => document.querySelector('st-plots')"
+        ".history('position/panda_joint1').add(later, 1)",
+        arg=end + 200,
+    )
+    canvas.press("-")
+    box.locator(".picker > summary").click()
+    with page.expect_download() as download:
+        box.get_by_role("button", name="CSV", exact=True).click()
+    rows = Path(download.value.path()).read_text().splitlines()
+    assert rows[0].startswith("time [s],q joint1 [rad]")
+    assert len(rows) > 10
+    box.locator(".picker > summary").click()
+    workspace.button("plots", "Resume").click()
+    page.wait_for_function(f"() => {plot}.end === null")
+
+
+def test_switches_and_gains_are_marked_in_the_plots(workspace, enabled):
+    page = workspace.page
+    dock = workspace.dock("tuning")
+    dock.get_by_label("Controller to tune").select_option(CONTROLLER)
+    dock.get_by_label("Joint to tune").select_option("panda_joint7")
+    dock.get_by_label("d of panda_joint7").fill("4.5")
+    workspace.button("tuning", "Apply").click()
+    assert wait_until(lambda: enabled.gains(CONTROLLER).values["panda_joint7/d"] == 4.5)
+    workspace.button("tuning", "Undo").click()
+    enabled.switch_controllers(stop=[CONTROLLER])
+    marks = "document.querySelector('st-plots').plots[0].plot.markers.map(m => m.text)"
+    for text in ("gains panda_joint7/d", "gains undone", f"{CONTROLLER} stopped"):
+        page.wait_for_function(
+            f"(text) => {marks}.some((mark) => mark.includes(text))", arg=text
+        )
+    # Restarts are told too, although they are shorter than the page's own looks.
+    for _ in range(2):
+        enabled.switch_controllers(start=[CONTROLLER])
+        enabled.switch_controllers(stop=[CONTROLLER])
+    stamps = [event.stamp for event in enabled.events(kinds=["switch"], limit=4)]
+    assert len(stamps) == 4
+    at = marks.replace("m.text", "m.at")
+    assert wait_until(lambda: page.evaluate(at)[-4:] == stamps)
+
+
+def test_no_two_of_many_traces_look_the_same_and_the_legend_shows_how(workspace):
+    page = workspace.page
+    looks = page.evaluate(
+        "async () => { const {dashOf} = await import('/static/lib/plot.js');"
+        " return [...Array(28).keys()].map((i) => `${i % 7} ${dashOf(i)}`); }"
+    )
+    assert len(set(looks)) == 28
+    swatches = workspace.dock("plots").locator(".plot").first.locator(".trace line")
+    dashes = swatches.evaluate_all(
+        "(all) => all.map((line) => getComputedStyle(line).strokeDasharray)"
+    )
+    assert dashes[:3] == ["none", "6px, 3px", "2px, 3px"]
+
+
+def test_plots_and_their_channels_survive_a_reload(workspace):
+    page = workspace.page
+    workspace.button("plots", "+ plot").click()
+    boxes = workspace.dock("plots").locator(".plot")
+    added = boxes.nth(2)
+    added.locator(".picker > summary").click()
+    for name in ("dq joint2 [rad/s]", "rate of change of τ joint3"):
+        added.get_by_role("button", name=name, exact=True).click()
+    added.get_by_role("button", name="XY", exact=True).click()
+    shown = (
+        "() => [...document.querySelectorAll('.plot canvas')].map((e) => e.ariaLabel)"
+    )
+    before = page.evaluate(shown)
+    assert before[2] == "Plot of dq joint2, d/dt τ joint3"
+    page.reload()
+    boxes = WorkspacePage(page).dock("plots").locator(".plot")
+    boxes.nth(2).wait_for()
+    assert page.evaluate(shown) == before
+    boxes.nth(2).locator(".picker > summary").click()
+    across = boxes.nth(2).get_by_role("button", name="XY", exact=True)
+    assert across.get_attribute("aria-pressed") == "true"
+    boxes.nth(2).get_by_role("button", name="✕", exact=True).click()
+    assert boxes.count() == 2
