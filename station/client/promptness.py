@@ -12,12 +12,15 @@ CLOCK_HEADER = "X-Station-Clock"
 NOT_AFTER_HEADER = "X-Not-After"
 """Header of a change: the latest time by that clock at which it may begin."""
 
+_ANSWERS = 20
+
 
 class Promptness:
     """Says by the station's own clock until when a change may begin. Any thread.
 
     The clocks of two machines may differ: what is added to is the station's time in its
-    last answer, and the time that has passed here since.
+    answers, and the time that has passed here since. An answer that was read late tells
+    too early a time, so that the latest of what the last answers tell counts.
 
     Args:
         within: How long after it was sent a change may begin [s], > 0.
@@ -29,16 +32,17 @@ class Promptness:
     ) -> None:
         self._within = within
         self._now = now
-        self._ahead: float | None = None
+        self._ahead: tuple[float, ...] = ()
 
     def hear(self, headers: Mapping[str, str]) -> None:
         """Note the station's time in the headers of an answer, if it is there."""
         told = headers.get(CLOCK_HEADER)
         if told is not None:
-            self._ahead = float(told) - self._now()
+            self._ahead = (*self._ahead[1 - _ANSWERS :], float(told) - self._now())
 
     def headers(self) -> dict[str, str]:
         """Return the header of a change that is sent now; none before an answer."""
-        if self._ahead is None:
+        if not self._ahead:
             return {}
-        return {NOT_AFTER_HEADER: f"{self._now() + self._ahead + self._within:.3f}"}
+        not_after = self._now() + max(self._ahead) + self._within
+        return {NOT_AFTER_HEADER: f"{not_after:.3f}"}
