@@ -109,6 +109,7 @@ class DeskSocket:
         self._now = now
         self._lease: str | None = None
         self._epoch: int | None = None
+        self._held_at = float("-inf")
         self._barred_until = float("-inf")
         self._joints = JointDesk(movers)
         self._hands = HandDesks()
@@ -140,7 +141,7 @@ class DeskSocket:
 
     def _hear(self, said: _Said) -> None:
         now = self._now()
-        self._look()
+        view = self._look()
         refusal = ""
         match said:
             case _Go():
@@ -158,8 +159,8 @@ class DeskSocket:
                 self._hands.release()
         if refusal:
             self._refusal = refusal
-        if refusal and self._is_held_in_vain(said):
-            self._barred_until = now + HELD_FOR
+        if isinstance(said, (_Jog, _HandJog)):
+            self._note_hold(view, now)
 
     def _hear_of_hand(self, said: _HandJog | _HandGo | _HandSpeed, now: float) -> str:
         """Do what concerns an end effector; return why it is not done, or nothing."""
@@ -174,14 +175,11 @@ class DeskSocket:
 
     _refusal = ""
 
-    def _is_held_in_vain(self, said: _Message) -> bool:
-        """Return whether a button is held while nothing may move.
-
-        It does not move the robot either as soon as something may.
-        """
-        if isinstance(said, _Jog):
-            return bool(self._joints.reason)
-        return isinstance(said, _HandJog) and bool(self._hands.why_no_jog(said.arm))
+    def _note_hold(self, view: StationView, now: float) -> None:
+        """Note that a button is held; during a stop it has to be pressed anew later."""
+        self._held_at = now
+        if view.is_stopped:
+            self._barred_until = now + HELD_FOR
 
     async def _send(self) -> None:
         rounds, link = 0, ""
@@ -206,11 +204,17 @@ class DeskSocket:
         """Look what runs; a new epoch ends every motion, and what is held with it."""
         view = self._view()
         if self._epoch not in {None, view.epoch}:
-            self._barred_until = self._now() + HELD_FOR
+            self._bar_what_is_held()
         self._epoch = view.epoch
         self._joints.refresh(view)
         self._hands.refresh(view)
         return view
+
+    def _bar_what_is_held(self) -> None:
+        """Let a button that is held now be pressed anew before it moves anything."""
+        now = self._now()
+        if now - self._held_at < HELD_FOR:
+            self._barred_until = now + HELD_FOR
 
     def _look_at_control(self) -> None:
         """End every motion when the control is lost under which it was asked for."""
@@ -222,7 +226,7 @@ class DeskSocket:
         """End the motion of the joints that another browser has moved since."""
         lost = self._joints.give_up_lost()
         if lost:
-            self._barred_until = self._now() + HELD_FOR
+            self._bar_what_is_held()
             who = f"Somebody else moves {', '.join(lost)} now"
             await self._tell(
                 refused=f"{who}; your motion of it has ended.",

@@ -201,11 +201,6 @@ class HandDesks:
         """Return by arm which controllers move its hand and how fast, for the page."""
         return {arm: _told(desk) for arm, desk in self.desks.items()}
 
-    def why_no_jog(self, arm: str) -> str:
-        """Return why held buttons do not move a hand; empty when they do."""
-        desk = self._desk_of(arm)
-        return _no_arm(arm) if desk is None else desk.jog.reason
-
     def _desk_of(self, arm: str) -> HandDesk | None:
         """Return the desk of an arm; a single arm is also meant by its own name."""
         return self.desks.get(arm, self.desks.get(""))

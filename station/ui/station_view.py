@@ -75,6 +75,11 @@ class StationView:
         """The station's epoch; None while it is not known."""
         return None if self.status is None else self.status.epoch
 
+    @property
+    def is_stopped(self) -> bool:
+        """Whether the stop is engaged, or released while motion is not allowed yet."""
+        return self.status is not None and self.status.stop_state != "armed"
+
     def controller(self, name: str) -> ControllerState | None:
         """Return a loaded controller by name, or None."""
         for controller in self.controllers:

@@ -42,3 +42,11 @@ def test_controllers_are_found_by_name():
     seen = view(controller("arm"))
     assert seen.controller("arm").name == "arm"
     assert seen.controller("leg") is None
+
+
+@pytest.mark.parametrize(
+    ("stop_state", "stopped"), [("armed", False), ("stopped", True), ("released", True)]
+)
+def test_the_robot_is_stopped_until_motion_is_allowed(stop_state, stopped):
+    assert view(stop_state=stop_state).is_stopped is stopped
+    assert not StationView().is_stopped

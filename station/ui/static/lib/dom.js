@@ -41,6 +41,11 @@ export function shortNames(joints) {
   return new Map(joints.map((joint) => [joint, joint.slice(prefix.length, suffixed ? -SUFFIX.length : undefined)]));
 }
 
+/** Return a long name that may be broken after a sign and nowhere else. */
+export function breakable(text, sign) {
+  return text.split(sign).flatMap((part, i, all) => (i < all.length - 1 ? [part + sign, h("wbr")] : [part]));
+}
+
 /** Read a number as people type it, or null; a comma counts as the decimal point. */
 export function typed(text) {
   const clean = text.trim().replace(",", ".").replace("−", "-");

@@ -1,5 +1,5 @@
 // Fields for the parameters of a controller: what its type declares, with unit and default.
-import { h, typed } from "./dom.js";
+import { breakable, h, typed } from "./dom.js";
 import { Refusal } from "./station.js";
 
 /** Return whether a declared name such as `<joint>/pid/p` stands for a path. */
@@ -19,7 +19,7 @@ function rangeOf({ minimum, maximum, excludes_minimum: open }) {
   return `${open ? "above " : ""}${minimum ?? "−∞"} to ${maximum ?? "∞"}`;
 }
 
-function field(path, value, declared) {
+function field(path, value, declared, names) {
   const kind = kindOf(declared, value);
   const text = Array.isArray(value) ? value.join(", ") : String(value ?? "");
   const byDefault = declared?.default == null ? (declared?.default_text ?? "") : [declared.default].flat().join(", ") || "none";
@@ -33,9 +33,10 @@ function field(path, value, declared) {
   }
   const label = path.join(" / ");
   input.setAttribute("aria-label", label);
-  const facts = declared ? [declared.description, rangeOf(declared), choices.join(", ")].filter(Boolean).join("; ") : "";
+  const shown = path.map((part) => names.get(part) ?? part).join("/");
+  const facts = declared ? [shown === label ? "" : label, declared.description, rangeOf(declared), choices.join(", ")].filter(Boolean).join("; ") : "";
   const unit = [declared?.unit, declared?.required ? "required" : ""].filter(Boolean).join(", ");
-  return { path, input, kind, row: h("label", { title: facts }, h("span", {}, label), input, h("small", {}, unit)) };
+  return { path, input, kind, row: h("label", { title: facts }, h("span", {}, ...breakable(shown, "_")), input, h("small", {}, unit)) };
 }
 
 function leaves(params, path = []) {
@@ -46,13 +47,14 @@ function leaves(params, path = []) {
 
 /**
  * Return fields for the parameters of an example and for every other one that is declared.
- * Parameters of each joint are offered where the example has them, and in YAML.
+ * Parameters of each joint are offered where the example has them, and in YAML. `names` are
+ * the short names of joints.
  */
-export function fieldsOf(params, declared) {
+export function fieldsOf(params, declared, names) {
   const found = leaves(params);
-  const fields = found.map(([path, value]) => field(path, value, declared.find((each) => standsFor(each.name, path))));
+  const fields = found.map(([path, value]) => field(path, value, declared.find((each) => standsFor(each.name, path)), names));
   const others = declared.filter((each) => each.type !== "mappings" && !each.name.includes("<") && !found.some(([path]) => standsFor(each.name, path)));
-  return [...fields, ...others.map((each) => field(each.name.split("/"), undefined, each))];
+  return [...fields, ...others.map((each) => field(each.name.split("/"), undefined, each, names))];
 }
 
 function valueOf({ path, input, kind }) {

@@ -1,6 +1,6 @@
 // Controllers: a row for each, what a switch would do before the click, and loading.
 import "./load_form.js";
-import { h, number, shortNames, show } from "../lib/dom.js";
+import { breakable, h, number, shortNames, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { act, api } from "../lib/station.js";
 import { restartController, stopController, store, switchTo } from "../lib/store.js";
@@ -125,11 +125,6 @@ function stepsOf(jump, units) {
   const still = known.length - steps.length;
   const texts = steps.map(([joint, size]) => `${names.get(joint) ?? joint} ${Number(size.toFixed(4))} ${units[joint] ?? ""}`.trim());
   return `steps ${texts.join(", ")}${still ? `; ${still} others none` : ""}`;
-}
-
-/** Return a long name that may be broken after a sign and nowhere else. */
-function breakable(text, sign) {
-  return text.split(sign).flatMap((part, i, all) => (i < all.length - 1 ? [part + sign, h("wbr")] : [part]));
 }
 
 customElements.define("st-controllers", Controllers);

@@ -1,5 +1,5 @@
 // Loading a controller: its type, and its parameters in fields or as YAML.
-import { h, show } from "../lib/dom.js";
+import { h, shortNames, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { fieldsOf, valuesOf } from "../lib/parameter_fields.js";
 import { refusals } from "../lib/refusals.js";
@@ -82,7 +82,7 @@ class LoadForm extends Panel {
 
   /** Make the fields for some parameters, and for those that are declared besides. */
   fill(params) {
-    this.inputs = fieldsOf(params, this.declared);
+    this.inputs = fieldsOf(params, this.declared, shortNames(store.docks.joints));
     this.view.replaceChildren(...this.inputs.map((field) => field.row));
   }
 
@@ -100,7 +100,7 @@ class LoadForm extends Panel {
       this.text.value = (await send("POST", "/workspace/yaml", { params })).yaml;
       return this.showView(true);
     }
-    const fields = fieldsOf(params, this.declared);
+    const fields = fieldsOf(params, this.declared, new Map());
     if (!isSame(params, fields)) return refusals.add({ code: "not_in_fields", detail: "The fields cannot hold all of these parameters, e.g. lists of mappings or empty values.", remedy: "Load them from here." });
     this.fill(params);
     return this.showView(false);

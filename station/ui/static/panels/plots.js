@@ -291,7 +291,7 @@ class Plots extends Panel {
 /** Return a piece of a trace for the legend, dashed as in the plot. */
 function swatch(i) {
   const line = document.createElementNS("http://www.w3.org/2000/svg", "line");
-  for (const [name, value] of Object.entries({ x1: 0, y1: 4, x2: 16, y2: 4, "stroke-dasharray": dashOf(i).join(" ") })) line.setAttribute(name, value);
+  for (const [name, value] of Object.entries({ x1: 0, y1: 4, x2: 12, y2: 4, "stroke-dasharray": dashOf(i).join(" ") })) line.setAttribute(name, value);
   const picture = document.createElementNS("http://www.w3.org/2000/svg", "svg");
   picture.setAttribute("aria-hidden", "true");
   picture.append(line);
