@@ -7,7 +7,7 @@ import { store } from "./store.js";
 const FAST_HZ = 30;
 const SLOW_HZ = 10;
 const POLL_MS = 250;
-const PATIENCE_MS = 5000; // a browser opens the streams of a busy page one by one
+const PATIENCE_MS = 30000; // a browser opens the streams of a page one by one, a busy one slowly
 const MOST = 2000; // numbers of one source
 
 /** Units of the fields; a field that is not here says its unit in the API's description. */

@@ -201,7 +201,7 @@ class Plots extends Panel {
 
   /** Return a foldable list of all numbers of a source, asked for when it is opened. */
   sourceGroup(entry, source) {
-    const rows = h("div", {}, h("p", { class: "hint" }, "Asking the station …"));
+    const rows = h("div", {}, h("p", { class: "hint" }, "Asking the station … What says nothing at the moment has no numbers here."));
     const details = h("details", { class: "source" }, h("summary", {}, source.title), rows);
     let asked = null;
     const load = () =>
