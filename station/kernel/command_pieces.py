@@ -3,6 +3,8 @@
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import cython
+
 from station.kernel.at_once import are_finite, copy_into, differ
 from station.kernel.doubles import Doubles, zeros
 
@@ -53,7 +55,10 @@ class CommandPiece(Piece):
 
     def write(self) -> None:
         """Write the copied commands."""
-        copy_into(self.memory, 0, self.values, self.size)
+        if cython.compiled:
+            copy_into(self.memory, 0, self.values, self.size)
+        else:
+            self.memory[:] = self.values
 
 
 class CommandPieces:
