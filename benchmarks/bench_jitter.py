@@ -225,9 +225,10 @@ CONDITIONS = {
     "dashboard": Condition(
         "dashboard without browsers, 5 streams of 100 Hz", _served(5, 0)
     ),
+    "busy": Condition("API, busy neighbours", _served(0, None), is_busy=True),
+    # Last: this process is as nice as they are afterwards.
     "browser1": Condition("dashboard, 1 browser", _served(0, 1)),
     "browser3": Condition("dashboard, 3 browsers", _served(0, 3)),
-    "busy": Condition("API, busy neighbours", _served(0, None), is_busy=True),
 }
 
 
