@@ -34,12 +34,13 @@ fi
 
 case $which in
 quick)
-    "$python" -m pytest -n auto -m "not slow and not alone" "$@"
+    patiently "not slow and not alone" auto "$@"
     patiently "alone and not slow" 0 "$@"
     if [ -n "${STATION_COMPILED:-}" ]; then
         say "once more, interpreted: what calls the kernel"
         [ $# -gt 0 ] || set -- tests/core tests/hw tests/controllers tests/kernel tests/conformance
-        STATION_COMPILED=0 "$python" -m pytest -n auto -m "not slow and not alone" "$@"
+        export STATION_COMPILED=0
+        patiently "not slow and not alone" auto "$@"
     fi
     ;;
 slow)
