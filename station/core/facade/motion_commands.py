@@ -94,9 +94,9 @@ class MotionCommands:
         Args:
             name: The controller.
             values: One number per element of its set-point; None leaves an element at
-                what the controller was told last. Of two callers at the same time that
-                leave out each other's elements, neither undoes what the other asks for
-                if both calls are made under one lock.
+                what the controller was told last. So callers can move different
+                elements without undoing each other, unless their calls overlap in
+                time; those of the API do not, since each holds the lock of control.
             epoch: The epoch in which the caller decided; the present one when None.
             timeout: How long it is valid [s wall time], 0 for ever; the controller's
                 own when None.
