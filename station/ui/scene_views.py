@@ -44,6 +44,8 @@ AT_FIRST = frozenset({"command", "forces", "limits"})
 _GHOST_COLOUR = (138, 84, 214)
 _LABEL_HEIGHT = 0.05  # [m]
 _SAME_PLACE = 1e-3  # [m]
+_UNPLACED = (3.0, 3.0, 3.0)
+"""Where a page of Viser looks from until it has read where it is to begin [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -218,9 +220,11 @@ class SceneViews:
         positions = self._facts.positions
         if drawn.is_framed or covered is None or not positions:
             return
+        place = drawn.client.camera.position
+        if _is_same(place, _UNPLACED):
+            return
         drawn.is_framed = True
-        way = np.subtract(drawn.client.camera.position, self._first_place())
-        if float(abs(way).max()) < _SAME_PLACE:
+        if _is_same(place, self._first_place()):
             look(drawn.client, "fit", self._robots, positions, covered)
 
     def _lay(self, drawn: _Drawn) -> None:
@@ -259,6 +263,11 @@ class SceneViews:
             x, y, _ = tops[0].mean(axis=0)
             top = float(tops[0][1, 2]) + _LABEL_HEIGHT
             drawn.label.position = (float(x), float(y), top)
+
+
+def _is_same(place: ArrayLike, other: ArrayLike) -> bool:
+    """Return whether two places [m] are one; their shape is (3,)."""
+    return float(np.abs(np.subtract(place, other)).max()) < _SAME_PLACE
 
 
 _Value = TypeVar("_Value")

@@ -76,6 +76,8 @@ def _press(page, name):
 
 def test_a_link_is_pulled_with_the_pointer(page, scene, idle):
     page.get_by_role("button", name="Skip the tour").dispatch_event("click")
+    page.wait_for_function("() => document.getElementById('progress').hidden")
+    _press(page, "Fit")
     before = scene.evaluate(TRIANGLES)
     _press(page, "Push")
     scene.wait_for_function(f"n => ({TRIANGLES})() > n", arg=before)
@@ -87,9 +89,9 @@ def test_a_link_is_pulled_with_the_pointer(page, scene, idle):
         found = idle.events(since, kinds=["request"], limit=1000)
         return [e.result for e in found if e.what == what]
 
-    # The elbow, as the camera stands at first.
-    x = view["x"] + view["width"] / 2 - 0.06 * view["height"]
-    y = view["y"] + 0.53 * view["height"]
+    # The elbow, where the robot is fitted beside the tools.
+    x = view["x"] + view["width"] / 2 + 0.11 * view["height"]
+    y = view["y"] + 0.35 * view["height"]
     page.mouse.move(x, y)
     page.mouse.down()
     for step in range(1, 8):

@@ -180,6 +180,18 @@ def test_a_camera_that_was_moved_stays_where_it_is(views, client):
     assert tuple(client.camera.position) == moved
 
 
+def test_a_page_that_has_not_read_yet_where_it_begins_is_framed_once_it_has(
+    views, client, start
+):
+    client.camera.position = (3.0, 3.0, 3.0)
+    views.opened("mine", 0.4)
+    views.refresh(AT_ZERO)
+    assert tuple(client.camera.position) == (3.0, 3.0, 3.0)
+    client.camera.position = start
+    views.refresh(AT_ZERO)
+    assert tuple(client.camera.position) != tuple(start)
+
+
 def test_a_camera_is_framed_once(views, client, start):
     views.refresh(AT_ZERO)
     views.opened("mine", 0.4)
