@@ -110,7 +110,7 @@ class ContactEstimate(ContactFlag):
         return self._update_levels()
 
     def recover(self) -> None:
-        """Forget the collisions; a lasting collision is not counted a second time."""
+        """Forget the collisions; a lasting contact is not counted as a new one."""
         state = self._state
         self._known = self._collisions()
         state.joint_collision = _ZEROS
@@ -170,14 +170,18 @@ class ContactEstimate(ContactFlag):
             put(state.doubles("K_F_ext_hat_K")[start : start + 3], turned)
 
     def _collisions(self) -> list[float]:
-        """Return the excess of each signal over its upper threshold, at least 0.
+        """Return the excess of each signal over its upper threshold.
 
-        The signals are the 7 torques and the 6 components of the wrench.
+        The signals are the 7 torques and the 6 components of the wrench. The excess is
+        0 for a signal that has been released. One between release and threshold counts
+        as a collision that fades: noise alone may lift it over the threshold.
         """
         state = self._state
         torques, forces = self._thresholds(upper=True)
         return [
-            max(0.0, abs(value) - bound)
+            max(_FADING, abs(value) - bound)
+            if abs(value) > self.release * bound
+            else 0.0
             for value, bound in zip(
                 (*state.tau_ext_hat_filtered, *state.K_F_ext_hat_K),
                 (*torques, *forces),

@@ -243,3 +243,32 @@ def test_a_push_that_lasts_is_no_second_collision_after_a_recovery() -> None:
         felt = max(felt, abs(arm.state.tau_ext_hat_filtered[0]))
     assert felt > 20.0
     assert not any(arm.state.cartesian_collision)
+
+
+def test_a_hand_that_rests_just_below_a_threshold_stays_recovered() -> None:
+    arm = make(TYPICAL).arms["panda"]
+
+    def push(force: float, cycles: int) -> None:
+        lasting = 0.001 * cycles
+        arm.simulation().apply_force("panda_hand", [0.0, force, 0.0], NONE[:3], lasting)
+        for _ in range(cycles):
+            arm.read_once()
+
+    push(40.0, 100)
+    assert arm.state.robot_mode is RobotMode.REFLEX
+    # What is felt is some 1.5 N more, and by its noise now above 20 N and now below.
+    push(17.2, 300)
+    felt = []
+    while not felt or felt[-1] > 18.5:
+        push(17.2, 1)
+        felt.append(abs(arm.state.K_F_ext_hat_K[1]))
+        assert len(felt) < 1000
+    arm.automatic_error_recovery()
+    for _ in range(300):
+        push(17.2, 10)
+        felt.append(abs(arm.state.K_F_ext_hat_K[1]))
+    assert max(felt) > 20.0
+    assert arm.state.robot_mode is RobotMode.IDLE
+    push(0.0, 200)
+    push(30.0, 100)
+    assert arm.state.robot_mode is RobotMode.REFLEX
