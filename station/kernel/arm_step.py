@@ -133,8 +133,8 @@ class ArmStep(Preparation):
         if not are_finite(values, size):
             return False
         copy_into(place, 0, values, size)
-        copy_into(self.log.command, 0, values, size)
-        self.log.command_size = size
+        log = self.log
+        log.command, log.command_size = place, size
         self.is_fresh = True
         return True
 
@@ -162,9 +162,7 @@ class ArmStep(Preparation):
         if self.torques_act:
             self.motors.apply_torques()
         else:
-            self.motors.apply_impedance()
-            if moves:
-                self.motors.tell_impedance()
+            self.motors.apply_impedance(moves)
         return True
 
     def take_command(self) -> bool:

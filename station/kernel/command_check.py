@@ -89,7 +89,8 @@ class CommandCheck:
         """Return whether the commanded torques are certainly within the rate limit."""
         tau, last = self.memory.torques, self.memory.tau_J_d
         largest = self.torque_step
+        lowest = -largest
         for i in range(self.size):
-            if not -largest <= tau[i] - last[i] <= largest:
+            if not lowest <= tau[i] - last[i] <= largest:
                 return False
         return True

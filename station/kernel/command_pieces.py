@@ -46,7 +46,10 @@ class CommandPiece(Piece):
 
     def take(self) -> bool:
         """Copy the commands; return whether all of them certainly are finite."""
-        copy_into(self.values, 0, self.memory, self.size)
+        if cython.compiled:
+            copy_into(self.values, 0, self.memory, self.size)
+        else:
+            self.values[:] = self.memory
         return are_finite(self.values, self.size)
 
     def differs(self) -> bool:

@@ -109,7 +109,7 @@ class CommandRates:
         is_limiting: Whether the rates are limited.
         lowest: Lowest velocities at the present positions [rad/s], shape (n,).
         highest: Highest velocities at the present positions [rad/s].
-        goals: The controllers' positions within their range [rad].
+        goals: The controllers' positions [rad].
         has_goals: Whether `goals` were noted in an earlier cycle of this motion.
         passes_next: Whether the low-pass lets the next positions pass unchanged.
         result: The command to send, shape (n,).
@@ -170,14 +170,7 @@ class CommandRates:
         """
         if not self.is_limiting:
             return
-        q, goals, lower, upper = self.positions, self.goals, self.lower, self.upper
-        for i in range(self.size):
-            goal, low, high = q[i], lower[i], upper[i]
-            if high < goal:
-                goal = high
-            if goal < low:
-                goal = low
-            goals[i] = goal
+        copy_into(self.goals, 0, self.positions, self.size)
 
     def filter_torques(self) -> None:
         """Compute the torques to send."""
@@ -238,27 +231,33 @@ class CommandRates:
                 result[i] = value
             return
         goals, last_goals = self.goals, self.last_goals
-        if not self.has_goals:
-            copy_into(last_goals, 0, goals, self.size)
-            self.has_goals = True
+        lower, upper, has_goals = self.lower, self.upper, self.has_goals
+        self.has_goals = True
         speeds, accelerations, jerks = self.velocity, self.acceleration, self.jerk
         lows, highs = self.lowest, self.highest
         stopping, slopes, approach = self.stopping, self.slope, self.approach_gain
         for i in range(self.size):
             last, goal, acceleration = q_d[i], goals[i], accelerations[i]
+            if upper[i] < goal:
+                goal = upper[i]
+            if goal < lower[i]:
+                goal = lower[i]
+            last_goal = last_goals[i] if has_goals else goal
+            last_goals[i] = goal
             position = q[i]
             if gain < 1.0:
                 position = gain * position + (1.0 - gain) * last
             # The step after which the joint can still stop at its goal.
-            goal_velocity, speed = (goal - last_goals[i]) / period, speeds[i]
+            goal_velocity, speed = (goal - last_goal) / period, speeds[i]
             if goal_velocity > speed or goal_velocity < -speed:
                 goal_velocity = 0.0  # a goal that makes a step
             distance = goal - last
             if distance < 0.0:
                 distance = -distance
-            closing = square_root(stopping[i] * distance)
-            if approach * distance < closing:
-                closing = approach * distance
+            closing = approach * distance
+            room = stopping[i] * distance
+            if room < closing * closing:
+                closing = square_root(room)
             low = last + (goal_velocity - closing) * period
             high = last + (goal_velocity + closing) * period
             if high < position:
@@ -286,4 +285,3 @@ class CommandRates:
             if wanted < low:
                 wanted = low
             result[i] = last + (velocity + wanted * period) * period
-        copy_into(last_goals, 0, goals, self.size)

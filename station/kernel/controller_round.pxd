@@ -37,7 +37,6 @@ cdef class ControllerRound(Stage):
     cdef public object pending
     cdef public bint resets
     cdef public object stopwatch
-    cpdef double now(self)
     cpdef run(self, double time, double period)
     @cython.locals(turn=ControllerTurn)
     cpdef update_all(self, double time, double period)

@@ -162,8 +162,8 @@ class ControllerRound(Stage):
 
     def update_one(self, turn: ControllerTurn, time: float, period: float) -> None:
         """Update one controller, and look at what it has commanded."""
-        one = turn.one
-        begin = self.now()
+        one, stopwatch = turn.one, self.stopwatch
+        begin = wall_time() if stopwatch is None else stopwatch()
         try:
             if turn.usual is None or not turn.usual.run(time, period):
                 turn.controller.update(time, period)
@@ -174,7 +174,7 @@ class ControllerRound(Stage):
         for piece in turn.pieces:
             if not piece.take():
                 is_finite = False
-        duration = self.now() - begin
+        duration = (wall_time() if stopwatch is None else stopwatch()) - begin
         turn.durations.put(duration)
         if duration > period and period > 0.0:
             one.overruns += 1
@@ -204,10 +204,6 @@ class ControllerRound(Stage):
                 at += width
             layout.append((turn.name, turn.place, width, size))
         self.turns, self.layout = turns, tuple(layout)
-
-    def now(self) -> float:
-        """Return wall time [s]."""
-        return wall_time() if self.stopwatch is None else self.stopwatch()
 
     def leave(self, cycle: int, epoch: int, time: float, period: float) -> None:
         """Leave a row of the cycle: joints, and what each running controller did last.

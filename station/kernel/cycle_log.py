@@ -18,7 +18,7 @@ class CycleLog:
 
     Attributes:
         count: Number of cycles noted since the last `clear`.
-        command: The last command, in the first `command_size` places.
+        command: Memory that begins with the last command, of at most `COMMAND` doubles.
         command_size: Number of values in it.
     """
 
@@ -48,7 +48,8 @@ class CycleLog:
         start = place * self.width
         self.rows[start] = time
         copy_into(self.rows, start + 1, self.states, self.width - 1)
-        copy_into(self.commands, place * COMMAND, self.command, COMMAND)
+        command = self.command
+        copy_into(self.commands, place * COMMAND, command, len(command))
         self.command_sizes[place] = self.command_size
         self.count += 1
 

@@ -9,6 +9,7 @@ cdef class DesiredMotion:
     cdef double[::1] largest_step
     cdef double[::1] wanted
     cdef double period
+    cdef readonly bint rests
     cpdef bint is_at_rest(self)
     cpdef hold(self)
     cpdef extrapolate(self)

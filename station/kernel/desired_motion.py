@@ -20,6 +20,9 @@ class DesiredMotion:
         upper: Upper position limits [rad], shape (n,).
         deceleration: Deceleration of `hold`, > 0 [rad/s^2], shape (n,).
         period: Duration of a cycle [s], > 0.
+
+    Attributes:
+        rests: Whether all desired velocities and accelerations certainly are zero.
     """
 
     def __init__(
@@ -38,6 +41,7 @@ class DesiredMotion:
         self.largest_step = own([a * period for a in deceleration])
         self.period = period
         self.wanted = own_zeros(self.size)
+        self.rests = False
 
     def is_at_rest(self) -> bool:
         """Return whether all desired velocities are zero."""
@@ -50,14 +54,18 @@ class DesiredMotion:
             q: Positions [rad], shape (n,).
             dq: Velocities [rad/s], shape (n,).
         """
+        self.rests = False
         put(self.memory.q_d, q)
         put(self.memory.dq_d, dq)
         put(self.memory.ddq_d, [0.0] * self.size)
 
     def hold(self) -> None:
         """Slow down to rest, then hold the positions."""
+        if self.rests:
+            return
         dq_d, ddq_d = self.memory.dq_d, self.memory.ddq_d
         if not any_of(dq_d, self.size) and not any_of(ddq_d, self.size):
+            self.rests = True
             return
         wanted, largest_step = self.wanted, self.largest_step
         for i in range(self.size):
@@ -87,6 +95,7 @@ class DesiredMotion:
 
     def move(self) -> None:
         """Move on with the velocities in `wanted`; at a limit a joint stops."""
+        self.rests = False
         period, dq, memory = self.period, self.wanted, self.memory
         positions, velocities = memory.q_d, memory.dq_d
         accelerations = memory.ddq_d
@@ -117,6 +126,7 @@ class DesiredMotion:
 
         Velocities and accelerations follow by backward differences.
         """
+        self.rests = False
         period, memory = self.period, self.memory
         positions, velocities = memory.q_d, memory.dq_d
         accelerations, q = memory.ddq_d, memory.target

@@ -7,11 +7,9 @@ cdef class LimitedRun:
     cdef Py_ssize_t first
     cdef Py_ssize_t last
     cdef object count
-    @cython.locals(mask=long)
-    cpdef run(self, double period)
 
 cdef class EnforcedLimits:
     cdef public list runs
     cdef public list singles
-    @cython.locals(run=LimitedRun)
+    @cython.locals(run=LimitedRun, joints=LimitedJoints, mask=long)
     cpdef enforce(self, double period)

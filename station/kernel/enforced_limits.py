@@ -39,19 +39,6 @@ class LimitedRun:
         self.last = last
         self.count = count
 
-    def run(self, period: float) -> None:
-        """Enforce the limits.
-
-        Args:
-            period: Time since the last cycle [s], > 0.
-        """
-        if self.joints is not None:
-            mask = self.joints.enforce(period, self.first, self.last)
-        else:
-            mask = self.enforce(period, self.first, self.last)
-        if mask:
-            self.count(mask)
-
 
 class EnforcedLimits:
     """All limits of one kind of command.
@@ -72,6 +59,12 @@ class EnforcedLimits:
             period: Time since the last cycle [s], > 0.
         """
         for run in self.runs:
-            run.run(period)
+            joints = run.joints
+            if joints is not None:
+                mask = joints.enforce(period, run.first, run.last)
+            else:
+                mask = run.enforce(period, run.first, run.last)
+            if mask:
+                run.count(mask)
         for single in self.singles:
             single.enforce_limits(period)

@@ -115,10 +115,12 @@ class JointErrors:
     def compare(self) -> None:
         """Write the differences."""
         desired, measured, errors = self.desired, self.measured, self.errors
+        highest = _HALF_TURN
+        lowest = -highest
         for k in range(self.n):
             error = desired[k] - measured[k]
             # Only beyond half a turn can the way of a joint differ from the difference.
-            if not -_HALF_TURN <= error <= _HALF_TURN:
+            if not lowest <= error <= highest:
                 way = self.ways[k]
                 if way == CONTINUOUS:
                     error = shortest_angular_distance(measured[k], desired[k])

@@ -10,10 +10,9 @@ cdef class JointMotors:
     cdef public double[::1] stiffness
     cdef public double[::1] damping
     cdef public double[::1] load_weight
-    cdef double[::1] unloaded
     cdef double[::1] limits
     cdef double[::1] passive
-    cdef double[::1] armature
+    cdef double[::1] rotor
     cdef public bint is_late
     cdef public bint are_commands
     cdef bint is_new
@@ -24,6 +23,5 @@ cdef class JointMotors:
     cpdef begin(self)
     cpdef note_motion(self)
     cpdef apply_torques(self)
-    cpdef apply_impedance(self)
-    cpdef tell_impedance(self)
+    cpdef apply_impedance(self, bint tells)
     cpdef sense(self)

@@ -41,11 +41,11 @@ class JointMotors:
         self.stiffness = own(none)
         self.damping = own(none)
         self.load_weight = own(none)
-        self.unloaded = own(none)  # controls of the impedance without a load
         # These never change in a simulation.
         self.limits = own(simulator.limits)
         self.passive = own(simulator.passive_damping)
-        self.armature = own(simulator.armature)
+        # Torque that changes a rotor's velocity within a step [Nm s/rad].
+        self.rotor = own([inertia / period for inertia in simulator.armature])
         self.is_late = False
         self.are_commands = False
         self.is_new = True
@@ -81,8 +81,13 @@ class JointMotors:
                 tau = late
             controls[i] = tau + load[i]
 
-    def apply_impedance(self) -> None:
-        """Let the motors follow the desired motion."""
+    def apply_impedance(self, tells: bool) -> None:  # noqa: FBT001 - a C function
+        """Let the motors follow the desired motion.
+
+        Args:
+            tells: Whether to note as `tau_J_d` what the impedance asks for, within the
+                limits.
+        """
         memory = self.memory
         q_d, dq_d, ddq_d = memory.q_d, memory.dq_d, memory.ddq_d
         is_late = self.is_late
@@ -94,16 +99,23 @@ class JointMotors:
         simulator = self.simulator
         bias, compensation = simulator.bias, simulator.compensation
         inertia, diagonal = simulator.inertia, simulator.diagonal
-        controls, load, unloaded = simulator.controls, self.load_weight, self.unloaded
+        controls, load = simulator.controls, self.load_weight
+        q, dq, tau_d = memory.positions, memory.dtheta, memory.tau_J_d
+        limits = self.limits
         for i in range(self.size):
-            acceleration = ddq_d[i]
-            control = (
-                stiffness[i] * q_d[i] + damping[i] * dq_d[i] + bias[i] - compensation[i]
-            )
+            acceleration, spring, damper = ddq_d[i], stiffness[i], damping[i]
+            control = spring * q_d[i] + damper * dq_d[i] + bias[i] - compensation[i]
             if acceleration != 0.0:  # an arm that holds looks at no inertia
                 control += inertia[diagonal[i]] * acceleration
-            unloaded[i] = control
             controls[i] = control + load[i]
+            if tells:
+                tau = control - spring * q[i] - damper * dq[i]
+                limit = limits[i]
+                if limit < tau:
+                    tau = limit
+                if tau < -limit:
+                    tau = -limit
+                tau_d[i] = tau
         if is_late:
             self.note_motion()
 
@@ -115,22 +127,6 @@ class JointMotors:
         for i in range(self.size):
             late_q[i], late_dq[i], late_ddq[i] = q_d[i], dq_d[i], ddq_d[i]
         self.is_new = False
-
-    def tell_impedance(self) -> None:
-        """Note as `tau_J_d` what the impedance asks for, within the limits."""
-        memory = self.memory
-        q, dq, tau_d = memory.positions, memory.dtheta, memory.tau_J_d
-        stiffness, damping = self.stiffness, self.damping
-        limits = self.limits
-        unloaded = self.unloaded
-        for i in range(self.size):
-            tau = unloaded[i] - stiffness[i] * q[i] - damping[i] * dq[i]
-            limit = limits[i]
-            if limit < tau:
-                tau = limit
-            if tau < -limit:
-                tau = -limit
-            tau_d[i] = tau
 
     def sense(self) -> None:
         """Read positions, velocities and link-side torques after a step.
@@ -146,16 +142,15 @@ class JointMotors:
         positions, velocities = simulator.positions, simulator.velocities
         motor_forces, brake_forces = simulator.motor_forces, simulator.brake_forces
         compensation, damping = simulator.compensation, self.damping
-        passive, armature = self.passive, self.armature
-        limits = self.limits
+        passive, rotor, limits = self.passive, self.rotor, self.limits
         for i in range(self.size):
             velocity, force = velocities[i], motor_forces[i]
             change = velocity - dtheta[i]
             torque = force + brake_forces[i] + compensation[i] - passive[i] * velocity
-            torque -= armature[i] * change / period
-            own, limit = damping[i], limits[i]
-            if own != 0.0 and -limit < force < limit:
-                torque -= own * change
+            torque -= rotor[i] * change
+            damper = damping[i]
+            if damper != 0.0 and -limits[i] < force < limits[i]:
+                torque -= damper * change
             dtau[i] = (torque - tau[i]) / period
             tau[i] = torque
         copy_into(memory.q, 0, positions, self.size)

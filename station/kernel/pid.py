@@ -128,16 +128,18 @@ class PidGroup:
         integrals, last = self.integrals, self.last
         p, i, d = self.p, self.i, self.d
         i_max, i_min, antiwindup = self.i_max, self.i_min, self.antiwindup
+        stands = period == 0.0
+        differentiates = not rates_known and period > 0.0
         mask = 0
         for k in range(self.n):
             error = errors[k]
             # Only the difference of a finite number to itself is 0.
-            if period == 0.0 or error - error != 0.0:
+            if stands or error - error != 0.0:
                 commands[k] = 0.0
                 mask |= 1
                 continue
             rate = rates[k]
-            if not rates_known and period > 0.0:
+            if differentiates:
                 before = last[k]
                 last[k] = error
                 if before == before:

@@ -111,9 +111,7 @@ class ArmMotors:
             positions = list(self._memory.positions)
             self._apply_cartesian(positions, self._state.dtheta)
         else:
-            self._kernel.apply_impedance()
-            if self._state.robot_mode is RobotMode.MOVE:
-                self._kernel.tell_impedance()
+            self._kernel.apply_impedance(self._state.robot_mode is RobotMode.MOVE)
 
     def _engage(self, stiffness: Sequence[float], damping: Sequence[float]) -> None:
         self._step.torques_act = self._step.is_cartesian = False
