@@ -37,8 +37,6 @@ cdef class ArmStep(Preparation):
     cdef public bint is_lossy
     cdef public long long cycle
     cdef public double time
-    cpdef bint receive_torques(self, double[::1] values)
-    cpdef bint receive_joints(self, double[::1] values)
     cpdef bint receive_end_effector(self, double[::1] values, Py_ssize_t size)
     cpdef bint receive(self, double[::1] values, Py_ssize_t size, double[::1] place)
     cpdef bint before(self)

@@ -93,23 +93,8 @@ class ArmStep(Preparation):
         self.cycle = 0
         self.time = 0.0
 
-    def receive_torques(self, values: Storage) -> bool:
-        """Take torques for the next cycle.
-
-        Args:
-            values: Torques [Nm], shape (n,).
-
-        Returns:
-            Whether they certainly are n finite numbers; if not, nothing has changed.
-        """
-        return self.receive(values, self.size, self.memory.torques)
-
-    def receive_joints(self, values: Storage) -> bool:
-        """Take positions [rad] or velocities [rad/s]; see `receive_torques`."""
-        return self.receive(values, self.size, self.memory.target)
-
     def receive_end_effector(self, values: Doubles, size: int) -> bool:
-        """Take a pose, 16 numbers, or a twist [m/s, rad/s], 6; see `receive_torques`.
+        """Take a pose, 16 numbers, or a twist [m/s, rad/s], 6; see `receive`.
 
         Args:
             values: The command.
@@ -121,12 +106,17 @@ class ArmStep(Preparation):
         return True
 
     def receive(self, values: Storage, size: int, place: Storage) -> bool:
-        """Take a command; see `receive_torques`.
+        """Take a command for the next cycle.
 
         Args:
             values: The command.
             size: How many numbers it must have.
-            place: Where it goes, shape (size,) or longer.
+            place: Where it goes, shape (size,) or longer: torques [Nm], positions [rad]
+                or velocities [rad/s] of the joints, or what the end effector is to do.
+
+        Returns:
+            Whether it certainly is that many finite numbers; if not, nothing has
+            changed.
         """
         if len(values) != size:
             return False

@@ -176,11 +176,12 @@ class CommandRates:
         """Compute the torques to send."""
         tau = self.efforts
         last, result, gain = self.memory.tau_J_d, self.result, self.gain
+        rest = 1.0 - gain
         steps, is_limiting = self.torque_step, self.is_limiting
         for i in range(self.size):
             value, previous = tau[i], last[i]
             if gain < 1.0:
-                value = gain * value + (1.0 - gain) * previous
+                value = gain * value + rest * previous
             if is_limiting:
                 step = steps[i]
                 change = value - previous
@@ -223,11 +224,12 @@ class CommandRates:
         q_d, dq_d, ddq_d, period = memory.q_d, memory.dq_d, memory.ddq_d, self.period
         if passes:
             gain = 1.0
+        rest = 1.0 - gain
         if not self.is_limiting:
             for i in range(self.size):
                 value = q[i]
                 if gain < 1.0:
-                    value = gain * value + (1.0 - gain) * q_d[i]
+                    value = gain * value + rest * q_d[i]
                 result[i] = value
             return
         goals, last_goals = self.goals, self.last_goals
@@ -244,9 +246,19 @@ class CommandRates:
                 goal = lower[i]
             last_goal = last_goals[i] if has_goals else goal
             last_goals[i] = goal
-            position = q[i]
+            position, velocity, last_acceleration = q[i], dq_d[i], ddq_d[i]
             if gain < 1.0:
-                position = gain * position + (1.0 - gain) * last
+                position = gain * position + rest * last
+            if (
+                position == last
+                and goal == last
+                and last_goal == last
+                and velocity == 0.0
+                and last_acceleration == 0.0
+                and lows[i] <= 0.0 <= highs[i]
+            ):
+                result[i] = last  # what follows would come to the same
+                continue
             # The step after which the joint can still stop at its goal.
             goal_velocity, speed = (goal - last_goal) / period, speeds[i]
             if goal_velocity > speed or goal_velocity < -speed:
@@ -265,7 +277,7 @@ class CommandRates:
             if position < low:
                 position = low
             # As `limited`, written out: a call costs more than all of it.
-            velocity, last_acceleration, jerk = dq_d[i], ddq_d[i], jerks[i]
+            jerk = jerks[i]
             change = (position - last) / period
             change = ((change - velocity) / period - last_acceleration) / period
             if jerk < change:

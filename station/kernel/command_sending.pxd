@@ -11,10 +11,15 @@ cdef class Receiver:
 
 cdef class TorqueReceiver(Receiver):
     cdef ArmStep step
+    cdef Py_ssize_t size
+    cdef double[::1] place
+    @cython.locals(step=ArmStep)
     cpdef receive(self, double[::1] values)
 
 cdef class JointReceiver(Receiver):
     cdef ArmStep step
+    cdef Py_ssize_t size
+    cdef double[::1] place
     cdef int generator
     @cython.locals(step=ArmStep)
     cpdef receive(self, double[::1] values)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 from station.kernel.arm_step import ArmStep
 from station.kernel.command_rates import CommandRates
 from station.kernel.doubles import Storage
+from station.kernel.joint_memory import JointMemory
 
 if TYPE_CHECKING:
     from station.kernel.enforced_limits import EnforcedLimits
@@ -34,15 +35,21 @@ class TorqueReceiver(Receiver):
     Args:
         function: Takes what the step does not take, or refuses it.
         step: The arm's arithmetic.
+        memory: The memory of the arm's joints.
     """
 
-    def __init__(self, function: Callable[[Storage], object], step: ArmStep) -> None:
+    def __init__(
+        self, function: Callable[[Storage], object], step: ArmStep, memory: JointMemory
+    ) -> None:
         super().__init__(function)
         self.step = step
+        self.size = memory.size
+        self.place = memory.torques
 
     def receive(self, values: Storage) -> None:
         """Take torques [Nm], shape (7,)."""
-        if not self.step.wants_torques or not self.step.receive_torques(values):
+        step = self.step
+        if not step.wants_torques or not step.receive(values, self.size, self.place):
             self.function(values)
 
 
@@ -52,20 +59,29 @@ class JointReceiver(Receiver):
     Args:
         function: Takes what the step does not take, or refuses it.
         step: The arm's arithmetic.
+        memory: The memory of the arm's joints.
         generator: What the step's motion has to command, see `arm_codes`.
     """
 
     def __init__(
-        self, function: Callable[[Storage], object], step: ArmStep, generator: int
+        self,
+        function: Callable[[Storage], object],
+        step: ArmStep,
+        memory: JointMemory,
+        generator: int,
     ) -> None:
         super().__init__(function)
         self.step = step
+        self.size = memory.size
+        self.place = memory.target
         self.generator = generator
 
     def receive(self, values: Storage) -> None:
         """Take positions [rad] or velocities [rad/s], shape (7,)."""
         step = self.step
-        if step.generator != self.generator or not step.receive_joints(values):
+        if step.generator != self.generator or not step.receive(
+            values, self.size, self.place
+        ):
             self.function(values)
 
 

@@ -8,6 +8,8 @@ The motors of a real arm act on a command in the cycle after the one in which it
 noticed: so do these when they are late.
 """
 
+import cython
+
 from station.kernel.at_once import copy_into
 from station.kernel.doubles import own
 from station.kernel.joint_memory import JointMemory
@@ -153,7 +155,12 @@ class JointMotors:
                 torque -= damper * change
             dtau[i] = (torque - tau[i]) / period
             tau[i] = torque
-        copy_into(memory.q, 0, positions, self.size)
-        copy_into(memory.positions, 0, positions, self.size)
-        copy_into(memory.dq, 0, velocities, self.size)
-        copy_into(dtheta, 0, velocities, self.size)
+        if cython.compiled:
+            copy_into(memory.q, 0, positions, self.size)
+            copy_into(memory.positions, 0, positions, self.size)
+            copy_into(memory.dq, 0, velocities, self.size)
+            copy_into(dtheta, 0, velocities, self.size)
+        else:
+            # The same, without four calls of Python around it.
+            memory.q[:] = memory.positions[:] = positions
+            memory.dq[:] = dtheta[:] = velocities

@@ -100,7 +100,12 @@ class JointWatch:
         away = 0.0
         is_good = True
         for i in range(self.size):
-            position, speed, torque = q[i], abs(dq[i]), abs(tau[i])
+            position, speed, torque = q[i], dq[i], tau[i]
+            # Without the two calls that `abs` is where this is interpreted.
+            if speed < 0.0:
+                speed = -speed
+            if torque < 0.0:
+                torque = -torque
             if not (
                 lower[i] <= position <= upper[i]
                 and speed <= fastest[i]

@@ -10,6 +10,7 @@ cdef class SampleColumns:
     cdef list columns
     cdef readonly Py_ssize_t size
     cdef double[::1] row
+    cdef object packed
     cdef readonly Py_ssize_t width
     cdef double[::1] stamp
     @cython.locals(at=Py_ssize_t, column=Column)

@@ -39,6 +39,7 @@ class SampleColumns:
         self.columns = [Column(view) for view in self.views]
         self.size = len(columns[0])
         self.row = zeros(sum(len(view) for view in self.views))
+        self.packed = memoryview(self.row).cast("B")
         self.row[0] = float("nan")
         self.width = len(self.row)
 
@@ -64,4 +65,4 @@ class SampleColumns:
                 at += column.size
         else:
             # At once, for readers in other threads.
-            self.row[:] = memoryview(b"".join(self.views)).cast("d")
+            self.packed[:] = b"".join(self.views)

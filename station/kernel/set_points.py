@@ -81,9 +81,9 @@ class SetPointPidLaw(CommandLaw):
         self.errors.compare()
         if self.set_point.has_rates:
             self.rate_errors.compare()
-            self.pids.compute_with_rates(period)
+            self.pids.follow(period, True)  # noqa: FBT003 - a C function
         else:
-            self.pids.compute(period)
+            self.pids.follow(period, False)  # noqa: FBT003 - a C function
 
 
 class SetPointUpdate(UsualUpdate):

@@ -1,5 +1,9 @@
 """Whether all velocities of a simulation are possible and within their limits."""
 
+from math import hypot
+
+import cython
+
 from station.kernel.at_once import are_within
 from station.kernel.doubles import Doubles
 
@@ -16,7 +20,12 @@ class SpeedCheck:
         self.velocities = velocities
         self.shares = shares
         self.size = len(velocities)
+        self.slowest = 1.0 / max(shares) if self.size else 0.0
 
     def holds(self) -> bool:
         """Return whether every velocity is certainly a number within its limit."""
+        # Interpreted, the length of all velocities together is known in a third of the
+        # time, and what rests or moves slowly is below every limit.
+        if not cython.compiled and hypot(*self.velocities) < self.slowest:
+            return True
         return are_within(self.velocities, self.shares, self.size)

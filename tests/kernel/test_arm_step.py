@@ -175,7 +175,7 @@ def test_an_idle_arm_is_held_by_its_impedance(arm):
 def test_a_command_is_followed_once_and_a_missing_one_is_left_to_the_caller(arm):
     arm.set_mode(MOVE, VELOCITIES)
     assert arm.step.before()  # nothing has arrived yet: the arm holds
-    assert arm.step.receive_joints(doubles([0.004] * SIZE))
+    assert arm.step.receive(doubles([0.004] * SIZE), SIZE, arm.memory.target)
     assert arm.step.before()
     assert list(arm.names["dq_d"]) == [0.004] * SIZE
     assert arm.step.is_begun
@@ -186,7 +186,7 @@ def test_torques_reach_the_controls_within_the_limits(arm):
     arm.set_mode(MOVE)
     arm.step.wants_torques = arm.step.torques_act = True
     put(arm.names["tau_J_d"], [86.8] * SIZE)
-    assert arm.step.receive_torques(doubles([87.5] * SIZE))
+    assert arm.step.receive(doubles([87.5] * SIZE), SIZE, arm.memory.torques)
     assert arm.step.before()
     assert list(arm.controls) == [87.0] * SIZE
 
@@ -194,7 +194,7 @@ def test_torques_reach_the_controls_within_the_limits(arm):
 def test_a_torque_step_is_left_to_the_caller_unchanged(arm):
     arm.set_mode(MOVE)
     arm.step.wants_torques = arm.step.torques_act = True
-    arm.step.receive_torques(doubles([1.1] * SIZE))
+    arm.step.receive(doubles([1.1] * SIZE), SIZE, arm.memory.torques)
     before = arm.everything()
     assert not arm.step.before()
     assert arm.everything() == before
@@ -205,14 +205,14 @@ def test_a_torque_step_is_left_to_the_caller_unchanged(arm):
     "command", [[float("nan")] * SIZE, [0.0] * 6, [float("inf")] * 7]
 )
 def test_a_command_that_is_not_seven_finite_numbers_is_not_taken(arm, command):
-    assert not arm.step.receive_joints(doubles(command))
+    assert not arm.step.receive(doubles(command), SIZE, arm.memory.target)
     assert not arm.step.is_fresh
 
 
 @pytest.mark.parametrize("generator", [POSITIONS, CARTESIAN])
 def test_a_first_position_and_a_first_pose_are_left_to_the_caller(arm, generator):
     arm.set_mode(MOVE, generator)
-    arm.step.receive_joints(doubles([0.0] * SIZE))
+    arm.step.receive(doubles([0.0] * SIZE), SIZE, arm.memory.target)
     assert not arm.step.before()
 
 
@@ -275,8 +275,10 @@ def test_both_modes_give_the_same_bits(
         found = []
         for number, command in enumerate(commands):
             if has_torques:
-                found.append(arm.step.receive_torques(doubles(command)))
-            found.append(arm.step.receive_joints(doubles(command)))
+                found.append(
+                    arm.step.receive(doubles(command), SIZE, arm.memory.torques)
+                )
+            found.append(arm.step.receive(doubles(command), SIZE, arm.memory.target))
             found.append(arm.step.before())
             found.append(arm.step.after(0.001 * number))
             arm.motion.extrapolate()

@@ -100,7 +100,7 @@ class MotionFollower:
         Raises:
             InvalidCommandError: Not 7 finite numbers.
         """
-        if not self._step.receive_torques(_as_doubles(tau)):
+        if not self._step.receive(_as_doubles(tau), _DOF, self._memory.torques):
             _refuse("joint torques", _DOF, tau)
 
     def command_joints(self, values: Storage) -> None:
@@ -109,7 +109,7 @@ class MotionFollower:
         Raises:
             InvalidCommandError: Not 7 finite numbers.
         """
-        if not self._step.receive_joints(_as_doubles(values)):
+        if not self._step.receive(_as_doubles(values), _DOF, self._memory.target):
             _refuse("joint commands", _DOF, values)
 
     def command_cartesian(

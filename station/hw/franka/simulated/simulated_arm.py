@@ -80,7 +80,7 @@ class SimulatedArm(RobotArm):
         self._faults, self._sensors = parts.faults, parts.sensors
         self._follower = parts.follower
         self._motion, self._step = parts.cycle.motion, parts.cycle.step
-        self._positions = parts.cycle.memory.positions
+        self._memory = parts.cycle.memory
         self._modes = ArmModes(world, parts)
         self._drive = ArmDrive(parts, self._modes)
         self.preparation, self.attend = self._step, self._drive.attend
@@ -111,11 +111,11 @@ class SimulatedArm(RobotArm):
 
     @override
     def receivers(self) -> Receivers:
-        step = self._step
+        step, memory = self._step, self._memory
         return Receivers(
-            JointReceiver(self.command_joint_positions, step, POSITIONS),
-            JointReceiver(self.command_joint_velocities, step, VELOCITIES),
-            TorqueReceiver(self.command_joint_torques, step),
+            JointReceiver(self.command_joint_positions, step, memory, POSITIONS),
+            JointReceiver(self.command_joint_velocities, step, memory, VELOCITIES),
+            TorqueReceiver(self.command_joint_torques, step, memory),
             step,
         )
 
@@ -266,7 +266,7 @@ class SimulatedArm(RobotArm):
         """
         state = self.state
         self._sensors.rest()
-        self._motion.seed(self._positions, _ZEROS)
+        self._motion.seed(self._memory.positions, _ZEROS)
         self.motors.engage_joint_impedance()
         if self._modes.controller is ControllerMode.CARTESIAN_IMPEDANCE:
             self.motors.engage_cartesian_impedance()
