@@ -13,14 +13,21 @@ class SpeedCheck:
 
     Args:
         velocities: The velocities [rad/s or m/s], shape (n,).
-        shares: Inverse of the limit of each velocity, shape (n,).
+        shares: Inverse of the limit of each velocity, >= 0, shape (n,); see
+            `take_limits`.
     """
 
     def __init__(self, velocities: Doubles, shares: Doubles) -> None:
         self.velocities = velocities
         self.shares = shares
         self.size = len(velocities)
-        self.slowest = 1.0 / max(shares) if self.size else 0.0
+        self.slowest = 0.0
+        self.take_limits()
+
+    def take_limits(self) -> None:
+        """Take over shares that have changed."""
+        largest = max(self.shares, default=0.0)
+        self.slowest = 1.0 / largest if largest > 0.0 else 0.0
 
     def holds(self) -> bool:
         """Return whether every velocity is certainly a number within its limit."""

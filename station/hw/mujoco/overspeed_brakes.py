@@ -118,6 +118,7 @@ class OverspeedBrakes:
             self._bounds[dof] = OVERSPEED * limit
             self._shares[dof] = 1.0 / self._bounds[dof]
             self._sane[dof] = max(1.0 / sqrt(MAX_SQUARED_VELOCITY), self._shares[dof])
+        self.speeds.take_limits()
 
     def act(self) -> None:
         """Slow down the joints that were too fast at the end of the last step."""
