@@ -24,7 +24,7 @@ def new_links(chain: Doubles) -> Doubles:
     return doubles(_IDENTITY * (len(chain) // 4))
 
 
-def place_links(chain: Doubles, q: Storage, links: Storage) -> None:
+def place_links(chain: Storage, q: Storage, links: Storage) -> None:
     """Write the poses of the links and of the flange in the base frame.
 
     Args:
@@ -42,7 +42,10 @@ def place_links(chain: Doubles, q: Storage, links: Storage) -> None:
         # The y and z axes turned by alpha about x, the origin moved along x and z.
         ux, uy, uz = ca * yx + sa * zx, ca * yy + sa * zy, ca * yz + sa * zz
         zx, zy, zz = ca * zx - sa * yx, ca * zy - sa * yy, ca * zz - sa * yz
-        px, py, pz = px + a * xx + d * zx, py + a * xy + d * zy, pz + a * xz + d * zz
+        if a != 0.0:
+            px, py, pz = px + a * xx, py + a * xy, pz + a * xz
+        if d != 0.0:
+            px, py, pz = px + d * zx, py + d * zy, pz + d * zz
         # Then all turned about z, but for the flange.
         yx, yy, yz = ux, uy, uz
         if link + 1 < count:

@@ -32,7 +32,7 @@ class ArmDynamics:
     def __init__(self, chain: Doubles, bodies: Doubles, links: Storage) -> None:
         size = len(bodies) // 10
         self.size = size
-        self.chain = chain
+        self.chain = own(chain)
         self.given = bodies
         self.bodies = own(bodies)
         self.links = links

@@ -22,6 +22,9 @@ def resting_ways(
     """
     for axis in range(len(ways)):
         v, a, j = velocities[axis], accelerations[axis], jerks[axis]
+        if v == 0.0 and a == 0.0:
+            ways[axis] = 0.0
+            continue
         # The velocity when the acceleration has become zero tells which way to brake.
         sign = 1.0
         if v + (a if a > 0.0 else -a) * a / (2.0 * j) < 0.0:

@@ -1,3 +1,4 @@
+from station.kernel.at_once cimport copy_into
 from station.kernel.command_check cimport CommandCheck
 from station.kernel.command_rates cimport limited
 from station.kernel.functions cimport square_root

@@ -7,6 +7,7 @@ the position of joint 3 as the seventh coordinate.
 
 from collections.abc import Iterable
 
+from station.kernel.at_once import copy_into
 from station.kernel.command_check import CommandCheck
 from station.kernel.command_rates import limited
 from station.kernel.doubles import Doubles, own, zeros
@@ -128,8 +129,7 @@ class CartesianStep:
         if self.has_elbow:
             return False
         if self.is_settled and self.repeats():
-            for i in range(self.memory.size):
-                self.target[i] = self.memory.q_d[i]
+            copy_into(self.target, 0, self.memory.q_d, self.memory.size)
             return True
         if not self.plan() or not self.admits_twist():
             return False
@@ -177,8 +177,7 @@ class CartesianStep:
             return True
         if not is_transform(command):
             return False
-        for i in range(16):
-            pose[i] = command[i]
+        copy_into(pose, 0, command, 16)
         twist_between(self.pose, pose, self.period, self.next_twist)
         return True
 
@@ -200,11 +199,12 @@ class CartesianStep:
             bounds: Largest norms of velocity, acceleration and jerk.
         """
         new, old, last_rate = self.next_twist, self.twist, self.acceleration
+        period = self.period
         speed = acceleration = jerk = 0.0
         for i in range(start, start + 3):
             velocity = new[i]
-            rate = (velocity - old[i]) / self.period
-            change = (rate - last_rate[i]) / self.period
+            rate = (velocity - old[i]) / period
+            change = (rate - last_rate[i]) / period
             speed += velocity * velocity
             acceleration += rate * rate
             jerk += change * change
@@ -248,12 +248,11 @@ class CartesianStep:
         """Make the next pose, twist and elbow the last ones."""
         self.is_settled = False
         twist, acceleration, new = self.twist, self.acceleration, self.next_twist
-        following = self.next_elbow
+        following, period = self.next_elbow, self.period
         for i in range(6):
-            acceleration[i] = (new[i] - twist[i]) / self.period
+            acceleration[i] = (new[i] - twist[i]) / period
             twist[i] = new[i]
-        for i in range(16):
-            self.pose[i] = self.next_pose[i]
+        copy_into(self.pose, 0, self.next_pose, 16)
         self.elbow[0] = following[0]
         self.elbow_velocity[0] = following[1]
         self.elbow_acceleration[0] = following[2]

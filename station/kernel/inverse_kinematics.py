@@ -32,7 +32,7 @@ class InverseKinematics:
         self, chain: Doubles, q: Doubles, tool: Doubles, target: Doubles, step: Doubles
     ) -> None:
         size = len(q)
-        self.chain = chain
+        self.chain = own(chain)
         self.q = q
         self.tool = tool
         self.target = target
@@ -53,12 +53,14 @@ class InverseKinematics:
         zero_jacobian(self.links, self.pose, jacobian)
         twist_between(self.pose, self.target, 1.0, error)
         bend = elbow - self.q[2]
-        for row in range(6):
-            error[row] -= bend * jacobian[12 + row]
-            jacobian[12 + row] = 0.0
+        for k in range(12, 18):
+            error[k - 12] -= bend * jacobian[k]
+            jacobian[k] = 0.0
         self.solve(FINE_DAMPING)
+        largest = _LARGEST_STEP
+        lowest = -largest
         for joint in range(len(step)):
-            if not -_LARGEST_STEP < step[joint] < _LARGEST_STEP:
+            if not lowest < step[joint] < largest:
                 self.solve(_COARSE_DAMPING)
                 break
         step[2] = bend

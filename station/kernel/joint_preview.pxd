@@ -1,6 +1,7 @@
 from station.kernel.at_once cimport copy_into
 from station.kernel.linear_kinematics cimport (
     LinearKinematics,
+    length_of,
     limited_joint,
     moved,
     way_between,
@@ -34,6 +35,7 @@ cdef class JointPreview:
     cpdef bint leads_away(self, PoseMotion motion) noexcept
     cpdef long limited_joint(self) noexcept
     cpdef bint may_collide(self) noexcept
+    cpdef bint are_slow(self, PoseMotion motion) noexcept
     cpdef long fastest_joint(self, LinearKinematics kinematics, PoseMotion motion) noexcept
     cpdef void accept(self) noexcept
     cpdef void note_clearance(self, double room) noexcept

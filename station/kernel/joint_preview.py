@@ -10,6 +10,7 @@ from station.kernel.at_once import copy_into
 from station.kernel.doubles import Doubles, own, zeros
 from station.kernel.linear_kinematics import (
     LinearKinematics,
+    length_of,
     limited_joint,
     moved,
     way_between,
@@ -91,8 +92,7 @@ class JointPreview:
             or self.leads_away(motion)
             or self.limited_joint() >= 0
             or self.may_collide()
-            or self.fastest_joint(self.present, motion) >= 0
-            or self.fastest_joint(self.resting, motion) >= 0
+            or not self.are_slow(motion)
             or not motion.stays_within_speed()
         ):
             return False
@@ -122,6 +122,26 @@ class JointPreview:
     def may_collide(self) -> bool:
         """Return whether the clearance at the positions at rest is unknown."""
         return way_between(self.new, self.clear) > self.room
+
+    def are_slow(self, motion: PoseMotion) -> bool:
+        """Return whether no joint exceeds its bounds, now and where the arm would rest.
+
+        Args:
+            motion: The motion of the end effector after a step.
+        """
+        present, resting = self.present, self.resting
+        velocity, acceleration = self.velocity, self.acceleration
+        push = length_of(motion.acceleration)
+        braking = length_of(motion.peaks)
+        if push < braking:
+            push = braking
+        return (
+            present.are_slow(motion.twist, push, velocity, acceleration)
+            or self.fastest_joint(present, motion) < 0
+        ) and (
+            resting.are_slow(motion.twist, push, velocity, acceleration)
+            or self.fastest_joint(resting, motion) < 0
+        )
 
     def fastest_joint(self, kinematics: LinearKinematics, motion: PoseMotion) -> int:
         """Return the index of the joint that exceeds its bounds most; -1 if none does.

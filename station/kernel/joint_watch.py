@@ -59,7 +59,7 @@ class JointWatch:
     ) -> None:
         self.memory = memory
         self.size = memory.size
-        self.chain = chain
+        self.chain = own(chain)
         self.tool = tool
         self.links = new_links(chain)
         self.flange = self.links[16 * self.size :]

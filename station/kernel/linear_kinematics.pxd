@@ -1,4 +1,5 @@
 from station.kernel.at_once cimport copy_into
+from station.kernel.functions cimport square_root
 from station.kernel.wrench_equation cimport WrenchEquation
 
 cdef double _ROUNDING, _DAMPING
@@ -11,6 +12,9 @@ cdef class LinearKinematics:
     cdef double[::1] motion
     cdef double[::1] inverse
     cdef double[::1] others
+    cdef double[::1] columns
+    cdef double[::1] lengths
+    cdef double[::1] arms
     cdef WrenchEquation equation
 
     cpdef void invert(self) noexcept
@@ -19,6 +23,14 @@ cdef class LinearKinematics:
     cpdef void joint_step(self, double[::1] way, double elbow, double[::1] step) noexcept
     cpdef void follow(self, double[::1] motion, double[::1] result) noexcept
     cpdef void drift(self, double[::1] dq, double[::1] result) noexcept
+    cpdef bint are_slow(
+        self,
+        double[::1] twist,
+        double push,
+        double[::1] velocity,
+        double[::1] acceleration,
+    ) noexcept
+    cpdef bint are_pushed_little(self, double push, double[::1] acceleration) noexcept
     cpdef long fastest_joint(
         self,
         double[::1] twist,
@@ -27,6 +39,7 @@ cdef class LinearKinematics:
         double[::1] acceleration,
     ) noexcept
 
+cpdef double length_of(double[::1] vector) noexcept
 cpdef double way_between(double[::1] first, double[::1] second) noexcept
 cpdef long limited_joint(
     double[::1] q, double[::1] last, double[::1] lower, double[::1] upper

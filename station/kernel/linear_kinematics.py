@@ -5,7 +5,8 @@ others follow the end effector by a damped inverse of the Jacobian.
 """
 
 from station.kernel.at_once import copy_into
-from station.kernel.doubles import Doubles, own
+from station.kernel.doubles import Doubles, Storage, own
+from station.kernel.functions import square_root
 from station.kernel.wrench_equation import WrenchEquation
 
 # Small enough for full accuracy; keeps the matrix invertible at a singular pose.
@@ -20,7 +21,7 @@ class LinearKinematics:
     Args:
         q: Joint positions [rad], shape (n,); kept and not copied.
         jacobian: Jacobian of the end effector in the axes of the base, 6 n numbers,
-            column-major; kept and not copied.
+            column-major; kept, and read by `invert` and `is_dexterous`.
     """
 
     def __init__(self, q: Doubles, jacobian: Doubles) -> None:
@@ -32,11 +33,17 @@ class LinearKinematics:
         # Transposed, 6 numbers per joint; those of joint 3 are zero.
         self.inverse = own([0.0] * (6 * self.size))
         self.others = own([0.0] * (6 * self.size))
+        # A copy of the Jacobian for `drift` and `joint_step`. How much each joint turns
+        # at most for a motion of length 1, and how far away its axis is [m].
+        self.columns = own([0.0] * (6 * self.size))
+        self.lengths = own([0.0] * self.size)
+        self.arms = own([0.0] * self.size)
         self.equation = WrenchEquation()
 
     def invert(self) -> None:
         """Bring the inverse up to date with the Jacobian."""
-        inverse = self.inverse
+        inverse, columns = self.inverse, self.columns
+        copy_into(columns, 0, self.jacobian, 6 * self.size)
         self.put_others(inverse)
         # Without a Jacobian of finite numbers there is no motion.
         is_known = self.equation.factorise(inverse, _DAMPING)
@@ -48,6 +55,14 @@ class LinearKinematics:
         if not is_known:
             for k in range(len(inverse)):
                 inverse[k] = 0.0
+        for joint in range(self.size):
+            k = 6 * joint
+            x, y, z = columns[k], columns[k + 1], columns[k + 2]
+            self.arms[joint] = _ROUNDING * square_root(x * x + y * y + z * z)
+            square = 0.0
+            for k in range(6 * joint, 6 * joint + 6):
+                square += inverse[k] * inverse[k]
+            self.lengths[joint] = _ROUNDING * square_root(square)
 
     def put_others(self, columns: Doubles) -> None:
         """Write the Jacobian with zeros for joint 3.
@@ -94,7 +109,7 @@ class LinearKinematics:
             elbow: Desired position of joint 3 [rad].
             step: Where the changes of the joint positions go [rad], shape (n,).
         """
-        jacobian, motion = self.jacobian, self.motion
+        jacobian, motion = self.columns, self.motion
         bend = elbow - self.q[2]
         for row in range(6):
             motion[row] = way[row] - bend * jacobian[12 + row]
@@ -129,7 +144,7 @@ class LinearKinematics:
             dq: Joint velocities [rad/s], shape (n,).
             result: Where the acceleration goes [m/s^2, rad/s^2], shape (6,).
         """
-        jacobian = self.jacobian
+        jacobian = self.columns
         wx, wy, wz, ax, ay, az = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         bx, by, bz = 0.0, 0.0, 0.0
         for joint in range(self.size):
@@ -151,15 +166,57 @@ class LinearKinematics:
                 bz + wx * zy - wy * zx,
             )
             # Velocities of the links before and behind it, added up.
-            ux, uy, uz = 2.0 * wx + zx, 2.0 * wy + zy, 2.0 * wz + zz
+            ux, uy, uz = wx, wy, wz
+            wx, wy, wz = wx + zx, wy + zy, wz + zz
+            ux, uy, uz = ux + wx, uy + wy, uz + wz
             ax, ay, az = (
                 ax + uy * vz - uz * vy,
                 ay + uz * vx - ux * vz,
                 az + ux * vy - uy * vx,
             )
-            wx, wy, wz = wx + zx, wy + zy, wz + zz
         result[0], result[1], result[2] = ax, ay, az
         result[3], result[4], result[5] = bx, by, bz
+
+    def are_slow(
+        self, twist: Doubles, push: float, velocity: Doubles, acceleration: Doubles
+    ) -> bool:
+        """Return True only if no joint exceeds its bounds; False if that is unknown.
+
+        No joint accelerates more than if all of the end effector's acceleration were in
+        its own direction, and the end effector does not drift more than if all axes
+        were parallel.
+
+        Args:
+            twist: Twist of the end effector [m/s, rad/s], shape (6,).
+            push: Length of its largest acceleration [m/s^2, rad/s^2].
+            velocity: Largest joint velocities [rad/s], shape (n,).
+            acceleration: Largest joint accelerations [rad/s^2], shape (n,).
+        """
+        dq, arms = self.dq, self.arms
+        self.follow(twist, dq)
+        turn = linear = angular = 0.0
+        for joint in range(self.size):
+            rate = dq[joint]
+            if rate < 0.0:
+                rate = -rate
+            if not rate <= velocity[joint]:
+                return False
+            linear += (turn + turn + rate) * rate * arms[joint]
+            angular += turn * rate
+            turn += rate
+        drift = square_root(linear * linear + angular * angular)
+        if self.are_pushed_little(push + drift, acceleration):
+            return True
+        self.drift(dq, self.motion)
+        return self.are_pushed_little(push + length_of(self.motion), acceleration)
+
+    def are_pushed_little(self, push: float, acceleration: Doubles) -> bool:
+        """Return whether such an acceleration in any direction exceeds no bound."""
+        lengths = self.lengths
+        for joint in range(self.size):
+            if not lengths[joint] * push <= acceleration[joint]:
+                return False
+        return True
 
     def fastest_joint(
         self,
@@ -207,6 +264,12 @@ class LinearKinematics:
             if not -bound <= second <= bound:
                 worst, found = abs(second) / acceleration[joint], joint
         return found
+
+
+def length_of(vector: Storage) -> float:
+    """Return the length of a vector, shape (6,)."""
+    a, b, c, d, e, f = vector[0], vector[1], vector[2], vector[3], vector[4], vector[5]
+    return square_root(a * a + b * b + c * c + d * d + e * e + f * f)
 
 
 def way_between(first: Doubles, second: Doubles) -> float:

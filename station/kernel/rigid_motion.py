@@ -46,23 +46,12 @@ def rotation_between(first: Doubles, second: Doubles, result: Doubles) -> None:
         result: Where the vector goes, shape (3,) or longer.
     """
     # R = R_second R_first^T, element by element.
-    a0, a1, a2, b0, b1, b2 = first[0], first[1], first[2], first[4], first[5], first[6]
-    c0, c1, c2, d0, d1, d2 = (
-        first[8],
-        first[9],
-        first[10],
-        second[0],
-        second[1],
-        second[2],
-    )
-    e0, e1, e2, f0, f1, f2 = (
-        second[4],
-        second[5],
-        second[6],
-        second[8],
-        second[9],
-        second[10],
-    )
+    a0, a1, a2 = first[0], first[1], first[2]
+    b0, b1, b2 = first[4], first[5], first[6]
+    c0, c1, c2 = first[8], first[9], first[10]
+    d0, d1, d2 = second[0], second[1], second[2]
+    e0, e1, e2 = second[4], second[5], second[6]
+    f0, f1, f2 = second[8], second[9], second[10]
     x = d2 * a1 + e2 * b1 + f2 * c1 - d1 * a2 - e1 * b2 - f1 * c2
     y = d0 * a2 + e0 * b2 + f0 * c2 - d2 * a0 - e2 * b0 - f2 * c0
     z = d1 * a0 + e1 * b0 + f1 * c0 - d0 * a1 - e0 * b1 - f0 * c1

@@ -43,11 +43,15 @@ class WrenchEquation:
         for k in range(0, len(jacobian), 6):
             a, b, c = jacobian[k], jacobian[k + 1], jacobian[k + 2]
             d, e, f = jacobian[k + 3], jacobian[k + 4], jacobian[k + 5]
+            if not (a or b or c or d or e or f):
+                continue  # a joint that is kept where it is
+            # Of three numbers at most, Python makes no tuple first.
             g00, g10, g11 = g00 + a * a, g10 + b * a, g11 + b * b
             g20, g21, g22 = g20 + c * a, g21 + c * b, g22 + c * c
-            g30, g31, g32, g33 = g30 + d * a, g31 + d * b, g32 + d * c, g33 + d * d
-            g40, g41, g42, g43 = g40 + e * a, g41 + e * b, g42 + e * c, g43 + e * d
-            g44, g50, g51, g52 = g44 + e * e, g50 + f * a, g51 + f * b, g52 + f * c
+            g30, g31, g32 = g30 + d * a, g31 + d * b, g32 + d * c
+            g33, g40, g41 = g33 + d * d, g40 + e * a, g41 + e * b
+            g42, g43, g44 = g42 + e * c, g43 + e * d, g44 + e * e
+            g50, g51, g52 = g50 + f * a, g51 + f * b, g52 + f * c
             g53, g54, g55 = g53 + f * d, g54 + f * e, g55 + f * f
         if not g00 > 0.0:
             return False

@@ -1,5 +1,6 @@
 """A usual step in one call against the single functions, and both modes."""
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -153,3 +154,28 @@ def test_both_modes_agree_bit_for_bit(q, twist, accelerations, more):
         return found
 
     assert_same("joint_preview", scenario)
+
+
+@settings(max_examples=200, deadline=None)
+@given(
+    twist=st.lists(st.floats(-0.3, 0.3), min_size=6, max_size=6),
+    accelerations=st.lists(st.floats(-2.0, 2.0), min_size=12, max_size=12),
+    velocity=st.floats(0.05, 2.0),
+    acceleration=st.floats(0.5, 20.0),
+)
+def test_joints_that_are_slow_beyond_doubt_exceed_no_bound(
+    twist, accelerations, velocity, acceleration
+):
+    joints, rates = previewed().preview.present, doubles(twist)
+    bounds = doubles([velocity] * 7), doubles([acceleration] * 7)
+    push = max(np.linalg.norm(accelerations[:6]), np.linalg.norm(accelerations[6:]))
+    if joints.are_slow(rates, push, *bounds):
+        assert joints.fastest_joint(rates, doubles(accelerations), *bounds) == -1
+
+
+def test_a_slow_hand_is_slow_beyond_doubt():
+    joints = previewed().preview.present
+    bounds = doubles([1.0] * 7), doubles([10.0] * 7)
+    assert joints.are_slow(doubles(SLOW), 1.0, *bounds)
+    assert not joints.are_slow(doubles(SLOW), 100.0, *bounds)
+    assert not joints.are_slow(doubles(SLOW), 1.0, doubles([0.01] * 7), bounds[1])
