@@ -209,8 +209,8 @@ class Imperfections(Preparation):
     def disturb(self) -> None:
         """Add noise and bias to velocities and torques, and wind the motors up."""
         memory, noise = self.memory, self.noise
-        dq, dtheta, tau, dtau = memory.dq, memory.dtheta, memory.tau_J, memory.dtau_J
-        velocity, change, rate = self.velocity, self.change, self.rate
+        dq, dtheta, tau = memory.dq, memory.dtheta, memory.tau_J
+        velocity, change = self.velocity, self.change
         positions, theta, compliance = memory.positions, self.theta, self.compliance
         spread, bias = self.velocity_noise, self.torque_bias
         torque_spread = self.torque_noise
@@ -224,7 +224,6 @@ class Imperfections(Preparation):
             change[i] = measured - velocity[i]
             velocity[i] = measured
             dq[i] = measured
-            dtau[i] += error * rate
             error += tau[i]
             tau[i] = error
             theta[i] = positions[i] + compliance[i] * error

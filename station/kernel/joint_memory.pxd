@@ -10,6 +10,7 @@ cdef class JointMemory:
     cdef readonly double[::1] dq_d
     cdef readonly double[::1] ddq_d
     cdef readonly double[::1] tau_J_d
+    cdef readonly double[::1] last_tau_J
     cdef readonly double[::1] target
     cdef readonly double[::1] target_dq
     cdef readonly double[::1] torques

@@ -25,6 +25,7 @@ class JointMemory:
     Attributes:
         target: Commanded positions [rad] or velocities [rad/s].
         target_dq: The velocities that lead to commanded positions [rad/s].
+        last_tau_J: Link-side torques of the cycle before [Nm].
         torques: Commanded torques [Nm].
         sent: Commanded torques of the cycle before [Nm].
     """
@@ -55,6 +56,7 @@ class JointMemory:
         self.dq_d = given_or_zeros(dq_d, size)
         self.ddq_d = given_or_zeros(ddq_d, size)
         self.tau_J_d = given_or_zeros(tau_J_d, size)
+        self.last_tau_J = own_zeros(size)
         self.target = own_zeros(size)
         self.target_dq = own_zeros(size)
         self.torques = own_zeros(size)

@@ -25,3 +25,4 @@ cdef class JointMotors:
     cpdef apply_torques(self)
     cpdef apply_impedance(self, bint tells)
     cpdef sense(self)
+    cpdef differentiate(self)

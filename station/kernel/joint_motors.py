@@ -139,12 +139,13 @@ class JointMotors:
         while the motor's reading contains the velocity at the beginning.
         """
         memory = self.memory
-        dtheta, tau, dtau = memory.dtheta, memory.tau_J, memory.dtau_J
-        simulator, period = self.simulator, self.period
+        dtheta, tau = memory.dtheta, memory.tau_J
+        simulator = self.simulator
         positions, velocities = simulator.positions, simulator.velocities
         motor_forces, brake_forces = simulator.motor_forces, simulator.brake_forces
         compensation, damping = simulator.compensation, self.damping
         passive, rotor, limits = self.passive, self.rotor, self.limits
+        copy_into(memory.last_tau_J, 0, tau, self.size)
         for i in range(self.size):
             velocity, force = velocities[i], motor_forces[i]
             change = velocity - dtheta[i]
@@ -153,7 +154,6 @@ class JointMotors:
             damper = damping[i]
             if damper != 0.0 and -limits[i] < force < limits[i]:
                 torque -= damper * change
-            dtau[i] = (torque - tau[i]) / period
             tau[i] = torque
         if cython.compiled:
             copy_into(memory.q, 0, positions, self.size)
@@ -164,3 +164,10 @@ class JointMotors:
             # The same, without four calls of Python around it.
             memory.q[:] = memory.positions[:] = positions
             memory.dq[:] = dtheta[:] = velocities
+
+    def differentiate(self) -> None:
+        """Write the rates of the torques; only for whoever reads them."""
+        memory, period = self.memory, self.period
+        tau, last, dtau = memory.tau_J, memory.last_tau_J, memory.dtau_J
+        for i in range(self.size):
+            dtau[i] = (tau[i] - last[i]) / period

@@ -79,12 +79,13 @@ class ArmFrames:
         """Let the next `refresh` compute, even if no time has passed."""
         self._refreshed_at = -1.0
 
-    def refresh(self) -> None:
-        """Bring the derived fields up to date; cheap when they are."""
+    def refresh(self) -> bool:
+        """Bring the derived fields up to date; return False when they were."""
         state = self._state
         if self._refreshed_at == state.time:
-            return
+            return False
         self._refreshed_at = state.time
         self._kernel.refresh()
         if not self.is_cartesian:
             self._kernel.command_desired()
+        return True

@@ -103,6 +103,10 @@ class ArmMotors:
         put(self._memory.torques, torques)
         self._kernel.apply_torques()
 
+    def differentiate(self) -> None:
+        """Write `dtau_J` of the state; not in every cycle, for few read it."""
+        self._kernel.differentiate()
+
     def apply(self) -> None:
         """Set the motors' controls as the present mode asks for."""
         if self._step.torques_act:

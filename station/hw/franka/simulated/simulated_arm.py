@@ -129,7 +129,8 @@ class SimulatedArm(RobotArm):
 
     @override
     def refresh_state(self) -> None:
-        self.frames.refresh()
+        if self.frames.refresh():
+            self.motors.differentiate()
 
     @override
     def pose_source(self, model: FrankaModel) -> ModelSource:
