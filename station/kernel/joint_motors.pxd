@@ -13,6 +13,8 @@ cdef class JointMotors:
     cdef double[::1] limits
     cdef double[::1] passive
     cdef double[::1] rotor
+    cdef double[::1] drag
+    cdef public bint is_loaded
     cdef public bint is_late
     cdef public bint are_commands
     cdef bint is_new

@@ -28,6 +28,7 @@ class JointMotors:
         stiffness: Stiffness of the impedance [Nm/rad], shape (n,).
         damping: Damping of the impedance [Nm s/rad], shape (n,).
         load_weight: Torques that carry a configured load [Nm], shape (n,).
+        is_loaded: Whether one of them is not 0.
         is_late: Whether the motors act on commands one cycle later.
         are_commands: Whether the torques are commands, and not computed by the arm.
     """
@@ -43,11 +44,15 @@ class JointMotors:
         self.stiffness = own(none)
         self.damping = own(none)
         self.load_weight = own(none)
+        self.is_loaded = False
         # These never change in a simulation.
         self.limits = own(simulator.limits)
         self.passive = own(simulator.passive_damping)
-        # Torque that changes a rotor's velocity within a step [Nm s/rad].
+        # Torque that changes a rotor's velocity within a step [Nm s/rad], and that and
+        # the friction together.
         self.rotor = own([inertia / period for inertia in simulator.armature])
+        both = zip(self.rotor, self.passive, strict=True)
+        self.drag = own([inertia + friction for inertia, friction in both])
         self.is_late = False
         self.are_commands = False
         self.is_new = True
@@ -69,7 +74,6 @@ class JointMotors:
         torques, tau_d = self.memory.torques, self.memory.tau_J_d
         limits, controls = self.limits, self.simulator.controls
         load, late_torques = self.load_weight, self.late_torques
-        is_late = self.is_late and self.are_commands
         for i in range(self.size):
             tau, limit = torques[i], limits[i]
             if limit < tau:
@@ -77,11 +81,15 @@ class JointMotors:
             if tau < -limit:
                 tau = -limit
             tau_d[i] = tau
-            if is_late:
-                late = late_torques[i]
-                late_torques[i] = tau
-                tau = late
-            controls[i] = tau + load[i]
+        if self.is_late and self.are_commands:
+            for i in range(self.size):
+                controls[i] = late_torques[i] + load[i]
+            copy_into(late_torques, 0, tau_d, self.size)
+        elif self.is_loaded:
+            for i in range(self.size):
+                controls[i] = tau_d[i] + load[i]
+        else:
+            copy_into(controls, 0, tau_d, self.size)
 
     def apply_impedance(self, tells: bool) -> None:  # noqa: FBT001 - a C function
         """Let the motors follow the desired motion.
@@ -144,16 +152,15 @@ class JointMotors:
         positions, velocities = simulator.positions, simulator.velocities
         motor_forces, brake_forces = simulator.motor_forces, simulator.brake_forces
         compensation, damping = simulator.compensation, self.damping
-        passive, rotor, limits = self.passive, self.rotor, self.limits
+        drag, rotor, limits = self.drag, self.rotor, self.limits
         copy_into(memory.last_tau_J, 0, tau, self.size)
         for i in range(self.size):
             velocity, force = velocities[i], motor_forces[i]
-            change = velocity - dtheta[i]
-            torque = force + brake_forces[i] + compensation[i] - passive[i] * velocity
-            torque -= rotor[i] * change
-            damper = damping[i]
+            before, damper = dtheta[i], damping[i]
+            torque = force + brake_forces[i] + compensation[i]
+            torque += rotor[i] * before - drag[i] * velocity
             if damper != 0.0 and -limits[i] < force < limits[i]:
-                torque -= damper * change
+                torque -= damper * (velocity - before)
             tau[i] = torque
         if cython.compiled:
             copy_into(memory.q, 0, positions, self.size)

@@ -73,6 +73,7 @@ class ArmMotors:
             load_weight: Torques that the load needs [Nm], shape (7,).
         """
         put(self._kernel.load_weight, load_weight)
+        self._kernel.is_loaded = any(load_weight)
 
     def engage_joint_impedance(self) -> None:
         """Let the joint impedance act from the next step on."""
