@@ -148,6 +148,8 @@ class StormWorker:
 
     def _switch(self) -> None:
         dice = self._dice
+        # First, so that whatever ends one of these is counted.
+        stamp = self._disturbances.stamp()
         running = self._running()
         idle = [name for name in self._names if name not in running]
         ours = [name for name in self._names if name in running]
@@ -163,7 +165,6 @@ class StormWorker:
             timeout=dice.choice([0.0, 0.05, 0.2]),
             dry_run=dice.random() < 0.05,
         )
-        stamp = self._disturbances.stamp()
         try:
             result = self._station.switch_controllers(request)
         except StationError as error:
@@ -265,13 +266,15 @@ class StormWorker:
 
     def _stop(self) -> None:
         with self._disturbances:
+            began = self._observer.cycle
             self._station.stop("The storm stops everything")
             # It was engaged before this cycle ended: at the latest the one after the
             # next has begun with it.
             cycle = self._observer.cycle + STOP_CYCLES
             self._wait_for(cycle)
             latch = self._station.loop.stop_latch
-            if latch.pending and latch.cycle < cycle - STOP_CYCLES:
+            # What is pending now may be the next stop, of somebody else.
+            if latch.pending and latch.cycle < began:
                 self._note(f"a stop was not carried out by cycle {cycle}")
 
     def _release(self) -> None:
