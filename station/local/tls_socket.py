@@ -25,6 +25,7 @@ class TlsSocket(ssl.SSLSocket):
     `wrap_socket` of a context makes it whose `sslsocket_class` it is.
     """
 
+    _sslobj: object | None
     _turn: threading.Lock
     _timeout: float | None
     _is_open: bool
@@ -61,11 +62,19 @@ class TlsSocket(ssl.SSLSocket):
     def read(self, len: int = 1024, buffer: Any = None) -> Any:
         """Return what has come, at least a byte, or its size if it goes to a buffer.
 
+        Nothing comes any more once `shutdown` was called.
+
         Raises:
             TimeoutError: Nothing came in time.
         """
         read = super().read
-        return self._in_turn(lambda: read(len, buffer))
+
+        def take() -> bytes | int:
+            if self._sslobj is None:  # another thread has ended the connection
+                return b"" if buffer is None else 0
+            return read(len, buffer)
+
+        return self._in_turn(take)
 
     @override
     def send(self, data: Buffer, flags: int = 0) -> int:
@@ -76,6 +85,12 @@ class TlsSocket(ssl.SSLSocket):
         """
         send = super().send
         return self._in_turn(lambda: send(data, flags))
+
+    @override
+    def shutdown(self, how: int) -> None:
+        """End reading, writing or both; a thread that waits for data goes on."""
+        with self._turn:
+            super().shutdown(how)
 
     def _in_turn(self, act: Callable[[], _Result]) -> _Result:
         """Do something as soon as neither the other thread nor the network bars it.

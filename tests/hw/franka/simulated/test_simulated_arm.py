@@ -17,7 +17,6 @@ from station.hw.franka.simulated.franka_world import (
     FrankaWorld,
     simulate,
 )
-from station.hw.franka.simulated.realism import TYPICAL
 from station.hw.franka.simulated.simulated_arm import SimulatedArm
 
 IMPEDANCE = ControllerMode.JOINT_IMPEDANCE
@@ -129,21 +128,6 @@ def test_measured_torque_in_motion_is_that_of_inverse_dynamics(
     model.dof_damping[:] = damping
     # Torques of some 20 Nm; rest is the fingers' constraint force.
     assert arm.state.tau_J == pytest.approx(link_side, abs=1e-3)
-
-
-@pytest.mark.parametrize("realism", [None, TYPICAL])
-def test_rates_of_the_torques_are_their_changes_in_a_cycle(realism) -> None:
-    description = load_robot_files("example-robot-data:panda")
-    arm = simulate([ArmPlacement("panda", description, realism=realism)]).arms["panda"]
-    arm.start_motion(EXTERNAL, NONE)
-    for cycle in range(5):
-        before = list(arm.state.tau_J)
-        arm.command_joint_torques([0.1 * cycle] * 7)
-        arm.read_once()
-        arm.refresh_state()
-        expected = (np.array(arm.state.tau_J) - before) / 0.001
-        assert arm.state.dtau_J == pytest.approx(expected, abs=1e-6)
-    assert max(map(abs, arm.state.dtau_J)) > 10.0
 
 
 def test_memory_of_the_state_stays_the_same(arm: SimulatedArm) -> None:
