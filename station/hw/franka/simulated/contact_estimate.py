@@ -85,6 +85,9 @@ class ContactEstimate(ContactFlag):
         # Excess over its threshold that each signal may have without a new collision:
         # the excess at the last collision or recovery, plus one threshold.
         self._known = [0.0] * 13
+        # Whether the contact in which the arm recovered has not ended since. Its force
+        # may still turn from one signal to another while the arm comes to rest in it.
+        self._lasts = False
 
     def set_behavior(self, behavior: CollisionBehavior) -> None:
         """Take new thresholds over."""
@@ -113,6 +116,7 @@ class ContactEstimate(ContactFlag):
         """Forget the collisions; a lasting contact is not counted as a new one."""
         state = self._state
         self._known = self._collisions()
+        self._lasts = any(self._known)
         state.joint_collision = _ZEROS
         state.cartesian_collision = [0.0] * 6
 
@@ -121,6 +125,7 @@ class ContactEstimate(ContactFlag):
         self._state.tau_ext_hat_filtered = _ZEROS
         self.is_quiet = True
         self._known = [0.0] * 13
+        self._lasts = False
         self._update_wrench()
         self._update_levels()
 
@@ -224,6 +229,9 @@ class ContactEstimate(ContactFlag):
         torques, forces = self._thresholds(upper=True)
         values = (*state.tau_ext_hat_filtered, *state.K_F_ext_hat_K)
         found: list[ArmError] = []
+        if self._lasts:
+            self._lasts = any(self._collisions())
+            self._known = [max(known, _FADING) for known in self._known]
         for i, bound in enumerate((*torques, *forces)):
             excess = max(0.0, abs(values[i]) - bound)
             if excess > self._known[i] + (bound if self._known[i] else 0.0):
@@ -233,7 +241,9 @@ class ContactEstimate(ContactFlag):
                 else:
                     state.doubles("cartesian_collision")[i - 7] = 1.0
                 self._known[i] = excess
-            fading = self._known[i] and abs(values[i]) > self.release * bound
+            fading = self._lasts or (
+                self._known[i] and abs(values[i]) > self.release * bound
+            )
             self._known[i] = min(self._known[i], max(excess, _FADING if fading else 0))
         return found
 

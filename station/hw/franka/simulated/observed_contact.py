@@ -117,6 +117,7 @@ class ObservedContact(ContactEstimate):
             self._settled_at = self._state.time + self._settling_time
         if self._state.time < self._settled_at:
             self._known = [*map(max, self._known, self._collisions())]
+            self._lasts = self._lasts or any(self._known)
         found = self._update_levels()
         state = self._state
         self.is_quiet = not (

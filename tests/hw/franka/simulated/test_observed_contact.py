@@ -272,3 +272,23 @@ def test_a_hand_that_rests_just_below_a_threshold_stays_recovered() -> None:
     push(0.0, 200)
     push(30.0, 100)
     assert arm.state.robot_mode is RobotMode.REFLEX
+
+
+def test_a_contact_that_turns_after_a_recovery_is_still_the_same_one() -> None:
+    arm = make(TYPICAL).arms["panda"]
+
+    def push(force: list[float], cycles: int) -> None:
+        lasting = 0.001 * cycles
+        arm.simulation().apply_force("panda_hand", force, NONE[:3], lasting)
+        for _ in range(cycles):
+            arm.read_once()
+
+    push([0.0, 30.0, 0.0], 300)
+    assert arm.state.robot_mode is RobotMode.REFLEX
+    arm.automatic_error_recovery()
+    push([0.0, 26.0, 15.0], 300)
+    push([0.0, 20.0, 26.0], 1000)
+    assert arm.state.robot_mode is RobotMode.IDLE
+    push([0.0, 0.0, 0.0], 200)
+    push([0.0, 0.0, 30.0], 100)
+    assert arm.state.robot_mode is RobotMode.REFLEX
