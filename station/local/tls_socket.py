@@ -1,8 +1,8 @@
 """A TLS socket that one thread reads while another thread writes.
 
-OpenSSL forbids to read and write one connection at the same time, and Python before
-3.13 does not prevent it: requests and frames are lost, now and then. A WebSocket of a
-program without asyncio has one thread that reads and one that writes.
+OpenSSL forbids to read and write one connection at the same time, and Python 3.11 does
+not prevent it: requests and frames can be lost. A WebSocket of a program without
+asyncio has one thread that reads and one that writes.
 """
 
 import select
