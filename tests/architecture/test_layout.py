@@ -14,8 +14,9 @@ ROOT = Path(__file__).parents[2]
 MODULES = sorted((ROOT / "station").rglob("*.py"))
 TESTS = sorted((ROOT / "tests").rglob("*.py"))
 
-# Docstrings and comments do not count: a limit that counts them deletes documentation.
-MAX_CODE_LINES = 300
+# A module is as long as its idea, and nothing is cut in two for this limit. Docstrings
+# and comments do not count: a limit that counts them deletes documentation.
+MAX_CODE_LINES = 450
 GRAB_BAGS = {"common", "helper", "helpers", "misc", "stuff", "util", "utils"}
 DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 NOT_CODE = {
