@@ -6,11 +6,11 @@
 #   make setup  only prepares .venv   make lock    after a change of dependencies
 #   make bench  the benchmarks        make clean   removes all that can be made again
 #   make performance  measures anew and writes the tables of docs/performance.md
-#   make kernel  compiles the kernel now; `make run` does it beside the station
+#   make compile  compiles the control cycle now; `make run` does it beside the station
 #   make client  generates the blocking client from the one for asyncio, its page, the notebook
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run kernel kernel-if-possible browser test check static client lock bench \
+.PHONY: help setup run compile compile-if-possible browser test check static client lock bench \
 	performance clean
 
 ARGS ?=
@@ -35,12 +35,12 @@ $(READY_DEV): $(SETUP)
 run: $(READY)
 	@exec .venv/bin/station run $(ARGS)
 
-kernel: $(READY)
-	@STATION_COMPILED= .venv/bin/python -m station.kernel.build
+compile: $(READY)
+	@STATION_COMPILED=1 .venv/bin/python setup.py --quiet build_ext --inplace
 
 # For the tests, which run interpreted where no compiler is.
-kernel-if-possible: $(READY_DEV)
-	@STATION_COMPILED= .venv/bin/python -m station.kernel.build --optional >/dev/null
+compile-if-possible: $(READY_DEV)
+	@STATION_COMPILED= .venv/bin/python setup.py --quiet build_ext --inplace >/dev/null
 
 browser:
 	@sh tools/browser.sh
@@ -57,7 +57,7 @@ client: $(READY_DEV)
 	.venv/bin/python tools/generate_client.py
 	.venv/bin/python tools/generate_notebook.py
 
-check: static kernel-if-possible
+check: static compile-if-possible
 	@sh tools/test.sh quick $(PYTEST_ARGS)
 
 test: check browser
@@ -72,9 +72,10 @@ lock: $(READY_DEV)
 bench: $(READY)
 	@set -e; for script in benchmarks/bench_*.py; do echo "$$script"; .venv/bin/python "$$script"; done
 
-performance: $(READY_DEV) kernel
+performance: $(READY_DEV) compile
 	.venv/bin/python benchmarks/write_tables.py $(ARGS)
 
 clean:
-	rm -rf .venv .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis artifacts build dist
+	find station -name '*.so' -delete
+	rm -rf station/compiled.*.json .venv .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis artifacts build dist
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -20,11 +20,10 @@ from time import process_time
 from measuring import print_table, print_title
 
 from station.app.composition import compose
+from station.compiled import SWITCH, status
 from station.config import load_config
 from station.core import SnapshotRing, SwitchRequest
 from station.core.facade.station import Station
-from station.kernel import STATUS
-from station.kernel.built import SWITCH
 
 CONTROLLER = "effort_group_position_controller"
 TARGET = [0.3, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]
@@ -70,7 +69,7 @@ def measure(count: int, seconds: float) -> dict[str, object]:
             break
     return {
         "stations": count,
-        "mode": STATUS.mode,
+        "mode": status().mode,
         "trials_per_s": round(trials / elapsed, 2),
         "cycles_per_s": round(trials * CYCLES / elapsed),
         "times_real_time": round(trials * CYCLES / elapsed / 1000.0, 1),

@@ -20,10 +20,9 @@ from cases import CASES, MISSING, SENT, STATES, Case
 from measuring import print_table, print_title, simulated_world
 from turns import Effort, Turns, ask_for_processor, measure_cold, measure_hot
 
+from station.compiled import SWITCH, status
 from station.core.control.switching import SwitchRequest
 from station.core.loop.scheduling import realtime_interpreter
-from station.kernel import STATUS
-from station.kernel.built import SWITCH
 
 MODES = {"interpreted": "0", "compiled": "1"}
 SETTLING = 1000
@@ -75,7 +74,7 @@ class Bench:
                 yield {
                     "robot": self._robot,
                     "controller": label,
-                    "mode": STATUS.mode,
+                    "mode": status().mode,
                     "temperature": temperature,
                     **turns.row(),
                 }

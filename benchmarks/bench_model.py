@@ -20,6 +20,7 @@ from cases import make_panda
 from measuring import print_table, print_title
 from turns import ask_for_processor, low
 
+from station.compiled import SWITCH, status
 from station.controllers.cartesian_motion import CartesianJogController
 from station.core.control.switching import SwitchRequest
 from station.core.facade.station import Station
@@ -34,8 +35,6 @@ from station.hw.franka.arm.arm_limits import PANDA_LIMITS
 from station.hw.franka.arm.franka_kinematics import CHAIN
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.simulated.arm_cycle import ArmCycle
-from station.kernel import STATUS
-from station.kernel.built import SWITCH
 from station.kernel.doubles import put, zeros
 from station.kernel.inverse_kinematics import InverseKinematics
 from station.kernel.simulator_memory import SimulatorMemory
@@ -161,7 +160,7 @@ def _times(action: Callable[[], object], turn: Callable[[int], None]) -> list[fl
 
 
 def _row(what: str, times: list[float]) -> Row:
-    return {"what": what, "mode": STATUS.mode, "us": round(low(times), 2)}
+    return {"what": what, "mode": status().mode, "us": round(low(times), 2)}
 
 
 def main() -> None:

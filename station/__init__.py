@@ -4,8 +4,11 @@
 `station.rerun` steps a recording again.
 """
 
+import sys
 from importlib import import_module
 from typing import Any
+
+from station.compiled import CompiledFinder
 
 __version__ = "0.1.0"
 __all__ = ["__version__", "open"]
@@ -22,3 +25,6 @@ def __getattr__(name: str) -> Any:  # noqa: ANN401 - the stub beside this file h
     if name == "rerun":
         return import_module("station.app.rerun").rerun
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+sys.meta_path.insert(0, CompiledFinder())

@@ -7,7 +7,7 @@ from pathlib import Path
 import hypothesis
 import pytest
 
-from station.kernel import STATUS
+from station.compiled import status
 from tests.thread_guard import leaked_threads
 
 TESTS = Path(__file__).parent
@@ -18,8 +18,8 @@ hypothesis.settings.load_profile("station")
 
 
 def pytest_report_header() -> str:
-    """Say which kernel the tests run with."""
-    return f"kernel: {STATUS.text()}"
+    """Say whether the tests run compiled."""
+    return f"control cycle: {status().text()}"
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Run the tests: `test.sh quick` those that may run in parallel, and `test.sh slow` the
-# rest; more arguments go to pytest. The kernel is compiled first. What calls it then
-# runs twice, compiled and interpreted; everything else runs with the compiled kernel.
+# rest; more arguments go to pytest. The extensions are compiled first. What calls
+# them then runs twice, compiled and interpreted; everything else runs compiled.
 # Without a C compiler, which is said, everything runs interpreted, once.
 set -eu
 cd "$(dirname "$0")/.."
@@ -25,11 +25,11 @@ patiently() {
 # Each worker and each station imports some thousand modules: Python keeps what it has
 # compiled of them, even where the environment says otherwise.
 unset STATION_COMPILED PYTHONDONTWRITEBYTECODE
-"$python" -m station.kernel.build --optional >/dev/null
-if "$python" -c 'import sys, station.kernel; sys.exit(not station.kernel.STATUS.is_compiled)'; then
+"$python" setup.py --quiet build_ext --inplace >/dev/null
+if "$python" -c 'import sys, station.compiled as c; sys.exit(not c.status().is_compiled)'; then
     export STATION_COMPILED=1
 else
-    say "the kernel is not compiled here: the tests run interpreted alone"
+    say "nothing is compiled here: the tests run interpreted alone"
 fi
 
 case $which in
@@ -37,7 +37,7 @@ quick)
     patiently "not slow and not alone" auto "$@"
     patiently "alone and not slow" 0 "$@"
     if [ -n "${STATION_COMPILED:-}" ]; then
-        say "once more, interpreted: what calls the kernel"
+        say "once more, interpreted: what calls compiled modules"
         [ $# -gt 0 ] || set -- tests/core tests/hw tests/controllers tests/kernel tests/conformance
         export STATION_COMPILED=0
         patiently "not slow and not alone" auto "$@"

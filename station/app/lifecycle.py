@@ -19,8 +19,8 @@ from station.api.server import ApiServer
 from station.app.access import check_exposure, host_names
 from station.app.announcement import Announcement
 from station.app.composition import ROBOT_NAMESPACE, compose
+from station.app.extensions_build import ExtensionsBuild
 from station.app.journal import Journal
-from station.app.kernel_build import KernelBuild
 from station.app.recording_start import make_recorder, start_foxglove
 from station.app.shutdown_signals import ShutdownSignals
 from station.app.station_watchdog import StationWatchdog
@@ -82,7 +82,7 @@ class StationRun:
         self._warn = warn
         self._ui: UiProcess | None = None
         self._watchdog = StationWatchdog(config, warn)
-        self._kernel = KernelBuild(warn)
+        self._extensions = ExtensionsBuild(warn)
         self._recorder: Recorder | None = None
 
     def run(self) -> None:
@@ -216,7 +216,7 @@ class StationRun:
             token,
             str(path),
             scheduler=station.loop_report().scheduler,
-            kernel=self._kernel.start(),
+            kernel=self._extensions.start(),
         )
 
     def _ui_options(
@@ -265,7 +265,7 @@ class StationRun:
         watches = [
             self._watch_loop(station),
             self._watch_ui(announcement),
-            self._kernel.is_settled,
+            self._extensions.is_settled,
         ]
         while not signals.wait(WATCH_PERIOD):
             self._watchdog.look(station)

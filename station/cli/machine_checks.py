@@ -12,9 +12,8 @@ from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+from station.compiled import present_status
 from station.core.loop.scheduling import realtime_interpreter, request_realtime_priority
-from station.kernel import STATUS
-from station.kernel.built import present_status
 
 PERIOD = 0.001
 """Period of the trial loop [s]."""
@@ -143,13 +142,13 @@ def check_packages() -> Finding:
     return Finding("packages", "ok", ", ".join(found))
 
 
-def check_kernel() -> Finding:
-    """Report whether the arithmetic of the cycle runs compiled."""
-    status = present_status(STATUS)
+def check_extensions() -> Finding:
+    """Report whether the control cycle runs compiled."""
+    status = present_status()
     if status.is_compiled or status.is_forced:
-        return Finding("kernel", "ok", status.text())
+        return Finding("control cycle", "ok", status.text())
     advice = "The station works, and each cycle takes longer than it would compiled."
-    return Finding("kernel", "warning", status.text(), advice)
+    return Finding("control cycle", "warning", status.text(), advice)
 
 
 def check_browser() -> Finding:
@@ -177,7 +176,7 @@ def check_port(port: int) -> Finding:
 CHECKS: tuple[Callable[[], Finding], ...] = (
     check_python,
     check_packages,
-    check_kernel,
+    check_extensions,
     check_processors,
     check_governor,
     check_scheduler,

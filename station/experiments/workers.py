@@ -16,8 +16,8 @@ from multiprocessing.process import BaseProcess
 
 import mujoco
 
+from station.compiled import source_digest
 from station.experiments.trial_world import TrialWorld
-from station.kernel.manifest import source_digest
 from station.trials.errors import WorkerMismatchError
 from station.trials.setup import Setup
 from station.trials.trial import Trial, TrialResult

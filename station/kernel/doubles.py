@@ -8,7 +8,7 @@ from array import array
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-import station.kernel
+from station.compiled import status
 
 if TYPE_CHECKING:
     Doubles: TypeAlias = memoryview[float]
@@ -48,7 +48,7 @@ def viewed(values: Sequence[float]) -> Doubles:
 
 def own(values: Iterable[float]) -> Any:  # noqa: ANN401 - a `Storage` of two kinds
     """Return memory for a kernel object alone, with these values; see `own_zeros`."""
-    return doubles(values) if station.kernel.STATUS.is_compiled else [*values]
+    return doubles(values) if status().is_compiled else [*values]
 
 
 def own_zeros(size: int) -> Storage:
@@ -56,7 +56,7 @@ def own_zeros(size: int) -> Storage:
 
     Interpreted it is a list, whose elements Python reads in half the time.
     """
-    return zeros(size) if station.kernel.STATUS.is_compiled else [0.0] * size
+    return zeros(size) if status().is_compiled else [0.0] * size
 
 
 def own_block(parts: Sequence[str], size: int) -> dict[str, Storage]:
@@ -64,7 +64,7 @@ def own_block(parts: Sequence[str], size: int) -> dict[str, Storage]:
 
     The parts lie side by side, or are lists; see `own_zeros`.
     """
-    if station.kernel.STATUS.is_compiled:
+    if status().is_compiled:
         block = Block(dict.fromkeys(parts, size))
         return {part: block[part] for part in parts}
     return {part: [0.0] * size for part in parts}

@@ -3,12 +3,11 @@
 import os
 import shutil
 import socket
-from pathlib import Path
 
 import pytest
 
 from station.cli import machine_checks as checks
-from station.kernel import KernelStatus
+from station.compiled import CompilationStatus
 
 
 @pytest.mark.parametrize(
@@ -28,12 +27,11 @@ def test_clock_is_measured():
     assert "p99" in finding.finding
 
 
-def test_an_interpreted_kernel_is_a_warning(monkeypatch):
-    status = KernelStatus("interpreted", "No C compiler was found.")
-    monkeypatch.setattr(checks, "STATUS", status)
-    monkeypatch.setattr(checks, "present_status", lambda found: found)
+def test_an_interpreted_cycle_is_a_warning(monkeypatch):
+    status = CompilationStatus("interpreted", "No C compiler was found.")
+    monkeypatch.setattr(checks, "present_status", lambda: status)
 
-    found = checks.check_kernel()
+    found = checks.check_extensions()
 
     assert (found.state, found.finding) == ("warning", status.text())
 
@@ -41,14 +39,16 @@ def test_an_interpreted_kernel_is_a_warning(monkeypatch):
 @pytest.mark.parametrize(
     "status",
     [
-        KernelStatus("compiled", "It fits.", Path("/kernel")),
-        KernelStatus("interpreted", "STATION_COMPILED=0 asks for it.", is_forced=True),
+        CompilationStatus("compiled", "It fits."),
+        CompilationStatus(
+            "interpreted", "STATION_COMPILED=0 asks for it.", is_forced=True
+        ),
     ],
 )
-def test_the_kernel_that_was_asked_for_is_no_warning(monkeypatch, status):
-    monkeypatch.setattr(checks, "STATUS", status)
+def test_what_was_asked_for_is_no_warning(monkeypatch, status):
+    monkeypatch.setattr(checks, "present_status", lambda: status)
 
-    found = checks.check_kernel()
+    found = checks.check_extensions()
 
     assert (found.state, found.finding) == ("ok", status.text())
 

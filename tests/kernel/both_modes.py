@@ -1,4 +1,4 @@
-"""One module of the kernel in both modes, and the comparison of their results."""
+"""A compiled module in both modes, and the comparison of their results."""
 
 import importlib
 import struct
@@ -10,13 +10,15 @@ from functools import cache
 import pytest
 from hypothesis import strategies as st
 
-import station.kernel
+import station.compiled
+from station.compiled import CompilationStatus, compiled_modules, status
 
 needs_both = pytest.mark.skipif(
-    not station.kernel.STATUS.is_compiled,
-    reason=f"only one mode runs: {station.kernel.STATUS.reason}",
+    not status().is_compiled, reason=f"only one mode runs: {status().reason}"
 )
-"""Skips a test where there is no compiled kernel to compare with."""
+"""Skips a test where there are no extensions to compare with."""
+
+_NAMES = {name.rpartition(".")[2]: name for name in compiled_modules()}
 
 SPECIAL = (0.0, -0.0, 5e-324, -5e-324, 1e308, -1e308, float("inf"), float("nan"))
 numbers = st.one_of(st.floats(-4.0, 4.0), st.floats(), st.sampled_from(SPECIAL))
@@ -31,18 +33,22 @@ def arrays(size: int) -> st.SearchStrategy[list[float]]:
 
 @cache
 def interpreted(name: str):
-    """Return the module of the kernel as Python runs it, whatever the process runs."""
+    """Return a compiled module as Python runs it, whatever the process runs.
+
+    Args:
+        name: Last part of the module's name.
+    """
     with _sources_alone():
-        return importlib.import_module(f"station.kernel.{name}")
+        return importlib.import_module(_NAMES[name])
 
 
 def compiled(name: str):
-    """Return the module of the kernel as the process runs it."""
-    return importlib.import_module(f"station.kernel.{name}")
+    """Return the module as the process runs it."""
+    return importlib.import_module(_NAMES[name])
 
 
 def sibling(module, name: str):
-    """Return another module of the kernel in the same mode."""
+    """Return another compiled module in the same mode."""
     return interpreted(name) if module.__file__.endswith(".py") else compiled(name)
 
 
@@ -66,25 +72,28 @@ def assert_same(name: str, scenario) -> None:
 
 @contextmanager
 def _sources_alone() -> Iterator[None]:
-    package = station.kernel
-    path, prefix = list(package.__path__), f"{package.__name__}."
-    loaded = {name: m for name, m in sys.modules.items() if name.startswith(prefix)}
-    for name in loaded:
-        del sys.modules[name]
-    package.__path__[:] = path[-1:]
+    """Import the sources of compiled modules; put back what was loaded before."""
+    loaded = {name: sys.modules.pop(name) for name in _loaded()}
+    decide = station.compiled.status
+    station.compiled.status = lambda: CompilationStatus("interpreted", "a test")
     try:
         yield
     finally:
-        package.__path__[:] = path
-        for name in [each for each in sys.modules if each.startswith(prefix)]:
+        station.compiled.status = decide
+        for name in _loaded():
             del sys.modules[name]
         sys.modules.update(loaded)
         for name, module in loaded.items():
-            setattr(package, name.removeprefix(prefix), module)
+            package, _, last = name.rpartition(".")
+            setattr(sys.modules[package], last, module)
+
+
+def _loaded() -> list[str]:
+    return [name for name in _NAMES.values() if name in sys.modules]
 
 
 def both(name: str):
-    """Return both forms of a module; skip the test if the kernel runs interpreted."""
-    if not station.kernel.STATUS.is_compiled:
-        pytest.skip(station.kernel.STATUS.reason)
+    """Return both forms of a module; skip the test if only the sources run."""
+    if not status().is_compiled:
+        pytest.skip(status().reason)
     return interpreted(name), compiled(name)

@@ -11,11 +11,11 @@ import sys
 from math import cos, pi, sin
 
 from station.app.composition import compose
+from station.compiled import status
 from station.config import load_config
 from station.core.clock import ManualClock
 from station.core.control.switching import SwitchRequest
 from station.core.franka.arms import Arms
-from station.kernel import STATUS
 from station.kernel.doubles import doubles, zeros
 from station.kernel.rigid_motion import numbers_of
 
@@ -82,7 +82,7 @@ class Mover:
 
 def main(name, seconds):
     """Print the lines."""
-    sys.stdout.write(f"{STATUS.mode}\n")
+    sys.stdout.write(f"{status().mode}\n")
     station = compose(load_config(), ManualClock()).station
     station.loop.step(1, 1.0 / CYCLES)
     station.switch_controllers(SwitchRequest(start=[name]))

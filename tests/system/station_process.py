@@ -20,7 +20,7 @@ class StationProcess:
     Args:
         folder: Where its files go, the runtime file among them.
         arguments: More arguments.
-        python: The interpreter to run it with.
+        root: The checkout that runs.
         environment: More variables for its environment.
     """
 
@@ -28,7 +28,7 @@ class StationProcess:
         self,
         folder: Path,
         *arguments: str,
-        python: Path | str = sys.executable,
+        root: Path = ROOT,
         environment: Mapping[str, str] | None = None,
     ) -> None:
         self._out, self._err = folder / "stdout", folder / "stderr"
@@ -37,13 +37,13 @@ class StationProcess:
             "XDG_RUNTIME_DIR": str(folder),
             **(environment or {}),
         }
-        self._python = str(python)
+        self._python, self._root = sys.executable, root
         command = [self._python, "-m", "station", "run", "--json"]
         ports = ["--port", "0", "--ui-port", "0"]
         with self._out.open("w") as out, self._err.open("w") as err:
             self.process = subprocess.Popen(
                 [*command, *ports, *arguments],
-                cwd=ROOT,
+                cwd=root,
                 env=self.environment,
                 stdout=out,
                 stderr=err,
@@ -115,7 +115,7 @@ class StationProcess:
         """Run another command line in the same environment."""
         return subprocess.run(
             [self._python, "-m", "station", *arguments],
-            cwd=ROOT,
+            cwd=self._root,
             env=self.environment,
             capture_output=True,
             text=True,

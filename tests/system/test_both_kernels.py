@@ -6,8 +6,8 @@ import sys
 
 import pytest
 
+from station.compiled import SWITCH, find_misfit
 from station.config import load_config
-from station.kernel.built import SWITCH, fitting_kernel
 from tests.system.station_process import ROOT
 
 pytestmark = pytest.mark.slow
@@ -28,7 +28,7 @@ def lines_of(controller, mode):
     return result.stdout.splitlines()
 
 
-@pytest.mark.skipif(fitting_kernel() is None, reason="there is no compiled kernel")
+@pytest.mark.skipif(find_misfit() is not None, reason=str(find_misfit()))
 @pytest.mark.parametrize("controller", [*load_config().controllers])
 def test_a_minute_is_the_same_in_every_bit(controller):
     (mode, *compiled, end), (other_mode, *interpreted, other_end) = (

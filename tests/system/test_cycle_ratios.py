@@ -8,7 +8,7 @@ import sys
 import pytest
 import yaml
 
-from station.kernel.built import SWITCH, fitting_kernel
+from station.compiled import SWITCH, find_misfit
 from tests.system.station_process import ROOT
 
 BOUNDS = yaml.safe_load((ROOT / "tests" / "data" / "cycle_ratios.yaml").read_text())
@@ -16,7 +16,7 @@ BOUNDS = yaml.safe_load((ROOT / "tests" / "data" / "cycle_ratios.yaml").read_tex
 
 @pytest.mark.parametrize("mode", ["interpreted", "compiled"])
 def test_ratio_of_cycle_and_step_stays_below_its_bound(mode):
-    if mode == "compiled" and fitting_kernel() is None:
+    if mode == "compiled" and find_misfit() is not None:
         pytest.skip("there is no compiled kernel")
     options = ["--robots", "panda", "--temperature", "hot", "--quick", "--json"]
     result = subprocess.run(

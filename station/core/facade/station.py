@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
+from station.compiled import present_status
 from station.core.control.controller import ControllerSample
 from station.core.control.controller_manager import ControllerManager, ControllerStatus
 from station.core.control.controller_type import ControllerType
@@ -42,8 +43,6 @@ from station.core.loop.loop_report import LoopReport, LoopState
 from station.core.loop.snapshot import Snapshot, SnapshotRing
 from station.core.loop.stop_latch import StopState
 from station.core.parameters import Parameters
-from station.kernel import STATUS
-from station.kernel.built import present_status
 
 FRESH = 0.25
 """A last cycle older than this means that the loop hangs [s]."""
@@ -150,7 +149,7 @@ class Station:
             stop_state=latch.state,
             stop_reason=latch.reason,
             loop=self.loop.report(),
-            kernel=present_status(STATUS),
+            kernel=present_status(),
             simulation=self.simulation.find(),
             clamps=tuple(self.loop.hw.clamps()),
             command_violations=violations,

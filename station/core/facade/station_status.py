@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass
 
+from station.compiled import CompilationStatus
 from station.core.facade.simulation_control import SimulationReport
 from station.core.hardware.robot_report import ClampReport
 from station.core.loop.loop_report import LoopReport
 from station.core.loop.stop_latch import StopState
-from station.kernel import KernelStatus
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +39,7 @@ class StationStatus:
     stop_state: StopState
     stop_reason: str
     loop: LoopReport
-    kernel: KernelStatus
+    kernel: CompilationStatus
     simulation: SimulationReport | None
     clamps: tuple[ClampReport, ...]
     command_violations: int

@@ -1,0 +1,376 @@
+"""Decide for a process whether the compiled extensions run or their Python sources.
+
+A module of the control cycle has a `.pxd` file beside it, which gives Cython the types
+of C. `setup.py` compiles such a module; the extension lies beside its source and
+returns the same bits. Extensions share the layout of their objects, so a process runs
+all of them or none. The first import of such a module decides.
+"""
+
+import fcntl
+import hashlib
+import json
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+import sysconfig
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from functools import cache
+from importlib.machinery import ExtensionFileLoader, ModuleSpec, SourceFileLoader
+from importlib.util import find_spec, spec_from_file_location
+from pathlib import Path
+from types import ModuleType
+from typing import Literal
+
+SWITCH = "STATION_COMPILED"
+"""Environment variable: 0 runs the sources, 1 the extensions or nothing."""
+SHARED = "station.kernel.shared_by_all"
+"""Module with Cython's own functions, compiled once instead of into each extension."""
+PACKAGE = Path(__file__).parent
+_SUFFIX: str = sysconfig.get_config_var("EXT_SUFFIX") or ".so"
+_MACHINE = os.uname()
+_TARGET = f"{sysconfig.get_config_var('SOABI')} {_MACHINE.sysname} {_MACHINE.machine}"
+_BEING_BUILT = "Compiled extensions are being built; the next start loads them."
+
+
+@dataclass(frozen=True, slots=True)
+class CompilationStatus:
+    """Whether the extensions or the sources run.
+
+    Attributes:
+        mode: Which of the two.
+        reason: Why, in whole sentences.
+        is_forced: Whether the user has asked for it by `STATION_COMPILED`.
+    """
+
+    mode: Literal["compiled", "interpreted"]
+    reason: str
+    is_forced: bool = False
+
+    @property
+    def is_compiled(self) -> bool:
+        """Whether the extensions run."""
+        return self.mode == "compiled"
+
+    def text(self) -> str:
+        """Return both for a line of a table or a log."""
+        return f"{self.mode}: {self.reason}"
+
+
+@dataclass(frozen=True, slots=True)
+class BuildRecord:
+    """What complete extensions were built from; a build writes it last.
+
+    Attributes:
+        sources: Digest of the sources.
+        recipe: Digest of `setup.py`: with other flags the same sources become other
+            extensions.
+        target: Python, operating system and processor that can load them.
+        extensions: Digest of each extension, by its path below the package.
+        failure: Why there are none; empty if the build succeeded.
+    """
+
+    sources: str
+    recipe: str
+    target: str
+    extensions: dict[str, str]
+    failure: str = ""
+
+    def write(self, package: Path | None = None) -> None:
+        """Write it into a package, whole or not at all."""
+        path = record_path(package)
+        scratch = path.with_suffix(".tmp")
+        scratch.write_text(json.dumps(asdict(self), indent=2) + "\n", encoding="utf-8")
+        scratch.replace(path)
+
+
+def record_path(package: Path | None = None) -> Path:
+    """Return where the record of the extensions for this Python lies."""
+    return (package or PACKAGE) / f"compiled{_SUFFIX.removesuffix('.so')}.json"
+
+
+def read_record() -> BuildRecord | None:
+    """Return the record of the last build; None without a sound one."""
+    try:
+        return BuildRecord(**json.loads(record_path().read_text("utf-8")))
+    except (OSError, ValueError, TypeError):
+        return None
+
+
+def compiled_modules() -> dict[str, Path]:
+    """Return the sources of the modules that are compiled, by name, sorted."""
+    types = (
+        Path(folder, file)
+        for folder, _, files in os.walk(PACKAGE)
+        for file in files
+        if file.endswith(".pxd")
+    )
+    sources = sorted(path.with_suffix(".py") for path in types)
+    return {_module_name(path): path for path in sources}
+
+
+def recipe_digest() -> str | None:
+    """Return the digest of `setup.py`; None in an installed package, which has none."""
+    recipe = PACKAGE.parent / "setup.py"
+    return file_digest(recipe) if recipe.is_file() else None
+
+
+def _module_name(source: Path) -> str:
+    return ".".join(source.relative_to(PACKAGE.parent).with_suffix("").parts)
+
+
+def source_digest() -> str:
+    """Return the digest of the sources that are compiled."""
+    digest = hashlib.sha256()
+    for name, source in compiled_modules().items():
+        digest.update(f"{name}\n".encode())
+        digest.update(source.read_bytes())
+        digest.update(source.with_suffix(".pxd").read_bytes())
+    return digest.hexdigest()
+
+
+def built_record(package: Path) -> BuildRecord:
+    """Return the record of the extensions that lie in a package now.
+
+    Raises:
+        OSError: One of them is missing.
+    """
+    names = [SHARED, *compiled_modules()]
+    paths = [f"{name.partition('.')[2].replace('.', '/')}{_SUFFIX}" for name in names]
+    found = {path: file_digest(package / path) for path in paths}
+    return BuildRecord(source_digest(), recipe_digest() or "", _TARGET, found)
+
+
+def file_digest(path: Path) -> str:
+    """Return the digest of a file."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+@cache
+def status() -> CompilationStatus:
+    """Return what this process runs; the first call decides.
+
+    Raises:
+        ImportError: `STATION_COMPILED=1`, and no extensions fit; or the variable has
+            another value than 0 or 1.
+    """
+    wanted = os.environ.get(SWITCH, "")
+    if wanted not in {"", "0", "1"}:
+        raise ImportError(
+            f"{SWITCH} is '{wanted}'. It must be 0 (run the Python sources), "
+            "1 (run the compiled extensions or nothing), or unset."
+        )
+    if wanted == "0":
+        return CompilationStatus(
+            "interpreted", f"{SWITCH}=0 asks for it.", is_forced=True
+        )
+    misfit = find_misfit()
+    if misfit is None:
+        reason = f"It was built from these sources for {_TARGET}."
+        return CompilationStatus("compiled", reason, wanted == "1")
+    reason = f"{misfit} {_prospect()}"
+    if wanted == "1":
+        raise ImportError(f"{SWITCH}=1, but: {reason} `make compile` builds them.")
+    return CompilationStatus("interpreted", reason)
+
+
+def find_misfit() -> str | None:
+    """Return why the extensions cannot run, one sentence; None if they can.
+
+    A library that is cut short would end the process that loads it, so the digests are
+    compared before.
+    """
+    record = read_record()
+    if record is None or not record.extensions:
+        return "There are no compiled extensions."
+    if record.target != _TARGET:
+        return f"The compiled extensions are for {record.target}; this is {_TARGET}."
+    if not _is_of_these_sources(record):
+        return "The compiled extensions are stale: they were built from other sources."
+    for path, digest in record.extensions.items():
+        if not (PACKAGE / path).is_file() or file_digest(PACKAGE / path) != digest:
+            return f"The compiled extension {path} is missing or damaged."
+    return None
+
+
+def present_status() -> CompilationStatus:
+    """Return what this process runs, and what has been built since its start."""
+    now = status()
+    if now.is_compiled or now.is_forced:
+        return now
+    if is_being_built():
+        return CompilationStatus("interpreted", _BEING_BUILT)
+    if find_misfit() is None:
+        reason = "Compiled extensions have been built; the next start loads them."
+        return CompilationStatus("interpreted", reason)
+    return now
+
+
+def _prospect() -> str:
+    """Return what would change that the sources run, one sentence."""
+    if is_being_built():
+        return _BEING_BUILT
+    if failure := find_failure():
+        return f"Building them failed: {failure} `make compile` tries again."
+    if (missing := missing_tool()) is not None:
+        return missing
+    if not _is_checkout():
+        return "Install the station anew where it finds a C compiler."
+    return "`station run` builds them beside the station."
+
+
+def missing_tool() -> str | None:
+    """Return what is missing for a build, one sentence; None when all is there."""
+    built_with = str(sysconfig.get_config_var("CC") or "")
+    commands = (os.environ.get("CC", ""), built_with, "cc", "gcc", "clang")
+    words = [shlex.split(command) for command in commands]
+    if not any(command and shutil.which(command[0]) for command in words):
+        return "No C compiler was found; install one (Debian, Ubuntu: gcc)."
+    if not Path(sysconfig.get_path("include"), "Python.h").is_file():
+        name = f"python{sys.version_info.major}.{sys.version_info.minor}-dev"
+        return f"Python's header files are missing (Debian, Ubuntu: {name})."
+    for module, name in (("Cython", "Cython"), ("setuptools", "Setuptools")):
+        if find_spec(module) is None:
+            return f"{name} is not installed."
+    return None
+
+
+def find_failure() -> str:
+    """Return why these sources could not be built, one sentence; empty otherwise."""
+    record = read_record()
+    if record is None or not _is_of_these_sources(record):
+        return ""
+    return record.failure
+
+
+def _is_of_these_sources(record: BuildRecord) -> bool:
+    is_of_this_recipe = recipe_digest() in {None, record.recipe}
+    return is_of_this_recipe and record.sources == source_digest()
+
+
+def needs_building() -> bool:
+    """Return whether extensions are missing and can be built in this checkout."""
+    now = status()
+    return (
+        not now.is_compiled
+        and not now.is_forced
+        and _is_checkout()
+        and missing_tool() is None
+        and not find_failure()
+        and find_misfit() is not None
+        and not is_being_built()
+    )
+
+
+def _is_checkout() -> bool:
+    root = PACKAGE.parent
+    return (root / "setup.py").is_file() and os.access(root, os.W_OK)
+
+
+def _lock_path() -> Path:
+    return PACKAGE.parent / "build" / "extensions.lock"
+
+
+@contextmanager
+def building(*, waits: bool = True) -> Iterator[int]:
+    """Let one process at a time build, and everybody see that it does.
+
+    Args:
+        waits: Whether to wait for a build that is under way.
+
+    Yields:
+        The descriptor of the lock. A process that inherits it goes on holding the lock.
+
+    Raises:
+        BlockingIOError: A build is under way.
+        OSError: The lock's file cannot be written.
+    """
+    path = _lock_path()
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("ab") as file:
+        fcntl.flock(file, fcntl.LOCK_EX | (0 if waits else fcntl.LOCK_NB))
+        yield file.fileno()
+
+
+def is_being_built() -> bool:
+    """Return whether some process builds the extensions of this checkout now."""
+    try:
+        with _lock_path().open("rb") as file:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except OSError:
+        return False
+    return False
+
+
+def build_in_background() -> None:
+    """Start a process that builds in idle time and outlives the caller.
+
+    Raises:
+        BlockingIOError: A build is under way.
+        OSError: The process cannot be started.
+    """
+    build = [sys.executable, "setup.py", "--quiet", "build_ext", "--inplace"]
+    with building(waits=False) as lock:
+        # The process inherits the lock: nobody sees a moment in which nothing builds.
+        subprocess.Popen(
+            [*build, "--idle", f"--lock={lock}"],
+            cwd=PACKAGE.parent,
+            pass_fds=[lock],
+            start_new_session=True,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+
+
+class CompiledFinder:
+    """Finds the modules that are compiled: all their extensions, or all their sources.
+
+    Python itself would take whatever extension lies beside a source, also a stale one.
+    """
+
+    def __init__(self) -> None:
+        self._stamps: dict[str, int] = {}
+
+    def find_spec(
+        self,
+        fullname: str,
+        path: Sequence[str] | None,
+        target: ModuleType | None = None,  # noqa: ARG002 - the protocol's
+    ) -> ModuleSpec | None:
+        """Return where a compiled module is; None for every other module.
+
+        Raises:
+            ImportError: The extension was built anew since this process has decided.
+        """
+        if path is None or not fullname.startswith("station."):
+            return None
+        stem = os.path.join(next(iter(path)), fullname.rpartition(".")[2])
+        if fullname != SHARED and not os.path.exists(f"{stem}.pxd"):
+            return None
+        if not status().is_compiled:
+            loader = SourceFileLoader(fullname, f"{stem}.py")
+            return spec_from_file_location(fullname, f"{stem}.py", loader=loader)
+        if not self._stamps:
+            self._stamps = _stamps()
+        library = f"{stem}{_SUFFIX}"
+        if self._stamps.get(library) != os.stat(library).st_mtime_ns:
+            raise ImportError(
+                f"'{library}' was built anew while this process was running. Its "
+                "objects may have another layout than those that are loaded. Start the "
+                "process again."
+            )
+        extension = ExtensionFileLoader(fullname, library)
+        return spec_from_file_location(fullname, library, loader=extension)
+
+
+def _stamps() -> dict[str, int]:
+    """Return when each extension was written [ns], by its path."""
+    record = read_record()
+    paths = [] if record is None else [PACKAGE / path for path in record.extensions]
+    return {str(path): path.stat().st_mtime_ns for path in paths}
