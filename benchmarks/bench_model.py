@@ -35,9 +35,9 @@ from station.hw.franka.arm.arm_limits import PANDA_LIMITS
 from station.hw.franka.arm.franka_kinematics import CHAIN
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.simulated.arm_cycle import ArmCycle
-from station.kernel.doubles import put, zeros
-from station.kernel.inverse_kinematics import InverseKinematics
-from station.kernel.simulator_memory import SimulatorMemory
+from station.hw.franka.simulated.inverse_kinematics import InverseKinematics
+from station.hw.mujoco.simulator_memory import SimulatorMemory
+from station.memory.doubles import put, zeros
 
 STEPS = 2000
 PERIOD = 0.001

@@ -27,7 +27,7 @@ from typing import Literal
 
 SWITCH = "STATION_COMPILED"
 """Environment variable: 0 runs the sources, 1 the extensions or nothing."""
-SHARED = "station.kernel.shared_by_all"
+SHARED = "station.memory.shared_by_all"
 """Module with Cython's own functions, compiled once instead of into each extension."""
 PACKAGE = Path(__file__).parent
 _SUFFIX: str = sysconfig.get_config_var("EXT_SUFFIX") or ".so"

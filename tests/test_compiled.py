@@ -18,9 +18,9 @@ BUILT = "compiled: It was built from these sources for "
 def checkout(tmp_path, monkeypatch):
     """Return a checkout with the compiled module `twice` and no extensions."""
     package = tmp_path / "station"
-    (package / "kernel").mkdir(parents=True)
-    (package / "kernel" / "twice.py").write_text("KIND = 'source'\n")
-    (package / "kernel" / "twice.pxd").write_text("cpdef double twice(double x)\n")
+    (package / "core").mkdir(parents=True)
+    (package / "core" / "twice.py").write_text("KIND = 'source'\n")
+    (package / "core" / "twice.pxd").write_text("cpdef double twice(double x)\n")
     (tmp_path / "setup.py").write_text("# flags\n")
     monkeypatch.setattr(compiled, "PACKAGE", package)
     monkeypatch.setattr(compiled, "missing_tool", lambda: None)
@@ -126,11 +126,11 @@ def test_an_installed_package_is_not_built_in(checkout):
 
 
 def change_source(checkout):
-    (checkout / "station" / "kernel" / "twice.py").write_text("KIND = 'edited'\n")
+    (checkout / "station" / "core" / "twice.py").write_text("KIND = 'edited'\n")
 
 
 def change_types(checkout):
-    (checkout / "station" / "kernel" / "twice.pxd").write_text("# edited\n")
+    (checkout / "station" / "core" / "twice.pxd").write_text("# edited\n")
 
 
 def change_flags(checkout):
@@ -162,9 +162,9 @@ def test_extensions_for_another_python_do_not_run():
 @pytest.mark.parametrize("damage", [lambda f: f.write_text("a"), lambda f: f.unlink()])
 def test_a_damaged_extension_is_not_run(damage):
     write_extensions()
-    damage(library("station.kernel.twice"))
+    damage(library("station.core.twice"))
 
-    assert "kernel/twice" in compiled.status().reason
+    assert "core/twice" in compiled.status().reason
     assert "missing or damaged" in compiled.status().reason
 
 
@@ -229,8 +229,8 @@ def test_a_build_in_the_background_holds_the_lock_until_it_ends(checkout):
 class TestFinder:
     """Where Python looks for a module that is compiled."""
 
-    def find(self, name="station.kernel.twice", finder=None):
-        path = [str(compiled.PACKAGE / "kernel")]
+    def find(self, name="station.core.twice", finder=None):
+        path = [str(compiled.PACKAGE / "core")]
         return (finder or CompiledFinder()).find_spec(name, path)
 
     def test_interpreted_the_source_is_found_beside_an_extension(self, monkeypatch):
@@ -242,9 +242,9 @@ class TestFinder:
     def test_compiled_the_extension_is_found(self):
         write_extensions()
 
-        assert self.find().origin == str(library("station.kernel.twice"))
+        assert self.find().origin == str(library("station.core.twice"))
 
-    @pytest.mark.parametrize("name", ["station.kernel.other", "json.decoder"])
+    @pytest.mark.parametrize("name", ["station.core.other", "json.decoder"])
     def test_other_modules_are_left_to_python(self, name):
         assert self.find(name) is None
 
@@ -253,7 +253,7 @@ class TestFinder:
         finder = CompiledFinder()
         assert self.find(finder=finder) is not None
 
-        os.utime(library("station.kernel.twice"), (1.0, 1.0))
+        os.utime(library("station.core.twice"), (1.0, 1.0))
 
         with pytest.raises(ImportError, match="Start the process again"):
             self.find(finder=finder)

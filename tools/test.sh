@@ -38,7 +38,7 @@ quick)
     patiently "alone and not slow" 0 "$@"
     if [ -n "${STATION_COMPILED:-}" ]; then
         say "once more, interpreted: what calls compiled modules"
-        [ $# -gt 0 ] || set -- tests/core tests/hw tests/controllers tests/kernel tests/conformance
+        [ $# -gt 0 ] || set -- tests/core tests/hw tests/controllers tests/memory tests/conformance
         export STATION_COMPILED=0
         patiently "not slow and not alone" auto "$@"
     fi

@@ -17,7 +17,7 @@ from station.core.hardware.interfaces import (
     ForceTorqueSensorInterface,
 )
 from station.core.parameters import Parameters
-from station.kernel.publish_timer import PublishTimer
+from station.core.toolbox.publish_timer import PublishTimer
 
 
 class WrenchStamped(NamedTuple):

@@ -24,7 +24,7 @@ from station.core.franka import FrankaStateHandle, FrankaStateInterface, RobotSt
 from station.core.franka.franka_errors import error_names
 from station.core.franka.franka_robot_state import PackedState
 from station.core.parameters import Parameters
-from station.kernel.publish_timer import PublishTimer
+from station.core.toolbox.publish_timer import PublishTimer
 
 _PUBLISH_RATE = replace(
     PUBLISH_RATE, default=30.0, description="rate at which the state is published"

@@ -14,7 +14,7 @@ from station.core.control.publish_rate import PUBLISH_RATE
 from station.core.declared_parameter import DeclaredParameter
 from station.core.hardware.interfaces import ImuSensorHandle, ImuSensorInterface
 from station.core.parameters import Parameters
-from station.kernel.publish_timer import PublishTimer
+from station.core.toolbox.publish_timer import PublishTimer
 
 _UNKNOWN = [-1.0] + [0.0] * 8
 

@@ -16,7 +16,7 @@ from station.core.declared_parameter import DeclaredParameter, NameKind, Paramet
 from station.core.errors import ParameterError
 from station.core.hardware.interfaces import JointStateGroup, JointStateInterface
 from station.core.parameters import Parameters
-from station.kernel.publish_timer import PublishTimer
+from station.core.toolbox.publish_timer import PublishTimer
 
 _JOINTS = DeclaredParameter(
     name="joints",

@@ -7,7 +7,7 @@ from typing import final
 
 from typing_extensions import override
 
-from station.kernel.wall_time import VirtualTime
+from station.memory.wall_time import VirtualTime
 
 
 class Clock(ABC):

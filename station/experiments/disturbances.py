@@ -16,10 +16,10 @@ from station.core.hardware.interfaces import (
     VelocityJointInterface,
 )
 from station.core.hardware.robot_hw import RobotHW
+from station.core.hardware.stages import Stage
 from station.core.loop.control_loop import ControlLoop
 from station.hw.mujoco.shared_world import SharedWorld
 from station.hw.mujoco.world import World
-from station.kernel.stages import Stage
 from station.trials.errors import ExperimentError, UnknownParameterError
 
 _COMMANDED = (EffortJointInterface, PositionJointInterface, VelocityJointInterface)

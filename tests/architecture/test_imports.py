@@ -23,8 +23,8 @@ VIOLATIONS = {
         "import station.hw.franka.franka_parameters",
     ),
     "franka-seam": ("station/hw/franka/arm/robot_arm.py", "import station.hw.mujoco"),
-    "kernel-is-arithmetic-alone": (
-        "station/kernel/functions.py",
+    "memory-stands-alone": (
+        "station/memory/functions.py",
         "import typing_extensions",
     ),
     "core-is-ros-control-alone": ("station/core/clock.py", "import mujoco"),
@@ -68,7 +68,7 @@ PERMITTED = {
     "station/hw/franka/franka_parameters.py": "import station.hw.franka.commands",
     "station/hw/franka/hand/hand_services.py": "import station.core.clock",
     "station/hw/franka/simulated/simulated_arm.py": "import mujoco, station.hw.mujoco",
-    "station/kernel/functions.py": "import cython, math",
+    "station/memory/functions.py": "import cython, math",
     "station/hw/mock.py": "import mujoco, station.core.clock",
     "station/hw/mujoco/world.py": "import mujoco",
     "station/trials/trial.py": "import numpy, station.config, station.wire",

@@ -16,8 +16,8 @@ from station.config import load_config
 from station.core.clock import ManualClock
 from station.core.control.switching import SwitchRequest
 from station.core.franka.arms import Arms
-from station.kernel.doubles import doubles, zeros
-from station.kernel.rigid_motion import numbers_of
+from station.core.numerics.rigid_motion import numbers_of
+from station.memory.doubles import doubles, zeros
 
 JOINTS = [f"panda_joint{number}" for number in range(1, 8)]
 CYCLES = 1000

@@ -14,7 +14,7 @@ from tests.system.checkout import copy_checkout
 
 NO_COMPILER = {"PATH": "/nonexistent", "CC": ""}
 SHOW = (
-    "from station import compiled; from station.kernel import functions; "
+    "from station import compiled; from station.memory import functions; "
     "print(compiled.status().mode, functions.__file__)"
 )
 BUILD = "import sys, setuptools.build_meta as b; getattr(b, sys.argv[1])(sys.argv[2])"

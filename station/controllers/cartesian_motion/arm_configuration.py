@@ -6,11 +6,11 @@ arm therefore keeps the position of joint 3, which makes the motion unique.
 
 import numpy as np
 
+from station.controllers.cartesian_motion.linear_kinematics import LinearKinematics
 from station.core.franka import Frame
 from station.core.franka.franka_model import FrankaModel
 from station.core.franka.franka_robot_state import RobotState
-from station.kernel.doubles import Doubles, own
-from station.kernel.linear_kinematics import LinearKinematics
+from station.memory.doubles import Doubles, own
 
 _DOF = 7
 ELBOW = 2

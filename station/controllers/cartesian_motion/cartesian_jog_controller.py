@@ -9,16 +9,16 @@ from station.controllers.cartesian_motion.cartesian_motion_controller import (
     LONGEST_TIMEOUT,
     CartesianMotionController,
 )
+from station.controllers.cartesian_motion.end_effector_sample import TwistSample
 from station.controllers.cartesian_motion.twist_set_point import TwistSetPointPort
 from station.core.control.tunables import Tunable, Tunables
 from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.errors import InvalidGainError
 from station.core.franka import Frame
 from station.core.hardware.robot_hw import RobotHW
-from station.core.numerics.rigid_motion import to_outer_axes
+from station.core.numerics.poses import to_outer_axes
 from station.core.parameters import Parameters
 from station.core.ports.set_point import SetPointPort
-from station.kernel.end_effector_sample import TwistSample
 
 FRAMES = ("O", "EE")
 """Axes in which a twist may be given: of the base O, or of the end effector EE."""

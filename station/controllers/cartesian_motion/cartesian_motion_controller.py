@@ -13,6 +13,10 @@ from station.controllers.cartesian_motion.cartesian_limits import (
 from station.controllers.cartesian_motion.cartesian_motion_generator import (
     CartesianMotionGenerator,
 )
+from station.controllers.cartesian_motion.end_effector_sample import (
+    EndEffectorSample,
+    RestingEndEffector,
+)
 from station.controllers.cartesian_motion.joint_lookahead import (
     JointLookahead,
     Obstacle,
@@ -37,6 +41,8 @@ from station.controllers.franka_arm import (
     require,
 )
 from station.core.control.controller import MultiInterfaceController
+from station.core.control.sample_columns import SampleColumns
+from station.core.control.usual_update import UsualUpdate
 from station.core.declared_parameter import DeclaredParameter
 from station.core.description.robot_description import require_robot_description
 from station.core.franka import (
@@ -48,9 +54,6 @@ from station.core.franka import (
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
 from station.core.ports.set_point import SetPointPort
-from station.kernel.end_effector_sample import EndEffectorSample, RestingEndEffector
-from station.kernel.sample_columns import SampleColumns
-from station.kernel.usual_update import UsualUpdate
 
 DEFAULT_TIMEOUT = 0.2
 """Default of `command_timeout` [s]."""

@@ -9,9 +9,9 @@ for rotations of any size, and the rotation to a target is always the shorter on
 from collections.abc import Sequence
 
 from station.controllers.cartesian_motion.cartesian_limits import CartesianLimits
+from station.controllers.cartesian_motion.pose_motion import PoseMotion
 from station.controllers.smoothed_motion.motion_generator import MotionGenerator
-from station.kernel.doubles import Doubles, put, zeros
-from station.kernel.pose_motion import PoseMotion
+from station.memory.doubles import Doubles, put, zeros
 
 _SLACK = 1.0 + 1e-9  # for rounding
 

@@ -7,15 +7,15 @@ from station.controllers.cartesian_motion.cartesian_motion_controller import (
     LONGEST_TIMEOUT,
     CartesianMotionController,
 )
+from station.controllers.cartesian_motion.end_effector_sample import PoseSample
 from station.controllers.franka_arm import PosePort
 from station.core.franka import Frame
 from station.core.hardware.robot_hw import RobotHW
-from station.core.numerics.rigid_motion import pose_of
+from station.core.numerics.poses import pose_of
+from station.core.numerics.rigid_motion import numbers_of
 from station.core.parameters import Parameters
 from station.core.ports.set_point import SetPointPort
-from station.kernel.doubles import zeros
-from station.kernel.end_effector_sample import PoseSample
-from station.kernel.rigid_motion import numbers_of
+from station.memory.doubles import zeros
 
 
 class CartesianStreamingController(CartesianMotionController):

@@ -13,14 +13,14 @@ from station.controllers.cartesian_motion.arm_configuration import ArmConfigurat
 from station.controllers.cartesian_motion.cartesian_motion_generator import (
     CartesianMotionGenerator,
 )
+from station.controllers.cartesian_motion.joint_preview import JointPreview
+from station.controllers.cartesian_motion.linear_kinematics import LinearKinematics
 from station.controllers.cartesian_motion.lookahead_settings import LookaheadSettings
+from station.controllers.cartesian_motion.pose_motion import PoseMotion
 from station.core.description.robot_description import JointDescription
 from station.core.franka import FrankaModelHandle
 from station.core.franka.franka_robot_state import RobotState
-from station.kernel.doubles import zeros
-from station.kernel.joint_preview import JointPreview
-from station.kernel.linear_kinematics import LinearKinematics
-from station.kernel.pose_motion import PoseMotion
+from station.memory.doubles import zeros
 
 # Largest distance of a part of the arm from a joint axis that moves it [m].
 _REACH = 1.2

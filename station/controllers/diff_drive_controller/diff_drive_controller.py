@@ -31,7 +31,7 @@ from station.core.errors import ParameterError
 from station.core.hardware.interfaces import JointGroup, VelocityJointInterface
 from station.core.parameters import Parameters
 from station.core.ports.set_point import SetPointElement, SetPointPort
-from station.kernel.publish_timer import PublishTimer
+from station.core.toolbox.publish_timer import PublishTimer
 
 _ZEROS = (0.0,) * 6
 

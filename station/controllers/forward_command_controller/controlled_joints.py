@@ -1,7 +1,7 @@
 """The values of a group of joints as doubles, for the kernel."""
 
 from station.core.hardware.interfaces import JointGroup, JointStateGroup
-from station.kernel.doubles import Doubles, put, zeros
+from station.memory.doubles import Doubles, put, zeros
 
 
 class ControlledJoints:

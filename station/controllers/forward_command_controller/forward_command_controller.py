@@ -8,14 +8,14 @@ from typing import ClassVar
 
 from typing_extensions import override
 
+from station.controllers.forward_command_controller.command_laws import ComparingLaw
 from station.controllers.forward_command_controller.joint_set_point_controller import (
     CommandInterfaceT,
     JointSetPointController,
 )
+from station.core.numerics.joint_errors import JointErrors
 from station.core.parameters import Parameters
-from station.kernel.command_laws import ComparingLaw
-from station.kernel.doubles import zeros
-from station.kernel.joint_errors import JointErrors
+from station.memory.doubles import zeros
 
 
 class ForwardJointGroupCommandController(JointSetPointController[CommandInterfaceT]):

@@ -7,7 +7,7 @@ from station.controllers.forward_command_controller.controlled_joints import (
     ControlledJoints,
 )
 from station.core.description.robot_description import JointDescription
-from station.kernel.doubles import Doubles
+from station.memory.doubles import Doubles
 
 
 class JointQuantity(Enum):

@@ -5,6 +5,7 @@ from typing import ClassVar, TypeVar
 
 from typing_extensions import override
 
+from station.controllers.forward_command_controller.command_laws import CommandLaw
 from station.controllers.forward_command_controller.command_timeout import (
     read_command_timeout,
     timeout_parameters,
@@ -18,10 +19,15 @@ from station.controllers.forward_command_controller.joint_names import (
     read_joint_names,
 )
 from station.controllers.forward_command_controller.joint_quantity import JointQuantity
+from station.controllers.forward_command_controller.set_point_update import (
+    SetPointUpdate,
+)
 from station.controllers.forward_command_controller.watched_set_point import (
     WatchedSetPoint,
 )
 from station.core.control.controller import Controller
+from station.core.control.sample_columns import SampleColumns
+from station.core.control.usual_update import UsualUpdate
 from station.core.declared_parameter import DeclaredParameter
 from station.core.description.robot_description import (
     JointDescription,
@@ -31,11 +37,7 @@ from station.core.description.robot_description import (
 from station.core.hardware.interfaces import JointCommandInterface, JointGroup
 from station.core.parameters import Parameters
 from station.core.ports.set_point import SetPointElement, SetPointPort
-from station.kernel.command_laws import CommandLaw
-from station.kernel.doubles import Doubles
-from station.kernel.sample_columns import SampleColumns
-from station.kernel.set_points import SetPointUpdate
-from station.kernel.usual_update import UsualUpdate
+from station.memory.doubles import Doubles
 
 CommandInterfaceT = TypeVar("CommandInterfaceT", bound=JointCommandInterface)
 

@@ -3,10 +3,12 @@
 from collections.abc import Callable
 
 from station.controllers.forward_command_controller.command_timeout import TimeoutAction
+from station.controllers.forward_command_controller.set_point_update import (
+    SetPointInForce,
+)
 from station.core.errors import CommandTimeoutError
 from station.core.ports.set_point import SetPointPort
-from station.kernel.doubles import put
-from station.kernel.set_points import SetPointInForce
+from station.memory.doubles import put
 
 
 class WatchedSetPoint(SetPointInForce):

@@ -18,12 +18,12 @@ from station.core.franka import (
     FrankaStateHandle,
     FrankaStateInterface,
 )
+from station.core.franka.command_rates import limit_steps
 from station.core.hardware.interfaces import EffortJointInterface, JointGroup
 from station.core.hardware.interfaces.interface_manager import interface_type_name
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
-from station.kernel.command_rates import limit_steps
-from station.kernel.doubles import doubles
+from station.memory.doubles import doubles
 
 LARGEST_STEP = 1.0
 """Largest change of a torque per cycle [Nm]."""

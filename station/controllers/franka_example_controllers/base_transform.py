@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from station.core.description.urdf import Pose, Urdf
 from station.core.description.urdf_parser import parse_urdf
 from station.core.errors import RobotDescriptionError
-from station.core.numerics.rigid_motion import pose_of
+from station.core.numerics.poses import pose_of
 
 
 def base_transform(xml: str, link: str, other: str) -> NDArray[np.float64]:

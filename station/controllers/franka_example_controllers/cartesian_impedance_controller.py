@@ -26,16 +26,16 @@ from station.controllers.franka_example_controllers.cartesian_spring import (
     CartesianSpring,
 )
 from station.controllers.franka_example_controllers.pose_target import PoseTarget
+from station.controllers.franka_example_controllers.spring_update import SpringUpdate
 from station.core.control.controller import MultiInterfaceController
 from station.core.control.tunables import Tunable, Tunables
+from station.core.control.usual_update import UsualUpdate
 from station.core.declared_parameter import DeclaredParameter
 from station.core.franka import FrankaModelInterface, FrankaStateInterface
 from station.core.hardware.interfaces import EffortJointInterface
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
-from station.kernel.publish_timer import PublishTimer
-from station.kernel.spring_update import SpringUpdate
-from station.kernel.usual_update import UsualUpdate
+from station.core.toolbox.publish_timer import PublishTimer
 
 _DEFAULTS = {
     "translational_stiffness": 200.0,

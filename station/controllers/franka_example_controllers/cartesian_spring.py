@@ -1,4 +1,4 @@
-"""Hold the end effector of one arm by a spring, see `station.kernel.pose_spring`.
+"""Hold the end effector of one arm by a spring; `pose_spring` has the formulas.
 
 Differs from the originals: every start begins without stiffness, not only the first
 start, and with the null space stiffness that is set.
@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from station.controllers.franka_arm import LARGEST_STEP
+from station.controllers.franka_example_controllers.pose_spring import PoseSpring
+from station.controllers.franka_example_controllers.spring_update import DrivenSpring
 from station.core.franka import Frame, FrankaModelHandle, FrankaStateHandle
 from station.core.hardware.interfaces import JointGroup
-from station.kernel.doubles import put
-from station.kernel.pose_spring import PoseSpring
-from station.kernel.spring_update import DrivenSpring
+from station.memory.doubles import put
 
 
 class CartesianSpring:

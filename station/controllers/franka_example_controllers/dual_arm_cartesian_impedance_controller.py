@@ -37,17 +37,17 @@ from station.controllers.franka_example_controllers.quaternion import (
     matrix_of,
     quaternion_of,
 )
+from station.controllers.franka_example_controllers.spring_update import SpringUpdate
 from station.core.control.controller import MultiInterfaceController
 from station.core.control.tunables import Tunable, Tunables
+from station.core.control.usual_update import UsualUpdate
 from station.core.declared_parameter import DeclaredParameter
 from station.core.description.robot_description import ROBOT_DESCRIPTION
 from station.core.franka import FrankaModelInterface, FrankaStateInterface
 from station.core.hardware.interfaces import EffortJointInterface
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
-from station.kernel.publish_timer import PublishTimer
-from station.kernel.spring_update import SpringUpdate
-from station.kernel.usual_update import UsualUpdate
+from station.core.toolbox.publish_timer import PublishTimer
 
 RATE_HZ = 30.0
 """How often the centering frame is published."""

@@ -37,7 +37,7 @@ from station.core.franka import FrankaModelInterface, FrankaPoseCartesianInterfa
 from station.core.hardware.interfaces import EffortJointInterface
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
-from station.kernel.publish_timer import PublishTimer
+from station.core.toolbox.publish_timer import PublishTimer
 
 RADIUS = 0.1
 """Default of `radius`, which also replaces a radius that is too small [m]."""

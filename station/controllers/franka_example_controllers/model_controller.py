@@ -15,7 +15,7 @@ from station.core.control.controller import Controller
 from station.core.declared_parameter import DeclaredParameter
 from station.core.franka import Frame, FrankaModelHandle, FrankaModelInterface
 from station.core.parameters import Parameters
-from station.kernel.publish_timer import PublishTimer
+from station.core.toolbox.publish_timer import PublishTimer
 
 RATE_HZ = 1.0
 """How often the model is evaluated."""

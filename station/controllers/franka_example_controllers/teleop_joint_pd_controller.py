@@ -44,7 +44,7 @@ from station.core.franka import FrankaStateHandle, FrankaStateInterface, RobotSt
 from station.core.hardware.interfaces import EffortJointInterface, JointGroup
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
-from station.kernel.publish_timer import PublishTimer
+from station.core.toolbox.publish_timer import PublishTimer
 
 RATE_HZ = 60.0
 """Rate at which targets and contacts are published [Hz]."""

@@ -12,7 +12,7 @@ from station.controllers.joint_trajectory_controller.follow_joint_trajectory_goa
 from station.core.description.robot_description import JointDescription
 from station.core.ports.goal import Goal, GoalResult, GoalStatus
 from station.core.trajectory import JointTrajectorySegment, SegmentTrajectory
-from station.kernel.doubles import Storage
+from station.memory.doubles import Storage
 
 
 @dataclass(frozen=True, slots=True)

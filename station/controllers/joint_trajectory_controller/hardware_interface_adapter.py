@@ -10,6 +10,11 @@ from dataclasses import replace
 from typing_extensions import override
 
 from station.controllers.forward_command_controller import JointQuantity
+from station.controllers.forward_command_controller.command_laws import (
+    CommandLaw,
+    DirectLaw,
+    PidLaw,
+)
 from station.controllers.joint_trajectory_controller.joint_tracking import (
     JointTracking,
 )
@@ -34,8 +39,7 @@ from station.core.hardware.interfaces import (
 )
 from station.core.hardware.interfaces.interface_manager import interface_type_name
 from station.core.parameters import Parameters
-from station.kernel.command_laws import CommandLaw, DirectLaw, PidLaw
-from station.kernel.doubles import doubles
+from station.memory.doubles import doubles
 
 _VELOCITY_FF = DeclaredParameter(
     name=f"velocity_ff/{EACH_JOINT}",

@@ -6,10 +6,10 @@ from station.controllers.forward_command_controller import ControlledJoints
 from station.core.description.robot_description import JointDescription
 from station.core.description.urdf import JointType
 from station.core.hardware.interfaces import JointStateGroup
+from station.core.numerics.joint_errors import CONTINUOUS, PLAIN, JointErrors
 from station.core.trajectory import StateTolerances
-from station.kernel.doubles import Doubles, zeros
-from station.kernel.joint_errors import CONTINUOUS, PLAIN, JointErrors
-from station.kernel.splines import SplineGroup
+from station.core.trajectory.splines import SplineGroup
+from station.memory.doubles import Doubles, zeros
 
 
 class JointTracking:

@@ -32,7 +32,9 @@ from station.controllers.joint_trajectory_controller.trajectory_execution import
     TrajectoryExecution,
 )
 from station.core.control.controller import Controller, PackedSample
+from station.core.control.sample_columns import SampleColumns
 from station.core.control.tunables import Tunables
+from station.core.control.usual_update import UsualUpdate
 from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.description.robot_description import (
     JointDescription,
@@ -53,8 +55,6 @@ from station.core.trajectory import (
     PosVelAccState,
     read_tolerances,
 )
-from station.kernel.sample_columns import SampleColumns
-from station.kernel.usual_update import UsualUpdate
 
 InterfaceT = TypeVar("InterfaceT")
 

@@ -2,10 +2,12 @@
 
 from collections.abc import Mapping
 
+from station.controllers.joint_trajectory_controller.trajectory_update import (
+    SpeedFactor,
+)
 from station.core.control.tunables import Tunable, Tunables
 from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.parameters import Parameters
-from station.kernel.trajectory_update import SpeedFactor
 
 SPEED_SCALING = DeclaredParameter(
     name="speed_scaling",

@@ -12,6 +12,7 @@ from math import inf
 
 from typing_extensions import override
 
+from station.controllers.forward_command_controller.command_laws import CommandLaw
 from station.controllers.joint_trajectory_controller.goal_supervision import (
     GoalSupervision,
     StateErrors,
@@ -25,6 +26,11 @@ from station.controllers.joint_trajectory_controller.request_limits import (
     check_segment_velocity,
 )
 from station.controllers.joint_trajectory_controller.speed_scaling import SpeedScaling
+from station.controllers.joint_trajectory_controller.trajectory_update import (
+    TrajectoryTime,
+    TrajectoryUpdate,
+)
+from station.core.control.sample_columns import SampleColumns
 from station.core.description.robot_description import JointDescription
 from station.core.description.urdf import JointType
 from station.core.errors import InvalidTrajectoryError
@@ -44,11 +50,8 @@ from station.core.trajectory import (
     sample_segments,
     stop_trajectory,
 )
-from station.kernel.command_laws import CommandLaw
-from station.kernel.doubles import zeros
-from station.kernel.ros_time import to_nanoseconds, to_seconds
-from station.kernel.sample_columns import SampleColumns
-from station.kernel.trajectory_update import TrajectoryTime, TrajectoryUpdate
+from station.core.trajectory.ros_time import to_nanoseconds, to_seconds
+from station.memory.doubles import zeros
 
 _STANDSTILL = 1e-6
 """Speed scaling below which a trajectory counts as paused."""

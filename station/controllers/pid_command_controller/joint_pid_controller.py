@@ -15,6 +15,9 @@ from station.controllers.forward_command_controller import (
     JointQuantity,
     JointSetPointController,
 )
+from station.controllers.forward_command_controller.set_point_update import (
+    SetPointPidLaw,
+)
 from station.controllers.pid_command_controller.joint_pid_group import (
     JointPidGroup,
     pid_parameters,
@@ -23,10 +26,9 @@ from station.controllers.pid_command_controller.joint_pid_group import (
 from station.core.declared_parameter import DeclaredParameter
 from station.core.description.robot_description import JointDescription
 from station.core.description.urdf import JointType
+from station.core.numerics.joint_errors import BOUNDED, CONTINUOUS, PLAIN, JointErrors
 from station.core.parameters import Parameters
 from station.core.ports.set_point import SetPointElement
-from station.kernel.joint_errors import BOUNDED, CONTINUOUS, PLAIN, JointErrors
-from station.kernel.set_points import SetPointPidLaw
 
 
 class JointPidController(JointSetPointController[CommandInterfaceT]):

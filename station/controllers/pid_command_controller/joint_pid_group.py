@@ -9,9 +9,9 @@ from station.core.declared_parameter import EACH_JOINT, DeclaredParameter
 from station.core.description.robot_description import JointDescription
 from station.core.errors import InvalidGainError, ParameterError
 from station.core.numerics.pid import PID_PARAMETERS, PidGains, apply_gains
+from station.core.numerics.pid_group import PidGroup
 from station.core.parameters import Parameters
-from station.kernel.doubles import Doubles, Storage, own_zeros, zeros
-from station.kernel.pid import PidGroup
+from station.memory.doubles import Doubles, Storage, own_zeros, zeros
 
 GAIN_MAXIMUM = 10_000.0
 """Largest `p` and `i` offered for tuning, in the units of the gain."""

@@ -24,12 +24,12 @@ from station.controllers.smoothed_motion.axis_limits import (
     read_max_lead,
 )
 from station.controllers.smoothed_motion.motion_generator import MotionGenerator
+from station.core.control.sample_columns import SampleColumns
 from station.core.declared_parameter import DeclaredParameter
 from station.core.hardware.interfaces import EffortJointInterface
+from station.core.numerics.joint_errors import JointErrors
 from station.core.parameters import Parameters
-from station.kernel.doubles import Doubles, put, zeros
-from station.kernel.joint_errors import JointErrors
-from station.kernel.sample_columns import SampleColumns
+from station.memory.doubles import Doubles, put, zeros
 
 LONGEST_TIMEOUT = 1.0
 """Longest validity of a set-point [s], so that set-points must be repeated."""

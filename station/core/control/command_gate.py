@@ -23,13 +23,13 @@ from collections.abc import Iterable
 
 from station.core.control.command_guard import all_guards
 from station.core.control.command_piece import KeptPiece, make_pieces
+from station.core.control.command_pieces import CommandPieces
 from station.core.control.controller import ControllerState
+from station.core.control.controller_round import OwnerFlags
 from station.core.control.loaded_controller import LoadedController
 from station.core.hardware.robot_hw import RobotHW
 from station.core.hardware.slots import Slot, in_memory_order
-from station.kernel.command_pieces import CommandPieces
-from station.kernel.doubles import Storage
-from station.kernel.flags import OwnerFlags
+from station.memory.doubles import Storage
 
 _RUNNING = ControllerState.RUNNING
 

@@ -5,9 +5,9 @@ from typing import TypeAlias
 
 from typing_extensions import override
 
+from station.core.control.command_pieces import CommandPiece, Piece
 from station.core.faults import CONTAINED
 from station.core.hardware.slots import Slot, SlotRun, side_by_side
-from station.kernel.command_pieces import CommandPiece, Piece
 
 _FLOAT = {float}
 

@@ -12,7 +12,9 @@ from typing import ClassVar, Generic, TypeAlias, TypeVar
 
 from typing_extensions import override
 
+from station.core.control.sample_columns import PackedColumns, SampleColumns
 from station.core.control.tunables import Tunables
+from station.core.control.usual_update import UsualUpdate
 from station.core.declared_parameter import DeclaredParameter
 from station.core.errors import ControllerLoadError
 from station.core.hardware.interfaces.interface_manager import interface_type_name
@@ -24,8 +26,6 @@ from station.core.ports.set_point import SetPointPort  # noqa: TC001 - a native 
 from station.core.trajectory.trajectory_port import (  # noqa: TC001 - a native attribute
     TrajectoryPort,
 )
-from station.kernel.sample_columns import PackedColumns, SampleColumns
-from station.kernel.usual_update import UsualUpdate
 
 Columns: TypeAlias = tuple[list[float], list[float], list[float], list[float]]
 """The four lists of a sample, shape (n,) each."""

@@ -21,6 +21,7 @@ from station.core.control.controller import (
 )
 from station.core.control.controller_factory import ControllerFactory
 from station.core.control.controller_loader import ControllerLoader
+from station.core.control.controller_round import ControllerRound
 from station.core.control.controller_runner import ControllerRunner
 from station.core.control.controller_status import (
     ControllerCondition,
@@ -43,7 +44,6 @@ from station.core.errors import (
 )
 from station.core.hardware.robot_hw import ControllerInfo, RobotHW
 from station.core.parameters import Parameters
-from station.kernel.controller_round import ControllerRound
 
 __all__ = ["ControllerManager", "ControllerStatus"]
 

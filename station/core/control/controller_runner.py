@@ -10,6 +10,7 @@ from typing_extensions import override
 
 from station.core.control.controller import ControllerState
 from station.core.control.controller_lifecycle import ControllerLifecycle
+from station.core.control.controller_round import ControllerRound
 from station.core.control.loaded_controller import LoadedController
 from station.core.control.pending_switch import PendingSwitch, SwitchProgress
 from station.core.control.switch_transaction import SwitchTransaction
@@ -20,7 +21,6 @@ from station.core.errors import (
 )
 from station.core.faults import CONTAINED, reason_of, trace_of_fault
 from station.core.hardware.robot_hw import RobotHW, watch_of
-from station.kernel.controller_round import ControllerRound
 
 _RUNNING = ControllerState.RUNNING
 

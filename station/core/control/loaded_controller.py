@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from station.core.control.command_guard import CommandGuard
 from station.core.control.controller import ControllerBase
 from station.core.control.controller_commands import ControllerCommands
+from station.core.control.controller_round import ControllerTurn
 from station.core.control.controller_status import (
     ControllerCondition,
     ControllerStatistics,
@@ -16,10 +17,9 @@ from station.core.hardware.robot_hw import ControllerInfo
 from station.core.numerics.statistics import DurationRing
 from station.core.ports.goal import Goal
 from station.core.quick_way import is_in_force
-from station.kernel.controller_round import ControllerTurn
 
 if TYPE_CHECKING:
-    from station.kernel.command_pieces import Piece
+    from station.core.control.command_pieces import Piece
 
 
 class LoadedController:

@@ -13,7 +13,7 @@ from typing_extensions import override
 from station.core.franka.franka_robot_state import RobotState
 from station.core.franka.franka_state import FrankaStateHandle
 from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
-from station.kernel.doubles import Doubles, Storage, put, zeros
+from station.memory.doubles import Doubles, Storage, put, zeros
 
 POSE_SIZE = 16
 """Numbers in a pose."""

@@ -13,12 +13,12 @@ from enum import Enum
 from typing import ClassVar
 
 from station.core.franka.franka_robot_state import RobotState
+from station.core.franka.model_sources import ModelSource
 from station.core.hardware.interfaces.resource_manager import (
     HardwareResourceManager,
     ResourceHandle,
 )
-from station.kernel.doubles import Doubles, put
-from station.kernel.model_sources import ModelSource
+from station.memory.doubles import Doubles, put
 
 GRAVITY_EARTH = (0.0, 0.0, -9.81)
 """Acceleration of gravity in the base frame of an upright arm [m/s^2]."""

@@ -11,7 +11,7 @@ from enum import Enum
 from typing import overload
 
 from station.core.franka.franka_errors import ERROR_NAMES
-from station.kernel.doubles import Block, Doubles, put
+from station.memory.doubles import Block, Doubles, put
 
 
 class RobotMode(Enum):

@@ -7,12 +7,12 @@ from collections.abc import Callable
 from typing import ClassVar
 
 from station.core.franka.franka_robot_state import RobotState
+from station.core.franka.model_sources import ModelSource
 from station.core.hardware.interfaces.resource_manager import (
     HardwareResourceManager,
     ResourceHandle,
 )
-from station.kernel.doubles import Doubles
-from station.kernel.model_sources import ModelSource
+from station.memory.doubles import Doubles
 
 
 class FrankaStateHandle(ResourceHandle):

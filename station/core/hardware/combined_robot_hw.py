@@ -27,8 +27,8 @@ from station.core.hardware.robot_report import (
     TransmissionReport,
 )
 from station.core.hardware.simulated_world import SimulatedWorld
+from station.core.hardware.stages import Stage, StageSequence
 from station.core.parameters import Parameters
-from station.kernel.stages import Stage, StageSequence
 
 CreateRobot = Callable[[str], RobotHW]
 """Returns a new robot of a type, not yet initialised; raises a StationError."""

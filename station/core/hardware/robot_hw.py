@@ -18,9 +18,9 @@ from station.core.hardware.robot_report import (
     TransmissionReport,
 )
 from station.core.hardware.simulated_world import SimulatedWorld
+from station.core.hardware.stages import RobotReading, RobotWatch, RobotWriting, Stage
 from station.core.parameters import Parameters
 from station.core.quick_way import is_in_force
-from station.kernel.stages import RobotReading, RobotWatch, RobotWriting, Stage
 
 
 @dataclass(frozen=True, slots=True)

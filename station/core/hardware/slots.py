@@ -10,7 +10,7 @@ from typing import TypeAlias
 
 from typing_extensions import Buffer
 
-from station.kernel.doubles import Doubles, Storage
+from station.memory.doubles import Doubles, Storage
 
 Slot: TypeAlias = tuple[Storage, int]
 """A storage and an index into it."""

@@ -30,6 +30,7 @@ from station.core.hardware.robot_hw import (
     writing_of,
 )
 from station.core.hardware.services import InterruptibleServices, find_services
+from station.core.loop.control_cycle import ControlCycle
 from station.core.loop.heartbeat import Heartbeat, LoopLife
 from station.core.loop.loop_report import LoopMeter, LoopReport, LoopState
 from station.core.loop.operations import Operations, guarded
@@ -44,7 +45,6 @@ from station.core.loop.scheduling import (
 )
 from station.core.loop.snapshot import SnapshotRing
 from station.core.loop.stop_latch import StopLatch
-from station.kernel.control_cycle import ControlCycle
 
 T = TypeVar("T")
 

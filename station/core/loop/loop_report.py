@@ -6,8 +6,8 @@ from enum import Enum
 import numpy as np
 
 from station.core.clock import Clock
+from station.core.numerics.durations import CycleTimes
 from station.core.numerics.statistics import DurationRing, Percentiles, percentiles_of
-from station.kernel.durations import CycleTimes
 
 
 class LoopState(Enum):

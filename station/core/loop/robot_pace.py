@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from station.core.hardware.robot_hw import RobotClock
 from station.core.loop.loop_report import LoopMeter
-from station.kernel.doubles import Doubles
+from station.memory.doubles import Doubles
 
 
 class RobotPace:

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from station.core.control.controller import ControllerSample, unpack_sample
-from station.kernel.records import HEAD, Layout, Records
-from station.kernel.sample_columns import PackedColumns
+from station.core.control.records import HEAD, Layout, Records
+from station.core.control.sample_columns import PackedColumns
 
 
 class Snapshot(NamedTuple):
@@ -51,7 +51,7 @@ class Rows:
     """Cycles as the control thread has left them, k of them.
 
     Attributes:
-        numbers: Their rows, see `station.kernel.records`, shape (k, width).
+        numbers: Their rows, see `station.core.control.records`, shape (k, width).
         states: How many of a row's numbers are states of joints, 3 n.
         modes: The robot's mode in each.
         layouts: Where the samples are in each row.

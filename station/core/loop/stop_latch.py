@@ -3,7 +3,7 @@
 from enum import Enum
 
 from station.core.errors import StoppedError
-from station.kernel.flags import StopFlag
+from station.core.loop.control_cycle import StopFlag
 
 
 class StopState(Enum):

@@ -3,7 +3,7 @@
 Source: angles@1.9.13 include/angles/angles.h.
 """
 
-from station.kernel.joint_errors import (
+from station.core.numerics.joint_errors import (
     shortest_angular_distance,
     shortest_angular_distance_with_limits,
 )

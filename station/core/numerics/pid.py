@@ -1,6 +1,6 @@
 """Turn an error into a command: proportional, integral and derivative part.
 
-The law is in `station.kernel.pid`.
+The law is in `station.core.numerics.pid_group`.
 
 Source: control_toolbox@de05a5c src/pid.cpp, Pid.
 """
@@ -10,9 +10,9 @@ from math import isfinite, isnan
 
 from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.errors import InvalidGainError
+from station.core.numerics.pid_group import NO_ERROR, PidGroup
 from station.core.parameters import Parameters
-from station.kernel.doubles import zeros
-from station.kernel.pid import NO_ERROR, PidGroup
+from station.memory.doubles import zeros
 
 
 def _declare(

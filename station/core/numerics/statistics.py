@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from station.kernel.durations import Durations
+from station.core.numerics.durations import Durations
 
 
 @dataclass(frozen=True, slots=True)

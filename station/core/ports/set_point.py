@@ -7,7 +7,7 @@ from math import inf
 from station.core.clock import Clock, SystemClock
 from station.core.errors import InvalidCommandError
 from station.core.ports.receipt import Receipt
-from station.kernel.set_points import SetPointNews
+from station.core.ports.set_point_news import SetPointNews
 
 
 @dataclass(frozen=True, slots=True)

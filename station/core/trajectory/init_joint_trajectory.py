@@ -24,8 +24,8 @@ from station.core.trajectory.quintic_spline_segment import (
     PosVelAccState,
     QuinticSplineSegment,
 )
+from station.core.trajectory.ros_time import to_nanoseconds, to_seconds
 from station.core.trajectory.tolerances import JointTolerances
-from station.kernel.ros_time import to_nanoseconds, to_seconds
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ from itertools import pairwise
 from math import isfinite
 
 from station.core.errors import InvalidTrajectoryError
-from station.kernel.ros_time import to_nanoseconds
+from station.core.trajectory.ros_time import to_nanoseconds
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,8 +7,8 @@ trajectory_interface/quintic_spline_segment.h, pos_vel_acc_state.h.
 from dataclasses import dataclass, field
 
 from station.core.errors import InvalidTrajectoryError
-from station.kernel.doubles import doubles, zeros
-from station.kernel.splines import sample_splines
+from station.core.trajectory.splines import sample_splines
+from station.memory.doubles import doubles, zeros
 
 _PREFIX = "Quintic spline segment can't be constructed: "
 _REMEDY = "Give both ends the same number of positions, and rates of the same size."

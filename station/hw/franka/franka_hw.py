@@ -35,9 +35,11 @@ from station.core.hardware.robot_hw import (
     SwitchState,
 )
 from station.core.hardware.robot_report import ClampReport, JointLimitsReport
+from station.core.hardware.stages import RobotWatch, Stage
 from station.core.parameters import Parameters
 from station.hw.franka.arm.arm_description import load_arm_description
 from station.hw.franka.arm.arm_names import find_prefix, joint_names
+from station.hw.franka.arm.arm_reading import ArmReading
 from station.hw.franka.arm.control_mode import (
     ControlMode,
     control_mode_of,
@@ -49,6 +51,7 @@ from station.hw.franka.arm.robot_arm import RobotArm, cycles_of
 from station.hw.franka.arm.sensor_check import SensorCheck
 from station.hw.franka.commands.arm_interfaces import model_interface, state_interface
 from station.hw.franka.commands.arm_services import ArmServices
+from station.hw.franka.commands.arm_writing import ArmWatch, ArmWriting
 from station.hw.franka.commands.cartesian_commands import CartesianCommands
 from station.hw.franka.commands.command_filter import CommandFilter
 from station.hw.franka.commands.command_sender import CommandSender
@@ -65,9 +68,6 @@ from station.hw.franka.franka_parameters import (
 )
 from station.hw.franka.hand.finger_joints import FingerJoints
 from station.hw.urdf_loader import load_urdf
-from station.kernel.arm_reading import ArmReading
-from station.kernel.arm_writing import ArmWatch, ArmWriting
-from station.kernel.stages import RobotWatch, Stage
 
 if TYPE_CHECKING:
     from station.hw.franka.fci.driver.connection import RealRobot

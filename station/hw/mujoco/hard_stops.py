@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from station.hw.mujoco.world_joints import find_joint
-from station.kernel.world_step import CalledPreparation
+from station.hw.mujoco.world_step import CalledPreparation
 
 if TYPE_CHECKING:
     from station.hw.mujoco.world import World

@@ -8,7 +8,7 @@ from station.core.hardware.transmissions import RawJointData
 from station.hw.mujoco.command_kinds import COMMAND_INTERFACES
 from station.hw.mujoco.joint_drives import DriveMode
 from station.hw.mujoco.simulated_pid import SimulatedPid
-from station.kernel.doubles import Storage
+from station.memory.doubles import Storage
 
 _QUANTITY_OF_INTERFACE = {
     interface.type_name: quantity for quantity, interface in COMMAND_INTERFACES.items()

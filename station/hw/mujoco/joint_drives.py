@@ -25,9 +25,9 @@ velocity limit: force = D (v_max - dq), plus an effort against the motion.
 from enum import IntEnum
 from math import inf
 
+from station.hw.mujoco import drives as kernel
 from station.hw.mujoco.world_joints import WorldJoints
-from station.kernel import joint_drives as kernel
-from station.kernel.doubles import Block, put
+from station.memory.doubles import Block, put
 
 _PARTS = (
     "mode",

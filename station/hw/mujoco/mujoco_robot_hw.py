@@ -65,8 +65,8 @@ from station.hw.mujoco.simulated_motors import SimulatedMotors
 from station.hw.mujoco.simulated_pid import read_simulated_pids
 from station.hw.mujoco.unpowered_joints import UnpoweredJoints
 from station.hw.mujoco.world import World
-from station.kernel.doubles import put
-from station.kernel.world_step import CalledPreparation
+from station.hw.mujoco.world_step import CalledPreparation
+from station.memory.doubles import put
 
 # Most steps of the world in one cycle, unless two cycles of the loop take more; further
 # steps are lost, so that a very late cycle does not make the next cycle late, too.

@@ -33,8 +33,8 @@ from numpy.typing import NDArray
 
 from station.core.hardware.limits.joint_limits_handle import Clamp, ClampReason
 from station.core.hardware.robot_report import ClampReport
-from station.kernel.doubles import as_doubles
-from station.kernel.speed_check import SpeedCheck
+from station.hw.mujoco.speed_check import SpeedCheck
+from station.memory.doubles import as_doubles
 
 OVERSPEED = 1.015
 """Share of its velocity limit above which a joint is braked."""

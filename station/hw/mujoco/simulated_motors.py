@@ -34,7 +34,7 @@ from station.core.hardware.transmissions import (
     TransmissionHandle,
     TransmissionInfo,
 )
-from station.kernel.doubles import Doubles, zeros
+from station.memory.doubles import Doubles, zeros
 
 QUANTITIES = ("position", "velocity", "effort")
 

@@ -16,7 +16,7 @@ from station.hw.mujoco.world_joints import (
     find_joint,
     joint_position_address,
 )
-from station.kernel.world_step import (
+from station.hw.mujoco.world_step import (
     AttendedPreparation,
     Preparation,
     WorldStep,

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from station.core.errors import HardwareInterfaceError
-from station.kernel.doubles import Doubles, as_doubles, doubles
-from station.kernel.simulator_memory import SimulatorMemory
+from station.hw.mujoco.simulator_memory import SimulatorMemory
+from station.memory.doubles import Doubles, as_doubles, doubles
 
 _SINGLE_DOF = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 

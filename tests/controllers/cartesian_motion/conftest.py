@@ -14,6 +14,7 @@ from station.core.franka import (
     FrankaPoseCartesianInterface,
 )
 from station.core.franka.franka_robot_state import RobotState
+from station.core.franka.model_sources import ModelSource
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.arm.franka_kinematics import (
@@ -22,8 +23,7 @@ from station.hw.franka.arm.franka_kinematics import (
     zero_jacobian,
 )
 from station.hw.franka.arm.self_collision import clearance
-from station.kernel.doubles import put, zeros
-from station.kernel.model_sources import ModelSource
+from station.memory.doubles import put, zeros
 from tests.conformance.benches import JOINTS, POSE, panda
 from tests.hw.franka.cartesian_motions import PERIOD, Generator
 

@@ -11,9 +11,9 @@ from station.controllers.cartesian_motion.arm_configuration import (
 )
 from station.core.franka import Frame
 from station.core.franka.franka_robot_state import RobotState
-from station.core.numerics.rigid_motion import twist_between
+from station.core.numerics.poses import twist_between
 from station.hw.franka.arm.franka_kinematics import frame_pose
-from station.kernel.doubles import doubles, zeros
+from station.memory.doubles import doubles, zeros
 from tests.controllers.cartesian_motion.conftest import Kinematics
 
 Q = [0.2, -0.6, 0.3, -2.0, 0.4, 1.7, 0.5]

@@ -7,7 +7,7 @@ import pytest
 from station.controllers.cartesian_motion import CartesianJogController
 from station.controllers.cartesian_motion.cartesian_limits import ROTATION, TRANSLATION
 from station.core.errors import InvalidCommandError, InvalidGainError, ParameterError
-from station.core.numerics.rigid_motion import to_outer_axes
+from station.core.numerics.poses import to_outer_axes
 from tests.controllers.cartesian_motion.conftest import length
 
 FAST, TURN = TRANSLATION.velocity, ROTATION.velocity

@@ -12,7 +12,7 @@ from station.controllers.cartesian_motion.cartesian_limits import (
 from station.controllers.cartesian_motion.cartesian_motion_generator import (
     CartesianMotionGenerator,
 )
-from station.core.numerics.rigid_motion import displace
+from station.core.numerics.poses import displace
 
 HERE = [1.0, 0, 0, 0, 0, 1.0, 0, 0, 0, 0, 1.0, 0, 0.3, 0, 0.5, 1.0]
 

@@ -9,7 +9,7 @@ import pytest
 from station.controllers.cartesian_motion import CartesianStreamingController
 from station.controllers.cartesian_motion.cartesian_limits import ROTATION, TRANSLATION
 from station.core.errors import CommandTimeoutError, InvalidCommandError
-from station.core.numerics.rigid_motion import displace, quaternion_of, rotation_between
+from station.core.numerics.poses import displace, quaternion_of, rotation_between
 
 LIMITS = (TRANSLATION, ROTATION)
 

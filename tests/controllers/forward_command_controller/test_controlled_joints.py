@@ -9,7 +9,7 @@ from station.core.hardware.interfaces import (
     JointStateGroup,
     JointStateHandle,
 )
-from station.kernel.doubles import doubles, zeros
+from station.memory.doubles import doubles, zeros
 
 
 def make_group(make):

@@ -11,8 +11,8 @@ from station.core.description.robot_description import JointDescription
 from station.core.description.urdf import JointType
 from station.core.hardware.interfaces import JointStateGroup, JointStateHandle
 from station.core.trajectory import StateTolerances
-from station.kernel.doubles import doubles, put, zeros
-from station.kernel.splines import EXCEEDS
+from station.core.trajectory.splines import EXCEEDS
+from station.memory.doubles import doubles, put, zeros
 
 JOINTS = [
     JointDescription("wheel", JointType.CONTINUOUS),

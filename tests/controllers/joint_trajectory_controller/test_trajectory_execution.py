@@ -13,7 +13,7 @@ from station.controllers.joint_trajectory_controller.trajectory_execution import
 from station.core.description.robot_description import JointDescription
 from station.core.hardware.interfaces import JointStateGroup, JointStateHandle
 from station.core.trajectory import JointTrajectory, JointTrajectoryPoint
-from station.kernel.doubles import zeros
+from station.memory.doubles import zeros
 
 
 def _to(position, duration):

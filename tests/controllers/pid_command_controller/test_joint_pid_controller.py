@@ -13,8 +13,8 @@ from station.controllers.pid_command_controller import set_ways
 from station.core.description.robot_description import JointDescription
 from station.core.description.urdf import JointType
 from station.core.errors import RobotDescriptionError
-from station.kernel.doubles import doubles, zeros
-from station.kernel.joint_errors import JointErrors
+from station.core.numerics.joint_errors import JointErrors
+from station.memory.doubles import doubles, zeros
 
 single_joint = pytest.mark.parametrize(
     ("package", "commanded"),

@@ -9,7 +9,7 @@ from station.core.description.urdf import JointType
 from station.core.errors import ParameterError
 from station.core.numerics.pid import PidGains
 from station.core.parameters import Parameters, ParameterTree
-from station.kernel.doubles import put, zeros
+from station.memory.doubles import put, zeros
 
 ELBOW = JointDescription("elbow", JointType.REVOLUTE)
 SLIDE = JointDescription("slide", JointType.PRISMATIC)

@@ -21,7 +21,7 @@ from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
 from station.core.ports.set_point import SetPointElement, SetPointPort
 from station.hw.mock import MockRobotHW
-from station.kernel.doubles import doubles
+from station.memory.doubles import doubles
 
 REQUESTS = {
     "start": ("starting", ControllerState.RUNNING),

@@ -9,7 +9,7 @@ from station.core.franka import (
     FrankaVelocityCartesianInterface,
     RobotState,
 )
-from station.kernel.doubles import doubles, zeros
+from station.memory.doubles import doubles, zeros
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from station.core.hardware.slots import in_memory_order, side_by_side
-from station.kernel.doubles import Block, doubles
+from station.memory.doubles import Block, doubles
 
 
 def values_of(run):

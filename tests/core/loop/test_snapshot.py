@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from station.core.control.controller import ControllerSample
+from station.core.control.sample_columns import SampleColumns
 from station.core.loop.snapshot import SnapshotRing
-from station.kernel.doubles import doubles
-from station.kernel.sample_columns import SampleColumns
+from station.memory.doubles import doubles
 
 STATES = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)  # positions, velocities, efforts of two joints
 

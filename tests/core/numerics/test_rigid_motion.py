@@ -1,99 +1,120 @@
-"""Poses, rotation vectors, twists and quaternions."""
-
-from math import pi
+"""Rotations against pinocchio, and both modes of the kernel against each other."""
 
 import numpy as np
+import pinocchio as pin
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from station.core.numerics.rigid_motion import (
+    compose,
     displace,
-    pose_of,
+    numbers_of,
     quaternion_of,
     rotation_between,
-    times,
-    to_outer_axes,
     twist_between,
 )
-from station.kernel.arm_chain import turn_to_inner_axes
-from station.kernel.doubles import doubles
+from station.memory.doubles import doubles, zeros
+from tests.both_modes import arrays, assert_same, needs_both, numbers
 
-IDENTITY = [1.0, 0, 0, 0, 0, 1.0, 0, 0, 0, 0, 1.0, 0, 0, 0, 0, 1.0]
-TURNS = [
-    [0.3, -0.2, 0.9],
-    [1e-7, 0.0, 0.0],
-    [0.0, 0.0, 3.1],
-    [pi / 2, 0.0, 0.0],
-]
+IDENTITY = np.eye(4).ravel().tolist()
+ways = st.lists(st.floats(-1.7, 1.7), min_size=6, max_size=6)
 
 
-@pytest.mark.parametrize("turn", TURNS)
-def test_rotation_vector_is_recovered(turn):
-    base = displace(IDENTITY, [0.1, 0.2, 0.3], [0.4, 0.5, -0.6])
-    moved = displace(base, [0.0, 0.0, 0.0], turn)
-    assert rotation_between(base, moved) == pytest.approx(turn, abs=1e-9)
+def pose(way):
+    result = zeros(16)
+    displace(doubles(IDENTITY), doubles(way), 1.0, result)
+    return result
 
 
-def test_half_a_turn_has_an_axis():
-    moved = displace(IDENTITY, [0.0] * 3, [0.0, pi, 0.0])
-    assert np.abs(rotation_between(IDENTITY, moved)) == pytest.approx([0.0, pi, 0.0])
+def matrix(values):
+    return np.reshape(values, (4, 4)).T
 
 
-def test_twist_leads_there():
-    moved = displace(IDENTITY, [0.001, 0.0, 0.0], [0.0, 0.002, 0.0])
-    assert twist_between(IDENTITY, moved, 0.001) == pytest.approx([1, 0, 0, 0, 2, 0])
+@given(ways)
+def test_a_rotation_vector_makes_the_rotation_of_the_exponential(way):
+    found = matrix(pose(way))
+
+    assert found[:3, :3] == pytest.approx(pin.exp3(np.array(way[3:])), abs=1e-14)
+    assert found[:3, 3] == pytest.approx(way[:3])
 
 
-def test_displaced_rotation_is_exact():
-    pose = list(IDENTITY)
-    for _ in range(10_000):
-        pose = displace(pose, [0.0] * 3, [1e-3, 2e-3, -1e-3])
-    rotation = np.reshape(pose, (4, 4))[:3, :3]
-    assert rotation @ rotation.T == pytest.approx(np.eye(3), abs=1e-12)
+@given(ways, ways)
+def test_poses_compose_as_matrices(first, second):
+    result = zeros(16)
+    compose(pose(first), pose(second), result)
+
+    wanted = matrix(pose(first)) @ matrix(pose(second))
+    assert matrix(result) == pytest.approx(wanted, abs=1e-14)
 
 
-# Each of the four numbers is the largest once; half turns among them.
-QUATERNIONS = [
-    [0.1, -0.2, 0.3, 0.9],
-    [0.9, 0.3, -0.2, 0.1],
-    [-0.3, 0.9, 0.2, 0.0],
-    [0.2, 0.1, -0.9, 0.3],
-    [1.0, 0.0, 0.0, 0.0],
-]
+@given(ways, ways, st.floats(0.001, 10.0))
+def test_a_displacement_by_the_twist_leads_from_pose_to_pose(first, second, period):
+    a, b, twist, back = pose(first), pose(second), zeros(6), zeros(16)
+    twist_between(a, b, period, twist)
+    displace(a, twist, period, back)
+
+    assert back.tolist() == pytest.approx(b.tolist(), abs=1e-7)
 
 
-@pytest.mark.parametrize("quaternion", QUATERNIONS)
+@pytest.mark.parametrize("axis", [[1, 0, 0], [0, 1, 0], [0, 0, 1], [0.6, 0, 0.8]])
+@pytest.mark.parametrize("short_of", [0.0, 1e-12, 1e-8, 1e-4])
+def test_half_a_turn_has_its_axis_and_angle(axis, short_of):
+    angle, turn = np.pi - short_of, zeros(3)
+    way = [0.0, 0.0, 0.0, *(angle * value for value in axis)]
+    rotation_between(doubles(IDENTITY), pose(way), turn)
+
+    found = np.array(turn)
+    assert np.linalg.norm(found) == pytest.approx(angle, abs=1e-8)
+    assert abs(found @ axis) == pytest.approx(angle, abs=1e-8)
+
+
+@given(ways)
+def test_a_quaternion_is_that_of_the_rotation(way):
+    result = zeros(4)
+    quaternion_of(pose(way), result)
+
+    wanted = pin.Quaternion(pin.exp3(np.array(way[3:]))).coeffs()
+    wanted = -wanted if wanted[3] < 0.0 else wanted
+    assert result[3] >= 0.0
+    assert abs(wanted @ np.array(result)) == pytest.approx(1.0)
+
+
+@needs_both
+@given(arrays(16), arrays(16), arrays(6), numbers)
+def test_both_modes_agree_bit_for_bit(first, second, way, share):
+    def scenario(module):
+        out = [zeros(16), zeros(3), zeros(6), zeros(16), zeros(4)]
+        a, b = doubles(first), doubles(second)
+        module.compose(a, b, out[0])
+        module.rotation_between(a, b, out[1])
+        module.twist_between(a, b, 0.001, out[2])
+        module.displace(a, doubles(way), share, out[3])
+        module.quaternion_of(a, out[4])
+        return [value for each in out for value in each]
+
+    assert_same("rigid_motion", scenario)
+
+
+@needs_both
+@given(ways, ways)
+def test_both_modes_agree_on_poses(first, second):
+    def scenario(module):
+        a, b, back, turn = zeros(16), zeros(16), zeros(16), zeros(3)
+        module.displace(doubles(IDENTITY), doubles(first), 1.0, a)
+        module.displace(a, doubles(second), 1.0, b)
+        module.compose(a, b, back)
+        module.rotation_between(a, b, turn)
+        return [*a, *b, *back, *turn]
+
+    assert_same("rigid_motion", scenario)
+
+
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_a_quaternion_and_its_negative_are_the_same_pose(quaternion, sign):
-    unit = np.array(quaternion) / np.linalg.norm(quaternion)
-    pose = pose_of([0.1, 0.2, 0.3], (sign * unit).tolist())
-
-    assert abs(np.dot(quaternion_of(pose), unit)) == pytest.approx(1.0, abs=1e-12)
-    assert quaternion_of(pose)[3] >= 0.0
-    assert pose[12:] == [0.1, 0.2, 0.3, 1.0]
-
-
-def test_a_quaternion_turns_as_its_rotation_vector_does():
-    turn = [0.3, -0.2, 0.9]
-    angle = float(np.linalg.norm(turn))
-    axis = np.array(turn) / angle
-    quaternion = [*(np.sin(angle / 2.0) * axis).tolist(), np.cos(angle / 2.0)]
-
-    turned = displace(IDENTITY, [0.0] * 3, turn)
-    assert pose_of([0.0] * 3, quaternion) == pytest.approx(turned, abs=1e-12)
-    assert quaternion_of(turned) == pytest.approx(quaternion, abs=1e-12)
-
-
-def test_a_vector_of_the_end_effector_is_turned_to_the_base():
-    pose = displace(IDENTITY, [1.0, 2.0, 3.0], [0.0, 0.0, pi / 2])
-
-    assert to_outer_axes(pose, [1.0, 0.0, 2.0]) == pytest.approx([0.0, 1.0, 2.0])
-    vector = doubles([0.0, 1.0, 2.0])
-    turn_to_inner_axes(doubles(pose), vector, vector)
-    assert [*vector] == pytest.approx([1.0, 0.0, 2.0])
-
-
-def test_jacobian_times_velocity():
-    jacobian = np.arange(42.0)
-    dq = [1.0, 0.0, -2.0, 0.0, 0.0, 0.5, 0.0]
-    expected = np.reshape(jacobian, (7, 6)).T @ dq
-    assert times(jacobian.tolist(), dq) == pytest.approx(expected)
+def test_the_numbers_of_a_pose_have_the_quaternion_nearer_to_another(sign):
+    # A quarter of a turn about z, at 1 2 3.
+    pose = doubles([0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 1, 2, 3, 1])
+    found = zeros(7)
+    numbers_of(pose, doubles([0.0, 0.0, 0.1, sign]), found)
+    half = sign * np.sqrt(0.5)
+    assert [*found] == pytest.approx([1.0, 2.0, 3.0, 0.0, 0.0, half, half])

@@ -4,7 +4,7 @@ import pytest
 
 from station.core.errors import InvalidTrajectoryError
 from station.core.trajectory import JointTrajectory, JointTrajectoryPoint
-from station.kernel.ros_time import to_nanoseconds
+from station.core.trajectory.ros_time import to_nanoseconds
 
 
 def _trajectory(*times, stamp=0.0):

@@ -7,8 +7,8 @@ from station.hw.franka.arm.arm_limits import PANDA_LIMITS
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.simulated.arm_cycle import ArmCycle
 from station.hw.franka.simulated.cartesian_motion import CartesianMotion, Elbow
-from station.kernel.doubles import put
-from station.kernel.simulator_memory import SimulatorMemory
+from station.hw.mujoco.simulator_memory import SimulatorMemory
+from station.memory.doubles import put
 
 PERIOD = 0.001
 

@@ -1,10 +1,10 @@
-"""Vectors of three numbers through the limits of `station.kernel.pose_rates`."""
+"""Vectors of three numbers through the limits of `pose_rates`."""
 
 from collections.abc import Sequence
 
 from station.hw.franka.arm.arm_limits import MotionLimits
-from station.kernel.doubles import doubles
-from station.kernel.pose_rates import limit_vector
+from station.hw.franka.commands.pose_rates import limit_vector
+from station.memory.doubles import doubles
 
 PERIOD = 0.001
 

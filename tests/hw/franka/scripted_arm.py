@@ -19,7 +19,7 @@ from station.core.franka import (
     RobotState,
 )
 from station.core.franka.franka_errors import ERROR_INDEX
-from station.core.numerics.rigid_motion import displace
+from station.core.numerics.poses import displace
 from station.hw.franka.arm.franka_kinematics import compose
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.robot_arm import (
@@ -29,7 +29,7 @@ from station.hw.franka.arm.robot_arm import (
     RobotArm,
 )
 from station.hw.franka.franka_parameters import INITIAL_POSITIONS
-from station.kernel.doubles import Storage
+from station.memory.doubles import Storage
 from tests.hw.franka.plain_model import PlainModel
 
 _GENERATORS = {

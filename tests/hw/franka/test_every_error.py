@@ -15,7 +15,7 @@ from station.core.franka.franka_errors import ERROR_INDEX, ERROR_NAMES, error_na
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.franka_hw import FrankaHW
 from station.hw.franka.franka_parameters import INITIAL_POSITIONS
-from station.kernel.doubles import put
+from station.memory.doubles import put
 from tests.hw.franka.command_bench import Bench
 from tests.hw.franka.test_franka_hw import PERIOD
 

@@ -25,7 +25,7 @@ from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.arm.control_mode import ControlMode
 from station.hw.franka.franka_hw import FrankaHW
 from station.hw.franka.franka_parameters import INITIAL_POSITIONS
-from station.kernel.doubles import put
+from station.memory.doubles import put
 
 PERIOD = 0.001
 ROBOT = {"arm_id": "panda", "robot_description": "example-robot-data:panda"}

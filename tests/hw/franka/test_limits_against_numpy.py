@@ -7,6 +7,8 @@ works on arrays, so that the two have nothing in common.
 import numpy as np
 import pytest
 
+from station.core.franka.command_rates import CommandRates, filtered
+from station.core.franka.joint_memory import JointMemory
 from station.hw.franka.arm.arm_limits import FR3_LIMITS, PANDA_LIMITS, ArmLimits
 from station.hw.franka.commands.rate_limiter import (
     PERIOD,
@@ -17,9 +19,7 @@ from station.hw.franka.commands.rate_limiter import (
     velocity_range_of,
     with_margins,
 )
-from station.kernel.command_rates import CommandRates, filtered
-from station.kernel.doubles import as_doubles, zeros
-from station.kernel.joint_memory import JointMemory
+from station.memory.doubles import as_doubles, zeros
 from tests.hw.franka.limited_vectors import limited
 
 SAMPLES = 2_000

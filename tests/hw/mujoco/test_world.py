@@ -15,8 +15,8 @@ from station.hw.mujoco.model_builder import (
     new_world,
 )
 from station.hw.mujoco.world import World
+from station.hw.mujoco.world_step import CalledPreparation
 from station.hw.urdf_loader import load_urdf
-from station.kernel.world_step import CalledPreparation
 
 ARM = [f"panda_joint{number}" for number in range(1, 8)]
 START = [0.0, -pi / 4, 0.0, -3 * pi / 4, 0.0, pi / 2, pi / 4]

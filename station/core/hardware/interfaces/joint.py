@@ -15,7 +15,7 @@ from station.core.hardware.interfaces.resource_manager import (
     ResourceHandle,
     check_storage,
 )
-from station.kernel.doubles import Storage
+from station.memory.doubles import Storage
 
 POSITION_START_JUMP = 0.01
 """Largest distance of a first position command from rest [rad or m]."""

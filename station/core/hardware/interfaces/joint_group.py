@@ -11,7 +11,7 @@ from typing import cast
 
 from station.core.hardware.interfaces.joint import JointHandle, JointStateHandle
 from station.core.hardware.slots import side_by_side
-from station.kernel.doubles import Doubles, Storage, zeros
+from station.memory.doubles import Doubles, Storage, zeros
 
 
 def _list_reader(storage: list[float], piece: slice) -> Callable[[], list[float]]:

@@ -21,7 +21,7 @@ from station.core.hardware.interfaces.resource_manager import (
     HardwareResourceManager,
     check_storage,
 )
-from station.kernel.doubles import Storage
+from station.memory.doubles import Storage
 
 ACCELERATION_START_JUMP = 1.0
 """Largest distance of a first acceleration command from rest [rad/s^2 or m/s^2]."""

@@ -15,7 +15,7 @@ from station.core.errors import (
     ResourceNotFoundError,
     suggest,
 )
-from station.kernel.doubles import Storage
+from station.memory.doubles import Storage
 
 
 class ResourceHandle:

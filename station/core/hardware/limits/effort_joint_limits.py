@@ -22,7 +22,7 @@ from station.core.hardware.limits.joint_limits_handle import (
     JointLimitsHandle,
     SoftLimitsHandle,
 )
-from station.kernel.joint_limits import (
+from station.core.hardware.limits.limited_joints import (
     EffortSaturation,
     EffortSoftLimits,
     LimitedJoints,

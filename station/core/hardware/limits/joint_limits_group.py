@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping, Sequence
 
 from station.core.hardware.interfaces.joint import JointHandle
 from station.core.hardware.interfaces.joint_group import JointGroup
-from station.kernel.doubles import own_block, put
-from station.kernel.joint_limits import LIMITS, MEMORY, LimitedJoints
+from station.core.hardware.limits.limited_joints import LIMITS, MEMORY, LimitedJoints
+from station.memory.doubles import own_block, put
 
 _OTHERS = ("position", "velocity", "command", "asked", "reason")
 

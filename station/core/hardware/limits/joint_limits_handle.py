@@ -7,14 +7,14 @@ from typing import ClassVar
 
 from station.core.hardware.interfaces.joint import JointHandle
 from station.core.hardware.interfaces.resource_manager import ResourceHandle
+from station.core.hardware.limits import clamp_codes
 from station.core.hardware.limits.joint_limits import (
     JointLimits,
     JointLimitsError,
     SoftJointLimits,
 )
 from station.core.hardware.limits.joint_limits_group import JointLimitsGroup
-from station.kernel import clamp_codes
-from station.kernel.joint_limits import LimitedJoints
+from station.core.hardware.limits.limited_joints import LimitedJoints
 
 
 class ClampReason(Enum):

@@ -15,8 +15,10 @@ from station.core.hardware.limits.effort_joint_limits import (
     EffortJointSaturationHandle,
     EffortJointSoftLimitsHandle,
 )
+from station.core.hardware.limits.enforced_limits import EnforcedLimits, LimitedRun
 from station.core.hardware.limits.joint_limits_group import JointLimitsGroup
 from station.core.hardware.limits.joint_limits_handle import Clamp, JointLimitsHandle
+from station.core.hardware.limits.limited_joints import MOST_JOINTS, LimitedJoints
 from station.core.hardware.limits.position_joint_limits import (
     PositionJointSaturationHandle,
     PositionJointSoftLimitsHandle,
@@ -25,8 +27,6 @@ from station.core.hardware.limits.velocity_joint_limits import (
     VelocityJointSaturationHandle,
     VelocityJointSoftLimitsHandle,
 )
-from station.kernel.enforced_limits import EnforcedLimits, LimitedRun
-from station.kernel.joint_limits import MOST_JOINTS, LimitedJoints
 
 L = TypeVar("L", bound=JointLimitsHandle)
 

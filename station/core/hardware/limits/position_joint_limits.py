@@ -25,8 +25,11 @@ from station.core.hardware.limits.joint_limits_handle import (
     JointLimitsHandle,
     SoftLimitsHandle,
 )
-from station.kernel.joint_limits import LimitedJoints
-from station.kernel.position_limits import PositionSaturation, PositionSoftLimits
+from station.core.hardware.limits.limited_joints import LimitedJoints
+from station.core.hardware.limits.position_limits import (
+    PositionSaturation,
+    PositionSoftLimits,
+)
 
 
 class PositionJointSaturationHandle(JointLimitsHandle):

@@ -29,8 +29,11 @@ from typing import ClassVar
 
 from station.core.hardware.limits.joint_limits_handle import JointLimitsHandle
 from station.core.hardware.limits.joint_limits_interface import JointLimitsInterface
-from station.kernel.joint_limits import LimitedJoints
-from station.kernel.rate_limits import PositionRateLimits, VelocityRateLimits
+from station.core.hardware.limits.limited_joints import LimitedJoints
+from station.core.hardware.limits.rate_limits import (
+    PositionRateLimits,
+    VelocityRateLimits,
+)
 
 
 class PositionJointRateLimitsHandle(JointLimitsHandle):

@@ -8,8 +8,11 @@ from station.core.hardware.transmissions.transmission_handle import (
     QuantityMap,
     TransmissionHandle,
 )
-from station.kernel.doubles import as_doubles, doubles, indices
-from station.kernel.transmission_maps import NO_OFFSET, ReducedValues
+from station.core.hardware.transmissions.transmission_maps import (
+    NO_OFFSET,
+    ReducedValues,
+)
+from station.memory.doubles import as_doubles, doubles, indices
 
 _EFFORTS = ("effort", "torque_sensor")
 _POSITIONS = ("position", "absolute_position")

@@ -6,7 +6,7 @@ from math import nan
 from station.core.errors import HardwareInterfaceError
 from station.core.hardware.slots import Slot
 from station.core.hardware.transmissions.transmission_handle import JointData
-from station.kernel.doubles import Storage, doubles
+from station.memory.doubles import Storage, doubles
 
 
 class RawJointData:

@@ -17,7 +17,11 @@ from station.core.hardware.transmissions.transmission import (
     Transmission,
     TransmissionInterfaceError,
 )
-from station.kernel.transmission_maps import NO_OFFSET, divided, multiplied
+from station.core.hardware.transmissions.transmission_maps import (
+    NO_OFFSET,
+    divided,
+    multiplied,
+)
 
 
 class SimpleTransmission(Transmission):

@@ -2,8 +2,8 @@
 
 All matrices are flat and column-major, as libfranka has them: a pose T has 16 numbers,
 T(r, c) = T[4 c + r]; a Jacobian has 42, J(r, c) = J[6 c + r], rows vx vy vz wx wy wz.
-Base frame O: centre of the base, z along joint 1. `station.kernel.arm_chain` does the
-arithmetic; what runs in every cycle calls the kernel with memory of its own.
+Base frame O: centre of the base, z along joint 1. `arm_chain` of `core.numerics` does
+the arithmetic; what runs in every cycle calls it with memory of its own.
 
 Source: Franka Control Interface documentation, Denavit-Hartenberg parameters (Craig's
 convention; the same for Panda and FR3); libfranka@0.9.2 include/franka/model.h, Frame.
@@ -15,8 +15,8 @@ from collections.abc import Sequence
 from math import cos, pi, sin
 
 from station.core.franka.franka_model import Frame
-from station.kernel import arm_chain, rigid_motion
-from station.kernel.doubles import Doubles, Storage, doubles, put, viewed, zeros
+from station.core.numerics import arm_chain, rigid_motion
+from station.memory.doubles import Doubles, Storage, doubles, put, viewed, zeros
 
 DOF = 7
 """Number of joints."""
@@ -34,7 +34,7 @@ _DH = (
 CHAIN = doubles(
     value for a, d, alpha in _DH for value in (a, d, cos(alpha), sin(alpha))
 )
-"""The joints and the flange in the form of `station.kernel.arm_chain`."""
+"""The joints and the flange in the form of `station.core.numerics.arm_chain`."""
 FLANGE_OFFSET = _DH[-1][1]
 """Distance of the flange from the frame of link 7, along z [m]."""
 

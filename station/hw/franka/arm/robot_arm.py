@@ -17,13 +17,12 @@ from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_model import FrankaModel
 from station.core.franka.franka_robot_state import RobotState
 from station.core.franka.franka_services import ArmRecord, CollisionBehavior
+from station.core.franka.model_sources import ModelSource
 from station.core.quick_way import is_in_force
+from station.hw.franka.arm.arm_reading import CalledCycles, Cycles
 from station.hw.franka.arm.load import Load
-from station.kernel.arm_reading import CalledCycles, Cycles
-from station.kernel.arm_step import ArmStep
-from station.kernel.command_sending import Receiver
-from station.kernel.doubles import Storage
-from station.kernel.model_sources import ModelSource
+from station.hw.franka.arm.receiver import PoseReceiver, Receiver
+from station.memory.doubles import Storage
 
 REST_VELOCITY = 2e-4
 """Joints slower than this are at rest [rad/s]."""
@@ -60,13 +59,13 @@ class Receivers(NamedTuple):
         positions: Takes positions [rad].
         velocities: Takes velocities [rad/s].
         torques: Takes torques [Nm].
-        step: The arithmetic of a simulated arm; None for any other arm.
+        poses: Takes poses in usual cycles; None if `command_cartesian_pose` takes all.
     """
 
     positions: Receiver
     velocities: Receiver
     torques: Receiver
-    step: ArmStep | None = None
+    poses: PoseReceiver | None = None
 
 
 class RobotArm(ABC):

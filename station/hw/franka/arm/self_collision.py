@@ -9,10 +9,10 @@ apart are left out.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from station.core.numerics.arm_chain import new_links, place_links
+from station.hw.franka.arm.capsules import nearest_pair, place_segments
 from station.hw.franka.arm.franka_kinematics import CHAIN, DOF
-from station.kernel.arm_chain import new_links, place_links
-from station.kernel.capsules import nearest_pair, place_segments
-from station.kernel.doubles import doubles, indices, put, zeros
+from station.memory.doubles import doubles, indices, put, zeros
 
 _HAND = 8
 _EIGHTH_TURN = 0.5**0.5

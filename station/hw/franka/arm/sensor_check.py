@@ -1,7 +1,7 @@
 """Find joint readings that are not finite."""
 
 from station.core.franka.franka_robot_state import RobotState
-from station.kernel.finite_check import FiniteCheck
+from station.memory.finite_check import FiniteCheck
 
 _READINGS = ("position", "velocity", "torque")
 

@@ -13,12 +13,15 @@ from station.core.franka import (
     FrankaPoseCartesianInterface,
     FrankaVelocityCartesianInterface,
 )
+from station.core.franka.command_rates import filtered
 from station.hw.franka.arm.arm_limits import ArmLimits
 from station.hw.franka.arm.control_mode import ControlMode
 from station.hw.franka.arm.franka_kinematics import IDENTITY
 from station.hw.franka.arm.robot_arm import RobotArm, receivers_of
 from station.hw.franka.commands.command_settings import CommandSettings
 from station.hw.franka.commands.pose_bridge import PoseBridge
+from station.hw.franka.commands.pose_rates import PoseRates
+from station.hw.franka.commands.pose_sending import PoseSend
 from station.hw.franka.commands.rate_limiter import (
     PERIOD,
     RateLimits,
@@ -26,11 +29,8 @@ from station.hw.franka.commands.rate_limiter import (
     low_pass_gain,
     with_margins,
 )
-from station.kernel.command_rates import filtered
-from station.kernel.doubles import Block, put, viewed
-from station.kernel.finite_check import FiniteCheck
-from station.kernel.pose_rates import PoseRates
-from station.kernel.pose_sending import PoseSend
+from station.memory.doubles import Block, put, viewed
+from station.memory.finite_check import FiniteCheck
 
 # libfranka's margin for the rotation of a pose.
 _ROTATION_SHARE = 0.99
@@ -73,11 +73,11 @@ class CartesianCommands:
             replace(limits.elbow, velocity=limits.limiter_elbow_velocity), losses
         )
         self._elbow = RateLimits(elbow.velocity, elbow.acceleration, elbow.jerk, 1.0)
-        step = receivers_of(arm).step
+        poses = receivers_of(arm).poses
         self.pose_send: PoseSend | None = None
-        if step is not None:
+        if poses is not None:
             self.pose_send = PoseSend(
-                self._bridge, self._pose, self._pose_elbow, self._rates, step
+                self._bridge, self._pose, self._pose_elbow, self._rates, poses
             )
         self._filters_first_pose = limits.filters_first_pose
         self._is_first = False

@@ -2,7 +2,9 @@
 
 from collections.abc import Callable
 
+from station.core.franka.command_rates import CommandRates
 from station.core.franka.franka_robot_state import RobotState
+from station.core.franka.joint_memory import JointMemory
 from station.hw.franka.arm.arm_limits import ArmLimits
 from station.hw.franka.commands.joint_commands import JointCommands
 from station.hw.franka.commands.rate_limiter import (
@@ -11,8 +13,6 @@ from station.hw.franka.commands.rate_limiter import (
     rate_limits_of,
     velocity_range_of,
 )
-from station.kernel.command_rates import CommandRates
-from station.kernel.joint_memory import JointMemory
 
 # A joint approaches its goal with half of the acceleration limit, and near the goal
 # with a velocity in proportion to the distance [1/s]. Where the two meet, the

@@ -4,20 +4,20 @@ from typing_extensions import override
 
 from station.core.errors import InvalidCommandError
 from station.core.franka.franka_robot_state import MODE
+from station.hw.franka.arm.arm_codes import MOVE
 from station.hw.franka.arm.control_mode import ControlMode
 from station.hw.franka.arm.robot_arm import RobotArm, receivers_of
 from station.hw.franka.commands.cartesian_commands import CartesianCommands
 from station.hw.franka.commands.command_filter import CommandFilter
-from station.hw.franka.commands.command_settings import CommandSettings
-from station.hw.franka.commands.joint_commands import JointCommands
-from station.kernel.arm_codes import MOVE
-from station.kernel.command_sending import (
+from station.hw.franka.commands.command_sending import (
     CommandSending,
     JointSend,
     PositionSend,
     TorqueSend,
     VelocitySend,
 )
+from station.hw.franka.commands.command_settings import CommandSettings
+from station.hw.franka.commands.joint_commands import JointCommands
 
 
 class CommandSender(CommandSending):

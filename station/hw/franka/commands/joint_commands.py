@@ -30,8 +30,8 @@ from station.core.hardware.robot_report import (
 )
 from station.hw.franka.arm.control_mode import ControlMode
 from station.hw.franka.commands.rate_limiter import RateLimits
-from station.kernel.doubles import Block, Doubles, put
-from station.kernel.finite_check import FiniteCheck
+from station.memory.doubles import Block, Doubles, put
+from station.memory.finite_check import FiniteCheck
 
 _DOF = 7
 # Distance from the ends of its range at which a joint that is limited by rate stops

@@ -1,8 +1,8 @@
 """What an arm is sent in the cycles that a slow or a late loop has missed."""
 
+from station.hw.franka.arm.arm_reading import ArmReading
 from station.hw.franka.arm.robot_arm import MOST_LOST_PACKETS, RobotArm
 from station.hw.franka.commands.command_sender import CommandSender
-from station.kernel.arm_reading import ArmReading
 
 
 def catch_up(

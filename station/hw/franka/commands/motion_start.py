@@ -14,10 +14,10 @@ from typing_extensions import override
 from station.core.errors import ArmCommandError
 from station.core.franka.franka_robot_state import RobotMode
 from station.hw.franka.arm.control_mode import ControlMode
+from station.hw.franka.arm.flags import MotionFlags
 from station.hw.franka.arm.robot_arm import MEASURED_REST, REST_VELOCITY, RobotArm
 from station.hw.franka.commands.command_sender import CommandSender
 from station.hw.franka.commands.command_settings import CommandSettings
-from station.kernel.flags import MotionFlags
 
 LONGEST_WAIT = 500
 """Cycles of the arm after which a motion begins although the arm still trembles."""

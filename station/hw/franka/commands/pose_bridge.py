@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from math import sqrt
 from typing import NamedTuple
 
-from station.core.numerics.rigid_motion import displace, twist_between
+from station.core.numerics.poses import displace, twist_between
+from station.hw.franka.commands.pose_sending import PassedPoses
 from station.hw.franka.commands.rate_limiter import PERIOD
-from station.kernel.doubles import doubles
-from station.kernel.pose_sending import PassedPoses
+from station.memory.doubles import doubles
 
 FASTEST_RETURN = 25.0
 """Fastest decay rate of the offset between commanded and predicted poses [1/s]; the

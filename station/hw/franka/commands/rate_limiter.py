@@ -10,8 +10,8 @@ the same files, for the FR3.
 from dataclasses import dataclass
 from math import pi
 
+from station.core.franka.command_rates import limited
 from station.hw.franka.arm.arm_limits import PANDA_LIMITS, ArmLimits, MotionLimits
-from station.kernel.command_rates import limited
 
 PERIOD = 0.001
 """Cycle of the arm [s]."""

@@ -21,7 +21,7 @@ from station.core.hardware.interfaces import (
 from station.core.hardware.robot_hw import ControllerInfo, ResourceConflict
 from station.hw.franka.hand.hand_limits import FASTEST
 from station.hw.franka.hand.hand_services import HandMotor, HandServices
-from station.kernel.doubles import Block, put, zeros
+from station.memory.doubles import Block, put, zeros
 
 _KINDS = (PositionJointInterface.type_name, EffortJointInterface.type_name)
 

@@ -1,20 +1,20 @@
 """Put together the kernel's parts of one simulated arm's cycle."""
 
 from station.core.franka.franka_robot_state import MODE, RobotState
+from station.core.franka.joint_memory import JointMemory
 from station.hw.franka.arm.arm_limits import ArmLimits
 from station.hw.franka.arm.franka_kinematics import CHAIN
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
-from station.kernel.arm_step import ArmStep
-from station.kernel.cartesian_step import CartesianStep
-from station.kernel.command_check import CommandCheck
-from station.kernel.cycle_log import CycleLog
-from station.kernel.desired_motion import DesiredMotion
-from station.kernel.doubles import zeros
-from station.kernel.inverse_kinematics import InverseKinematics
-from station.kernel.joint_memory import JointMemory
-from station.kernel.joint_motors import JointMotors
-from station.kernel.joint_watch import JointWatch
-from station.kernel.simulator_memory import SimulatorMemory
+from station.hw.franka.simulated.arm_step import ArmStep
+from station.hw.franka.simulated.cartesian_step import CartesianStep
+from station.hw.franka.simulated.command_check import CommandCheck
+from station.hw.franka.simulated.cycle_log import CycleLog
+from station.hw.franka.simulated.desired_motion import DesiredMotion
+from station.hw.franka.simulated.inverse_kinematics import InverseKinematics
+from station.hw.franka.simulated.joint_motors import JointMotors
+from station.hw.franka.simulated.joint_watch import JointWatch
+from station.hw.mujoco.simulator_memory import SimulatorMemory
+from station.memory.doubles import zeros
 
 REACH = 1.3
 """Larger than the distance of any end effector from any joint axis [m]."""

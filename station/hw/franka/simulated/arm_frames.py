@@ -11,7 +11,7 @@ from station.hw.franka.arm.franka_kinematics import (
     compose,
 )
 from station.hw.franka.arm.load import Load, combine_loads
-from station.kernel.end_effector_state import EndEffectorState
+from station.hw.franka.simulated.end_effector_state import EndEffectorState
 
 MAX_EXTENSION = -0.467002423653011
 """Position of joint 4 at which the arm is stretched out most [rad]."""

@@ -7,6 +7,8 @@ from typing_extensions import override
 from station.core.description.robot_files import RobotFiles
 from station.core.franka.franka_model import GRAVITY_EARTH, Frame, FrankaModel
 from station.core.franka.franka_robot_state import RobotState
+from station.core.franka.model_sources import ModelSource
+from station.core.numerics.arm_chain import turn_to_inner_axes
 from station.hw.franka.arm.franka_kinematics import (
     place_frame,
     place_jacobian,
@@ -14,9 +16,7 @@ from station.hw.franka.arm.franka_kinematics import (
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.self_collision import clearance
 from station.hw.franka.simulated.franka_dynamics import FrankaDynamics
-from station.kernel.arm_chain import turn_to_inner_axes
-from station.kernel.doubles import Doubles, doubles, viewed
-from station.kernel.model_sources import ModelSource
+from station.memory.doubles import Doubles, doubles, viewed
 
 
 class ArmModel(FrankaModel):

@@ -20,11 +20,11 @@ import numpy as np
 
 from station.core.franka.franka_model import Frame
 from station.core.franka.franka_robot_state import RobotMode, RobotState
-from station.core.numerics.rigid_motion import rotation_between
+from station.core.numerics.poses import rotation_between
 from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
 from station.hw.franka.simulated.arm_cycle import ArmCycle
 from station.hw.mujoco.world_joints import WorldJoints
-from station.kernel.doubles import Doubles, put
+from station.memory.doubles import Doubles, put
 
 DEFAULT_JOINT_IMPEDANCE = (3000.0, 3000.0, 3000.0, 2500.0, 2500.0, 2000.0, 2000.0)
 """Stiffness of the internal controller [Nm/rad]. Source: libfranka@0.9.2

@@ -2,10 +2,10 @@
 
 from station.core.franka.franka_robot_state import RobotState
 from station.hw.franka.simulated.arm_load import ArmLoad
+from station.hw.franka.simulated.arm_step import ArmStep
 from station.hw.franka.simulated.sensor_faults import SensorFaults
 from station.hw.mujoco.world_joints import WorldJoints
-from station.kernel.arm_step import ArmStep
-from station.kernel.doubles import Doubles, put
+from station.memory.doubles import Doubles, put
 
 _ZEROS = [0.0] * 7
 

@@ -13,15 +13,15 @@ from station.core.franka.franka_errors import ERROR_INDEX, ArmError
 from station.core.franka.franka_model import Frame
 from station.core.franka.franka_robot_state import RobotState
 from station.core.franka.franka_services import ArmRecord
-from station.core.numerics.rigid_motion import rotation_between, times
+from station.core.numerics.poses import rotation_between, times
 from station.hw.franka.arm.arm_limits import ArmLimits
+from station.hw.franka.arm.flags import AlertFlag
 from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
 from station.hw.franka.arm.self_collision import clearance
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
-from station.kernel.cycle_log import CycleLog
-from station.kernel.doubles import Doubles
-from station.kernel.flags import AlertFlag
-from station.kernel.joint_watch import JointWatch
+from station.hw.franka.simulated.cycle_log import CycleLog
+from station.hw.franka.simulated.joint_watch import JointWatch
+from station.memory.doubles import Doubles
 
 # Change for the worse after a recovery that makes a value an error again [rad or m];
 # for other units a share of the limit.

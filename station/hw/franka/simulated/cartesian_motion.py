@@ -1,7 +1,7 @@
 """Turn Cartesian commands into joint motion, by an inverse kinematics with an elbow.
 
 Source: Franka Control Interface documentation, Cartesian motion generators; differs:
-see `station.kernel.cartesian_step`.
+see `station.hw.franka.simulated.cartesian_step`.
 """
 
 from math import sqrt
@@ -11,6 +11,8 @@ from station.core.franka.franka_robot_state import RobotState
 from station.hw.franka.arm.arm_limits import ArmLimits
 from station.hw.franka.arm.franka_kinematics import CHAIN
 from station.hw.franka.simulated.arm_frames import MAX_EXTENSION
+from station.hw.franka.simulated.cartesian_step import TWIST_SIZE, CartesianStep
+from station.hw.franka.simulated.end_effector_state import EndEffectorState
 from station.hw.franka.simulated.motion_checks import (
     START_ELBOW_TOLERANCE,
     START_ROTATION_TOLERANCE,
@@ -19,9 +21,7 @@ from station.hw.franka.simulated.motion_checks import (
     joint_motion_errors,
     twist_errors,
 )
-from station.kernel.cartesian_step import TWIST_SIZE, CartesianStep
-from station.kernel.doubles import Doubles, put
-from station.kernel.end_effector_state import EndEffectorState
+from station.memory.doubles import Doubles, put
 
 Elbow = tuple[float, float]
 """Position of joint 3 [rad] and sign of joint 4."""

@@ -20,13 +20,13 @@ from station.core.franka.franka_robot_state import RobotState
 from station.core.franka.franka_services import CollisionBehavior
 from station.hw.franka.arm.arm_limits import ArmLimits
 from station.hw.franka.arm.collision_behavior import DEFAULT_COLLISION_BEHAVIOR
+from station.hw.franka.arm.flags import ContactFlag
 from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
 from station.hw.mujoco.world_joints import WorldJoints
-from station.kernel.doubles import put
-from station.kernel.flags import ContactFlag
+from station.memory.doubles import put
 
 if TYPE_CHECKING:
-    from station.kernel.imperfections import Imperfections
+    from station.hw.franka.simulated.imperfections import Imperfections
 
 CUTOFF_FREQUENCY = 100.0
 """Cutoff frequency of the low-pass filter on the external torques [Hz]."""

@@ -1,9 +1,9 @@
 """Mass matrix, Coriolis and gravity torques of the arm with a load at its flange.
 
 The links are those of the URDF, without rotor inertia, friction, hand and fingers: what
-is mounted at the flange is the load, as libfranka has it. `station.kernel.arm_dynamics`
-does the arithmetic, once for each set of joint positions, however much is asked of it,
-and however often.
+is mounted at the flange is the load, as libfranka has it. `arm_dynamics` of
+`core.numerics` does the arithmetic, once for each set of joint positions, however much
+is asked of it, and however often.
 """
 
 from collections.abc import Callable, Sequence
@@ -16,21 +16,21 @@ from station.core.description.urdf import Joint, Pose
 from station.core.errors import RobotDescriptionError
 from station.core.franka.franka_model import GRAVITY_EARTH
 from station.core.franka.franka_robot_state import RobotState
+from station.core.franka.model_sources import (
+    CoriolisSource,
+    ModelSource,
+    ToolJacobianSource,
+    ToolPoseSource,
+)
+from station.core.numerics.arm_chain import new_links, place_links
+from station.core.numerics.arm_dynamics import ArmDynamics
 from station.hw.franka.arm.arm_names import find_prefix
 from station.hw.franka.arm.franka_kinematics import CHAIN, DOF, FLANGE_OFFSET
 from station.hw.franka.arm.load import Load
 from station.hw.franka.simulated.end_effector import as_transform
 from station.hw.mujoco.inertia import combine
 from station.hw.urdf_loader import load_urdf
-from station.kernel.arm_chain import new_links, place_links
-from station.kernel.arm_dynamics import ArmDynamics
-from station.kernel.doubles import Doubles, Storage, own, put, viewed, zeros
-from station.kernel.model_sources import (
-    CoriolisSource,
-    ModelSource,
-    ToolJacobianSource,
-    ToolPoseSource,
-)
+from station.memory.doubles import Doubles, Storage, own, put, viewed, zeros
 
 _NO_LOAD = Load()
 _MASS, _CORIOLIS, _GRAVITY = -1, -2, -3
@@ -234,7 +234,7 @@ def _moments(
 def read_bodies(description: RobotFiles) -> list[float]:
     """Return mass and moments of the links 1 to 7 in their own frames, 70 numbers.
 
-    `station.kernel.arm_dynamics` says which.
+    `station.core.numerics.arm_dynamics` says which.
 
     Args:
         description: The URDF of a Franka arm.

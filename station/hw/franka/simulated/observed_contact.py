@@ -14,11 +14,16 @@ from station.hw.franka.arm.arm_limits import ArmLimits
 from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
 from station.hw.franka.simulated.arm_cycle import ArmCycle
 from station.hw.franka.simulated.contact_estimate import SINGULAR, ContactEstimate
+from station.hw.franka.simulated.imperfections import (
+    LOST,
+    MOVED,
+    TOUCHED,
+    Imperfections,
+)
 from station.hw.franka.simulated.realism import Realism
+from station.hw.mujoco.simulator_memory import SimulatorMemory
 from station.hw.mujoco.world_joints import WorldJoints
-from station.kernel.doubles import Doubles, doubles, put
-from station.kernel.imperfections import LOST, MOVED, TOUCHED, Imperfections
-from station.kernel.simulator_memory import SimulatorMemory
+from station.memory.doubles import Doubles, doubles, put
 
 _NUMBERS = 16381
 """How many random numbers there are. They are drawn in pairs of a cycle's 14, and the

@@ -10,6 +10,9 @@ from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_model import Frame, FrankaModel
 from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.core.franka.franka_services import ArmRecord, CollisionBehavior
+from station.core.franka.model_sources import ModelSource
+from station.hw.franka.arm.arm_codes import POSITIONS, UNUSUAL, VELOCITIES
+from station.hw.franka.arm.arm_reading import Cycles
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.robot_arm import (
     ControllerMode,
@@ -22,13 +25,15 @@ from station.hw.franka.simulated.arm_drive import ArmDrive
 from station.hw.franka.simulated.arm_model import ArmModel
 from station.hw.franka.simulated.arm_modes import ArmModes
 from station.hw.franka.simulated.arm_parts import ArmParts
+from station.hw.franka.simulated.receivers import (
+    EndEffectorReceiver,
+    JointReceiver,
+    TorqueReceiver,
+)
 from station.hw.franka.simulated.simulated_arm_controls import SimulatedArmControls
+from station.hw.franka.simulated.simulated_cycles import SimulatedCycles
 from station.hw.mujoco.world import World
-from station.kernel.arm_codes import POSITIONS, UNUSUAL, VELOCITIES
-from station.kernel.arm_reading import Cycles, SimulatedCycles
-from station.kernel.command_sending import JointReceiver, TorqueReceiver
-from station.kernel.doubles import Storage
-from station.kernel.model_sources import ModelSource
+from station.memory.doubles import Storage
 
 _ZEROS = [0.0] * 7
 _SUPERVISED = (
@@ -116,7 +121,7 @@ class SimulatedArm(RobotArm):
             JointReceiver(self.command_joint_positions, step, memory, POSITIONS),
             JointReceiver(self.command_joint_velocities, step, memory, VELOCITIES),
             TorqueReceiver(self.command_joint_torques, step, memory),
-            step,
+            EndEffectorReceiver(step),
         )
 
     @override

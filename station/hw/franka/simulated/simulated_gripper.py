@@ -3,9 +3,9 @@
 from math import sqrt
 
 from station.hw.franka.hand.hand_limits import MAX_FORCE, OPEN_WIDTH
+from station.hw.franka.simulated.finger_motor import FingerMotor, FingerSensor
 from station.hw.mujoco.world import World
-from station.kernel.doubles import Doubles
-from station.kernel.finger_motor import FingerMotor, FingerSensor
+from station.memory.doubles import Doubles
 
 _STIFFNESS = 5000.0
 _SPEED = 0.2

@@ -8,7 +8,7 @@ from station.core.hardware.interfaces import (
     JointStateGroup,
     JointStateHandle,
 )
-from station.kernel.doubles import doubles
+from station.memory.doubles import doubles
 
 
 def handles(indices, command_indices=None):

@@ -5,10 +5,10 @@ from math import inf, nan
 import pytest
 
 from station.core.hardware.interfaces import JointHandle, JointStateHandle
+from station.core.hardware.limits import clamp_codes
 from station.core.hardware.limits.joint_limits_group import JointLimitsGroup
-from station.kernel import clamp_codes
-from station.kernel.doubles import doubles
-from station.kernel.joint_limits import LIMITS, VelocitySaturation
+from station.core.hardware.limits.limited_joints import LIMITS, VelocitySaturation
+from station.memory.doubles import doubles
 
 MEMORY = {"previous": 0.0, "velocity_before": nan, "acceleration_before": 0.0}
 

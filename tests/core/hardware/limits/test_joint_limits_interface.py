@@ -17,8 +17,8 @@ from station.core.hardware.limits import (
     VelocityJointSaturationHandle,
     VelocityJointSaturationInterface,
 )
-from station.kernel.doubles import doubles
-from station.kernel.joint_limits import MOST_JOINTS
+from station.core.hardware.limits.limited_joints import MOST_JOINTS
+from station.memory.doubles import doubles
 
 VECTORS = Path(__file__).parents[3] / "data" / "vectors" / "joint_limits.json.gz"
 

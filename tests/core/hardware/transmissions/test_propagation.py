@@ -12,8 +12,8 @@ from station.core.hardware.transmissions import (
     SimpleTransmission,
     TransmissionHandle,
 )
-from station.kernel.doubles import Block, doubles, put
-from tests.kernel.both_modes import bits, numbers
+from station.memory.doubles import Block, doubles, put
+from tests.both_modes import bits, numbers
 
 _ALL = ("position", "velocity", "effort", "absolute_position", "torque_sensor")
 _SIZE = 4

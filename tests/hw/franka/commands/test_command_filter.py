@@ -9,7 +9,7 @@ from station.hw.franka.arm.arm_limits import FR3_LIMITS, PANDA_LIMITS, ArmLimits
 from station.hw.franka.commands.command_filter import CommandFilter
 from station.hw.franka.commands.joint_commands import JointCommands
 from station.hw.franka.commands.rate_limiter import PANDA_RATE_LIMITS, PERIOD
-from station.kernel.doubles import put
+from station.memory.doubles import put
 
 
 def make(

@@ -14,7 +14,7 @@ from station.hw.franka.commands.command_filter import CommandFilter
 from station.hw.franka.commands.command_sender import CommandSender
 from station.hw.franka.commands.command_settings import CommandSettings
 from station.hw.franka.commands.joint_commands import JointCommands
-from station.kernel.doubles import put
+from station.memory.doubles import put
 from tests.hw.franka.scripted_arm import ScriptedArm
 from tests.hw.franka.test_franka_hw import JOINTS
 

@@ -5,6 +5,7 @@ import random
 
 import pytest
 
+from station.core.franka.command_rates import filtered
 from station.hw.franka.commands.rate_limiter import (
     PANDA_RATE_LIMITS,
     PERIOD,
@@ -13,7 +14,6 @@ from station.hw.franka.commands.rate_limiter import (
     limit_velocity,
     low_pass_gain,
 )
-from station.kernel.command_rates import filtered
 
 LIMITS = PANDA_RATE_LIMITS[0]
 

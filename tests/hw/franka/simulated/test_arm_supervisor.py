@@ -7,7 +7,7 @@ from station.hw.franka.arm.arm_limits import PANDA_LIMITS
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.simulated.arm_cycle import ArmCycle
 from station.hw.franka.simulated.arm_supervisor import ArmSupervisor
-from station.kernel.simulator_memory import SimulatorMemory
+from station.hw.mujoco.simulator_memory import SimulatorMemory
 
 Q = [0.0, -0.8, 0.0, -2.3, 0.0, 1.5, 0.8]
 

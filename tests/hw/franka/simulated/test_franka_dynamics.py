@@ -8,12 +8,12 @@ import pytest
 from station.core.description.robot_files import load_robot_files
 from station.core.errors import RobotDescriptionError
 from station.core.franka.franka_model import Frame
+from station.core.numerics.arm_dynamics import ArmDynamics
 from station.hw.franka.arm.franka_kinematics import zero_jacobian
 from station.hw.franka.arm.load import Load
 from station.hw.franka.franka_parameters import INITIAL_POSITIONS
 from station.hw.franka.simulated.franka_dynamics import FrankaDynamics
 from station.hw.urdf_loader import load_urdf
-from station.kernel.arm_dynamics import ArmDynamics
 
 STRETCHED = [0.0] * 7
 START = list(INITIAL_POSITIONS)

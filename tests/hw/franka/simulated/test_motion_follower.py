@@ -12,7 +12,7 @@ from station.hw.franka.arm.robot_arm import MotionGeneratorMode
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.simulated.arm_cycle import ArmCycle
 from station.hw.franka.simulated.motion_follower import MotionFollower
-from station.kernel.simulator_memory import SimulatorMemory
+from station.hw.mujoco.simulator_memory import SimulatorMemory
 
 PERIOD = 0.001
 Q = [0.0, -0.8, 0.0, -2.3, 0.0, 1.5, 0.8]

@@ -7,7 +7,7 @@ from math import isfinite
 from station.core.errors import InvalidCommandError
 from station.hw.franka.arm.transform_check import transform_problem
 from station.hw.franka.fci.wire.robot_protocol import RobotProtocol
-from station.kernel.doubles import Storage, put
+from station.memory.doubles import Storage, put
 
 _ID = struct.Struct("<Q")
 _FIRST_DOUBLE, _BEHIND_DOUBLES = "q_c", "valid_elbow"

@@ -20,7 +20,7 @@ from station.hw.franka.fci.wire.robot_protocol import (
     MoveGenerator,
     RobotProtocol,
 )
-from station.kernel.doubles import Storage
+from station.memory.doubles import Storage
 
 _DEVIATIONS = (10.0, 3.12, 2.0 * pi)
 """Source: libfranka@0.9.2 src/control_loop.h, kDefaultDeviation."""

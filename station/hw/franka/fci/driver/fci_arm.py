@@ -39,7 +39,7 @@ from station.hw.franka.fci.wire.robot_protocol import (
     MoveStatus,
     RobotProtocol,
 )
-from station.kernel.doubles import Storage
+from station.memory.doubles import Storage
 
 _LONGEST_START = 1000
 """States within which a motion that the arm has accepted shows."""

@@ -28,7 +28,7 @@ from station.hw.franka.fci.driver.hand_link import HandLink, HandOrder
 from station.hw.franka.fci.wire.gripper_protocol import GripperCommand as HandCommand
 from station.hw.franka.fci.wire.gripper_protocol import GripperStatus
 from station.hw.franka.hand.hand_limits import OPEN_WIDTH, check_grasp, check_move
-from station.kernel.doubles import Block
+from station.memory.doubles import Block
 
 _ACTIVITIES = {
     GripperAction.HOMING: GripperActivity.HOMING,

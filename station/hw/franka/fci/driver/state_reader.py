@@ -8,7 +8,7 @@ from station.hw.franka.arm.load import Load, combine_loads
 from station.hw.franka.fci.wire.robot_protocol import RobotProtocol
 
 if TYPE_CHECKING:
-    from station.kernel.doubles import Doubles
+    from station.memory.doubles import Doubles
 
 _FIRST_DOUBLE = "O_T_EE"
 _BEHIND_DOUBLES = "motion_generator_mode"

@@ -9,6 +9,7 @@ from typing import Generic, Protocol, TypeVar
 
 from typing_extensions import override
 
+from station.core.hardware.stages import Stage
 from station.hw.franka.arm.robot_arm import RobotArm
 from station.hw.franka.fci.server.gripper_session import (
     GRIPPER_PERIOD,
@@ -18,7 +19,6 @@ from station.hw.franka.fci.server.robot_session import ModelLibrary, RobotSessio
 from station.hw.franka.fci.server.shared_page import SharedPage
 from station.hw.franka.fci.wire.robot_protocol import PANDA, RobotProtocol
 from station.hw.franka.hand.hand_services import HandServices
-from station.kernel.stages import Stage
 
 
 class _Session(Protocol):

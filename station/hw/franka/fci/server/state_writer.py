@@ -7,7 +7,7 @@ from station.core.franka.franka_robot_state import RobotState
 from station.hw.franka.fci.wire.robot_protocol import RobotProtocol
 
 if TYPE_CHECKING:
-    from station.kernel.doubles import Doubles
+    from station.memory.doubles import Doubles
 
 _FIRST_DOUBLE = "O_T_EE"
 _BEHIND_DOUBLES = "motion_generator_mode"

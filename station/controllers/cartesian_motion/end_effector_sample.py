@@ -1,0 +1,156 @@
+"""Keep what a controller of an end effector did in a cycle: a pose, or a twist."""
+
+from station.core.control.sample_columns import SampleColumns
+from station.core.control.usual_update import UsualUpdate
+from station.core.franka.model_sources import ModelSource
+from station.core.numerics.arm_chain import turn_to_inner_axes, twist_of
+from station.core.numerics.rigid_motion import numbers_of
+from station.core.ports.set_point_news import SetPointNews
+from station.memory.doubles import Doubles, doubles, zeros
+from station.memory.vectors import copy_into
+
+_POSE = 7
+_QUATERNION = 4
+_TWIST = 6
+
+
+class EndEffectorSample:
+    """What is desired, what is measured, and the difference; a subclass writes both.
+
+    Args:
+        size: How many numbers each of them has.
+
+    Attributes:
+        desired: What is desired, shape (size,).
+        actual: What is measured, shape (size,).
+        errors: The difference, shape (size,).
+        sampled: The columns.
+    """
+
+    def __init__(self, size: int) -> None:
+        self.size = size
+        self.desired = zeros(size)
+        self.actual = zeros(size)
+        self.errors = zeros(size)
+        self.sampled = SampleColumns((
+            self.desired,
+            self.actual,
+            self.errors,
+            self.desired,
+        ))
+
+    def measure(self) -> None:
+        """Write what is desired, and what is measured."""
+        raise NotImplementedError
+
+    def keep(self, time: float) -> None:
+        """Keep the sample of a cycle.
+
+        Args:
+            time: Station time [s].
+        """
+        self.measure()
+        desired, actual, errors = self.desired, self.actual, self.errors
+        for i in range(self.size):
+            errors[i] = desired[i] - actual[i]
+        self.sampled.keep(time)
+
+
+class PoseSample(EndEffectorSample):
+    """Position [m] and unit quaternion x y z w, desired and measured.
+
+    Quaternions of a motion do not jump: of the two of a rotation, the one is kept that
+    is nearer to the one before.
+
+    Args:
+        pose: The desired pose, 16 numbers.
+        source: Writes the measured pose.
+
+    Attributes:
+        near: The quaternion of the last cycle, shape (4,).
+    """
+
+    def __init__(self, pose: Doubles, source: ModelSource) -> None:
+        super().__init__(_POSE)
+        self.pose = pose
+        self.source = source
+        self.near = doubles([0.0, 0.0, 0.0, 1.0])
+        self.actual_pose = zeros(16)
+        self.quaternion = self.desired[3:]
+
+    def measure(self) -> None:
+        """Write both; see `EndEffectorSample.measure`."""
+        near = self.near
+        numbers_of(self.pose, near, self.desired)
+        copy_into(near, 0, self.quaternion, _QUATERNION)
+        self.source.write(self.actual_pose)
+        numbers_of(self.actual_pose, near, self.actual)
+
+
+class TwistSample(EndEffectorSample):
+    """Velocity [m/s] and angular velocity [rad/s], desired and measured.
+
+    Args:
+        pose: The desired pose, 16 numbers.
+        twist: The desired twist in the axes of the base, shape (6,).
+        measured_pose: Writes the measured pose.
+        jacobian: Writes the Jacobian in the axes of the base.
+        dq: Joint velocities [rad/s], shape (n,).
+
+    Attributes:
+        is_inner: Whether both twists are kept in the axes of the end effector, of its
+            desired and of its measured pose, in place of those of the base.
+    """
+
+    def __init__(
+        self,
+        pose: Doubles,
+        twist: Doubles,
+        measured_pose: ModelSource,
+        jacobian: ModelSource,
+        dq: Doubles,
+    ) -> None:
+        super().__init__(_TWIST)
+        self.pose = pose
+        self.twist = twist
+        self.measured_pose = measured_pose
+        self.source = jacobian
+        self.dq = dq
+        self.is_inner = False
+        self.actual_pose = zeros(16)
+        self.jacobian = zeros(_TWIST * len(dq))
+
+    def measure(self) -> None:
+        """Write both; see `EndEffectorSample.measure`."""
+        self.source.write(self.jacobian)
+        twist_of(self.jacobian, self.dq, self.actual)
+        if self.is_inner:
+            turn_to_inner_axes(self.pose, self.twist, self.desired)
+            self.measured_pose.write(self.actual_pose)
+            turn_to_inner_axes(self.actual_pose, self.actual, self.actual)
+        else:
+            copy_into(self.desired, 0, self.twist, _TWIST)
+
+
+class RestingEndEffector(UsualUpdate):
+    """Keeps an end effector at rest while no set-point arrives.
+
+    Args:
+        news: Whether a set-point may have come.
+        sample: What is kept of a cycle.
+
+    Attributes:
+        is_resting: Whether it rests, and nothing but rest is wanted.
+    """
+
+    def __init__(self, news: SetPointNews, sample: EndEffectorSample) -> None:
+        self.news = news
+        self.sample = sample
+        self.is_resting = False
+
+    def run(self, time: float, period: float) -> bool:
+        """Keep the sample while it rests; see `UsualUpdate.run`."""
+        if not self.is_resting or self.news.is_possible():
+            return False
+        self.sample.keep(time)
+        return True

@@ -1,0 +1,47 @@
+from station.memory.vectors cimport copy_into
+from station.memory.functions cimport square_root
+from station.core.numerics.wrench_equation cimport WrenchEquation
+
+cdef double _ROUNDING, _DAMPING
+
+cdef class LinearKinematics:
+    cdef Py_ssize_t size
+    cdef double[::1] q
+    cdef double[::1] jacobian
+    cdef double[::1] dq
+    cdef double[::1] motion
+    cdef double[::1] inverse
+    cdef double[::1] others
+    cdef double[::1] columns
+    cdef double[::1] lengths
+    cdef double[::1] arms
+    cdef WrenchEquation equation
+
+    cpdef void invert(self) noexcept
+    cpdef void put_others(self, double[::1] columns) noexcept
+    cpdef bint is_dexterous(self, double least) noexcept
+    cpdef void joint_step(self, double[::1] way, double elbow, double[::1] step) noexcept
+    cpdef void follow(self, double[::1] motion, double[::1] result) noexcept
+    cpdef void drift(self, double[::1] dq, double[::1] result) noexcept
+    cpdef bint are_slow(
+        self,
+        double[::1] twist,
+        double push,
+        double[::1] velocity,
+        double[::1] acceleration,
+    ) noexcept
+    cpdef bint are_pushed_little(self, double push, double[::1] acceleration) noexcept
+    cpdef long fastest_joint(
+        self,
+        double[::1] twist,
+        double[::1] accelerations,
+        double[::1] velocity,
+        double[::1] acceleration,
+    ) noexcept
+
+cpdef double length_of(double[::1] vector) noexcept
+cpdef double way_between(double[::1] first, double[::1] second) noexcept
+cpdef long limited_joint(
+    double[::1] q, double[::1] last, double[::1] lower, double[::1] upper
+) noexcept
+cpdef double moved(double[::1] q, double[::1] step, double[::1] result) noexcept

@@ -1,0 +1,323 @@
+"""The joint motion that belongs to a motion of the end effector at one configuration.
+
+The arm has seven joints or more, of which joint 3, the elbow, is moved by itself. The
+others follow the end effector by a damped inverse of the Jacobian.
+"""
+
+from station.core.numerics.wrench_equation import WrenchEquation
+from station.memory.doubles import Doubles, Storage, own
+from station.memory.functions import square_root
+from station.memory.vectors import copy_into
+
+# Small enough for full accuracy; keeps the matrix invertible at a singular pose.
+_DAMPING = 1e-9
+# More than rounding can change singular values.
+_ROUNDING = 1.001
+
+
+class LinearKinematics:
+    """The linearised kinematics of an arm at joint positions.
+
+    Args:
+        q: Joint positions [rad], shape (n,); kept and not copied.
+        jacobian: Jacobian of the end effector in the axes of the base, 6 n numbers,
+            column-major; kept, and read by `invert` and `is_dexterous`.
+    """
+
+    def __init__(self, q: Doubles, jacobian: Doubles) -> None:
+        self.size = len(q)
+        self.q = q
+        self.jacobian = jacobian
+        self.dq = own([0.0] * self.size)
+        self.motion = own([0.0] * 6)
+        # Transposed, 6 numbers per joint; those of joint 3 are zero.
+        self.inverse = own([0.0] * (6 * self.size))
+        self.others = own([0.0] * (6 * self.size))
+        # A copy of the Jacobian for `drift` and `joint_step`. How much each joint turns
+        # at most for a motion of length 1, and how far away its axis is [m].
+        self.columns = own([0.0] * (6 * self.size))
+        self.lengths = own([0.0] * self.size)
+        self.arms = own([0.0] * self.size)
+        self.equation = WrenchEquation()
+
+    def invert(self) -> None:
+        """Bring the inverse up to date with the Jacobian."""
+        inverse, columns = self.inverse, self.columns
+        copy_into(columns, 0, self.jacobian, 6 * self.size)
+        self.put_others(inverse)
+        # Without a Jacobian of finite numbers there is no motion.
+        is_known = self.equation.factorise(inverse, _DAMPING)
+        for joint in range(self.size):
+            column = inverse[6 * joint : 6 * joint + 6]
+            self.equation.solve(column, column)
+            # Interpreted, a part of a list is a copy.
+            copy_into(inverse, 6 * joint, column, 6)
+        if not is_known:
+            for k in range(len(inverse)):
+                inverse[k] = 0.0
+        for joint in range(self.size):
+            k = 6 * joint
+            x, y, z = columns[k], columns[k + 1], columns[k + 2]
+            self.arms[joint] = _ROUNDING * square_root(x * x + y * y + z * z)
+            square = 0.0
+            for k in range(6 * joint, 6 * joint + 6):
+                square += inverse[k] * inverse[k]
+            self.lengths[joint] = _ROUNDING * square_root(square)
+
+    def put_others(self, columns: Doubles) -> None:
+        """Write the Jacobian with zeros for joint 3.
+
+        Args:
+            columns: Where it goes, 6 numbers per joint.
+        """
+        copy_into(columns, 0, self.jacobian, 6 * self.size)
+        for k in range(12, 18):
+            columns[k] = 0.0
+
+    def is_dexterous(self, least: float) -> bool:
+        """Return True only if the extended Jacobian is far from a singular one.
+
+        The extended Jacobian A has the row of joint 3 below the Jacobian, so that A dq
+        is the twist and the velocity of joint 3. With the column c of joint 3 and the
+        other columns J, all singular values of A are above s < 1 if, and only if,
+        J J^T - s^2 - c c^T s^2 / (1 - s^2) is positive definite. That holds if
+        J J^T - s^2 - |c|^2 s^2 / (1 - s^2) is, which is looked at here.
+
+        Args:
+            least: Bound of the singular values, >= 0.
+
+        Returns:
+            True if all singular values are above the bound; False if that is unknown.
+        """
+        jacobian = self.jacobian
+        square = 0.0
+        for k in range(12, 18):
+            square += jacobian[k] * jacobian[k]
+        share = (_ROUNDING * least) * (_ROUNDING * least)
+        if not share < 1.0:
+            return False
+        share += square * (share / (1.0 - share))
+        self.put_others(self.others)
+        return self.equation.factorise(self.others, -share)
+
+    def joint_step(self, way: Doubles, elbow: float, step: Doubles) -> None:
+        """Write the joint motion that displaces the end effector by a small way.
+
+        Args:
+            way: Translation [m], then rotation vector [rad], in the axes of the base,
+                shape (6,).
+            elbow: Desired position of joint 3 [rad].
+            step: Where the changes of the joint positions go [rad], shape (n,).
+        """
+        jacobian, motion = self.columns, self.motion
+        bend = elbow - self.q[2]
+        for row in range(6):
+            motion[row] = way[row] - bend * jacobian[12 + row]
+        self.follow(motion, step)
+        step[2] = bend
+
+    def follow(self, motion: Doubles, result: Doubles) -> None:
+        """Write joint rates for rates of the end effector, joint 3 at rest.
+
+        Args:
+            motion: A twist [m/s, rad/s], or another quantity linear in it, shape (6,).
+            result: Where the rates of the joints go, shape (n,).
+        """
+        inverse = self.inverse
+        a, b, c = motion[0], motion[1], motion[2]
+        d, e, f = motion[3], motion[4], motion[5]
+        for joint in range(self.size):
+            k = 6 * joint
+            result[joint] = (
+                inverse[k] * a
+                + inverse[k + 1] * b
+                + inverse[k + 2] * c
+                + inverse[k + 3] * d
+                + inverse[k + 4] * e
+                + inverse[k + 5] * f
+            )
+
+    def drift(self, dq: Doubles, result: Doubles) -> None:
+        """Write the acceleration of the end effector while no joint accelerates.
+
+        Args:
+            dq: Joint velocities [rad/s], shape (n,).
+            result: Where the acceleration goes [m/s^2, rad/s^2], shape (6,).
+        """
+        jacobian = self.columns
+        wx, wy, wz, ax, ay, az = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        bx, by, bz = 0.0, 0.0, 0.0
+        for joint in range(self.size):
+            k, rate = 6 * joint, dq[joint]
+            vx, vy, vz = (
+                rate * jacobian[k],
+                rate * jacobian[k + 1],
+                rate * jacobian[k + 2],
+            )
+            zx, zy, zz = (
+                rate * jacobian[k + 3],
+                rate * jacobian[k + 4],
+                rate * jacobian[k + 5],
+            )
+            # The joint turns with the joints before it.
+            bx, by, bz = (
+                bx + wy * zz - wz * zy,
+                by + wz * zx - wx * zz,
+                bz + wx * zy - wy * zx,
+            )
+            # Velocities of the links before and behind it, added up.
+            ux, uy, uz = wx, wy, wz
+            wx, wy, wz = wx + zx, wy + zy, wz + zz
+            ux, uy, uz = ux + wx, uy + wy, uz + wz
+            ax, ay, az = (
+                ax + uy * vz - uz * vy,
+                ay + uz * vx - ux * vz,
+                az + ux * vy - uy * vx,
+            )
+        result[0], result[1], result[2] = ax, ay, az
+        result[3], result[4], result[5] = bx, by, bz
+
+    def are_slow(
+        self, twist: Doubles, push: float, velocity: Doubles, acceleration: Doubles
+    ) -> bool:
+        """Return True only if no joint exceeds its bounds; False if that is unknown.
+
+        No joint accelerates more than if all of the end effector's acceleration were in
+        its own direction, and the end effector does not drift more than if all axes
+        were parallel.
+
+        Args:
+            twist: Twist of the end effector [m/s, rad/s], shape (6,).
+            push: Length of its largest acceleration [m/s^2, rad/s^2].
+            velocity: Largest joint velocities [rad/s], shape (n,).
+            acceleration: Largest joint accelerations [rad/s^2], shape (n,).
+        """
+        dq, arms = self.dq, self.arms
+        self.follow(twist, dq)
+        turn = linear = angular = 0.0
+        for joint in range(self.size):
+            rate = dq[joint]
+            if rate < 0.0:
+                rate = -rate
+            if not rate <= velocity[joint]:
+                return False
+            linear += (turn + turn + rate) * rate * arms[joint]
+            angular += turn * rate
+            turn += rate
+        drift = square_root(linear * linear + angular * angular)
+        if self.are_pushed_little(push + drift, acceleration):
+            return True
+        self.drift(dq, self.motion)
+        return self.are_pushed_little(push + length_of(self.motion), acceleration)
+
+    def are_pushed_little(self, push: float, acceleration: Doubles) -> bool:
+        """Return whether such an acceleration in any direction exceeds no bound."""
+        lengths = self.lengths
+        for joint in range(self.size):
+            if not lengths[joint] * push <= acceleration[joint]:
+                return False
+        return True
+
+    def fastest_joint(
+        self,
+        twist: Doubles,
+        accelerations: Doubles,
+        velocity: Doubles,
+        acceleration: Doubles,
+    ) -> int:
+        """Return the index of the joint that exceeds its bounds most; -1 if none does.
+
+        Args:
+            twist: Twist of the end effector [m/s, rad/s], shape (6,).
+            accelerations: Two accelerations of the end effector [m/s^2, rad/s^2], shape
+                (12,); an end effector without acceleration counts as well.
+            velocity: Largest joint velocities [rad/s], shape (n,).
+            acceleration: Largest joint accelerations [rad/s^2], shape (n,).
+        """
+        dq, motion, inverse = self.dq, self.motion, self.inverse
+        self.follow(twist, dq)
+        self.drift(dq, motion)
+        a0, a1, a2 = -motion[0], -motion[1], -motion[2]
+        a3, a4, a5 = -motion[3], -motion[4], -motion[5]
+        b0, b1, b2 = accelerations[0], accelerations[1], accelerations[2]
+        b3, b4, b5 = accelerations[3], accelerations[4], accelerations[5]
+        c0, c1, c2 = accelerations[6], accelerations[7], accelerations[8]
+        c3, c4, c5 = accelerations[9], accelerations[10], accelerations[11]
+        worst, found = 1.0, -1
+        for joint in range(self.size):
+            k = 6 * joint
+            p, q, r = inverse[k], inverse[k + 1], inverse[k + 2]
+            s, t, u = inverse[k + 3], inverse[k + 4], inverse[k + 5]
+            rest = p * a0 + q * a1 + r * a2 + s * a3 + t * a4 + u * a5
+            first = rest + (p * b0 + q * b1 + r * b2 + s * b3 + t * b4 + u * b5)
+            second = rest + (p * c0 + q * c1 + r * c2 + s * c3 + t * c4 + u * c5)
+            bound = worst * velocity[joint]
+            if not -bound <= dq[joint] <= bound:
+                worst, found = abs(dq[joint]) / velocity[joint], joint
+            bound = worst * acceleration[joint]
+            if not -bound <= rest <= bound:
+                worst, found = abs(rest) / acceleration[joint], joint
+                bound = worst * acceleration[joint]
+            if not -bound <= first <= bound:
+                worst, found = abs(first) / acceleration[joint], joint
+                bound = worst * acceleration[joint]
+            if not -bound <= second <= bound:
+                worst, found = abs(second) / acceleration[joint], joint
+        return found
+
+
+def length_of(vector: Storage) -> float:
+    """Return the length of a vector, shape (6,)."""
+    a, b, c, d, e, f = vector[0], vector[1], vector[2], vector[3], vector[4], vector[5]
+    return square_root(a * a + b * b + c * c + d * d + e * e + f * f)
+
+
+def way_between(first: Doubles, second: Doubles) -> float:
+    """Return the sum of the distances between joint positions [rad].
+
+    Args:
+        first: Joint positions [rad], shape (n,).
+        second: Other positions [rad], shape (n,).
+    """
+    total = 0.0
+    for joint in range(len(first)):
+        away = first[joint] - second[joint]
+        total += away if away > 0.0 else -away
+    return total
+
+
+def moved(q: Doubles, step: Doubles, result: Doubles) -> float:
+    """Write joint positions after a step; return the largest change of a position.
+
+    Args:
+        q: Joint positions before the step [rad], shape (n,).
+        step: Changes of the positions [rad], shape (n,).
+        result: Where the positions after the step go [rad], shape (n,).
+    """
+    largest = 0.0
+    for joint in range(len(q)):
+        away = step[joint]
+        result[joint] = q[joint] + away
+        away = away if away > 0.0 else -away
+        if not away <= largest:
+            largest = away
+    return largest
+
+
+def limited_joint(q: Doubles, last: Doubles, lower: Doubles, upper: Doubles) -> int:
+    """Return the index of the first joint that moves beyond a bound; -1 if none does.
+
+    A joint that is beyond a bound may come back.
+
+    Args:
+        q: Joint positions after a step [rad], shape (n,).
+        last: Joint positions before the step [rad], shape (n,).
+        lower: Lower bounds [rad], shape (n,).
+        upper: Upper bounds [rad], shape (n,).
+    """
+    for joint in range(len(q)):
+        if not lower[joint] <= q[joint] <= upper[joint]:
+            new, old = q[joint], last[joint]
+            if (new < old and new < lower[joint]) or (new > old and new > upper[joint]):
+                return joint
+    return -1

@@ -1,0 +1,141 @@
+"""The motion of a pose along six axes, and where it ends if the axes brake.
+
+The axes are the position, and the rotation vector from the present orientation in the
+axes of the base. How the axes move towards a target is computed elsewhere.
+"""
+
+from collections.abc import Iterable
+
+from station.controllers.cartesian_motion.braking import (
+    braking_peaks,
+    peak_speed,
+    resting_ways,
+)
+from station.core.numerics.rigid_motion import displace, rotation_between
+from station.memory.doubles import Doubles, own, zeros
+from station.memory.vectors import copy_into
+
+# Velocities and accelerations below this are rounding after a motion has ended.
+_AT_REST = 1e-12
+_POSE = 16
+_AXES = 6
+
+
+class PoseMotion:
+    """A pose with its twist and acceleration; arrays are kept and not copied.
+
+    Args:
+        pose: The pose, 16 numbers, column-major.
+        target: The pose to go to, 16 numbers.
+        twist: Linear [m/s] and angular velocity [rad/s], in the axes of the base, shape
+            (6,).
+        accelerations: Linear [m/s^2] and angular [rad/s^2] acceleration in the same
+            axes, then the peak acceleration of each axis while it brakes, shape (12,).
+        largest: Largest acceleration of each axis, > 0, shape (6,); copied.
+        jerk: Largest jerk of each axis, > 0, shape (6,); copied.
+        speeds: Largest length of the velocity [m/s] and of the angular velocity
+            [rad/s], > 0, shape (2,).
+
+    Attributes:
+        resting: The pose that `brake` has computed, 16 numbers; not written otherwise.
+    """
+
+    def __init__(
+        self,
+        pose: Doubles,
+        target: Doubles,
+        twist: Doubles,
+        accelerations: Doubles,
+        *,
+        largest: Iterable[float],
+        jerk: Iterable[float],
+        speeds: tuple[float, float],
+    ) -> None:
+        self.pose = pose
+        self.target = target
+        self.twist = twist
+        self.velocity, self.turn = twist[:3], twist[3:]
+        self.accelerations = accelerations
+        self.acceleration = accelerations[:6]
+        self.forward, self.spin = accelerations[:3], accelerations[3:6]
+        self.peaks = accelerations[6:]
+        self.largest, self.jerk = own(largest), own(jerk)
+        self.forward_jerk, self.spin_jerk = self.jerk[:3], self.jerk[3:]
+        self.fastest, self.fastest_turn = speeds
+        self.resting, self.last = zeros(_POSE), zeros(_POSE)
+        self.way = own([0.0] * _AXES)
+
+    def aim(self) -> list[float]:
+        """Return where the axes are at the target, seen from the pose, shape (6,)."""
+        target, way = self.target, self.way
+        rotation_between(self.pose, target, way)
+        return [target[12], target[13], target[14], way[0], way[1], way[2]]
+
+    def coordinates(self) -> list[float]:
+        """Return where the axes are now, shape (6,): the rotation vector is zero."""
+        pose = self.pose
+        return [pose[12], pose[13], pose[14], 0.0, 0.0, 0.0]
+
+    def move(
+        self,
+        positions: list[float],
+        velocities: list[float],
+        accelerations: list[float],
+    ) -> list[float]:
+        """Move the pose to where the axes have come; return their new coordinates.
+
+        Args:
+            positions: Positions of the axes, from the pose before, shape (6,).
+            velocities: Their velocities, shape (6,).
+            accelerations: Their accelerations, shape (6,).
+        """
+        pose, way = self.pose, self.way
+        copy_into(self.last, 0, pose, _POSE)
+        way[0], way[1], way[2], way[3], way[4], way[5] = positions
+        way[0], way[1], way[2] = way[0] - pose[12], way[1] - pose[13], way[2] - pose[14]
+        displace(pose, way, 1.0, pose)
+        self.take_rates(velocities, accelerations)
+        return self.coordinates()
+
+    def undo(self, velocities: list[float], accelerations: list[float]) -> None:
+        """Put the pose back to where it was before `move`.
+
+        Args:
+            velocities: Velocities of the axes before, shape (6,).
+            accelerations: Their accelerations, shape (6,).
+        """
+        copy_into(self.pose, 0, self.last, _POSE)
+        self.take_rates(velocities, accelerations)
+
+    def take_rates(self, velocities: list[float], accelerations: list[float]) -> None:
+        """Take new rates of the axes; compute the peaks while they brake.
+
+        Args:
+            velocities: Velocities of the axes, shape (6,).
+            accelerations: Their accelerations, shape (6,).
+        """
+        v, a = self.twist, self.acceleration
+        v[0], v[1], v[2], v[3], v[4], v[5] = velocities
+        a[0], a[1], a[2], a[3], a[4], a[5] = accelerations
+        braking_peaks(v, a, self.largest, self.jerk, self.peaks)
+
+    def is_at_rest(self) -> bool:
+        """Return whether no axis moves or accelerates, but for rounding."""
+        v, a = self.twist, self.acceleration
+        for axis in range(_AXES):
+            if not (-_AT_REST < v[axis] < _AT_REST and -_AT_REST < a[axis] < _AT_REST):
+                return False
+        return True
+
+    def brake(self) -> None:
+        """Compute the pose at which the motion rests if it brakes now."""
+        way = self.way
+        resting_ways(self.twist, self.acceleration, self.largest, self.jerk, way)
+        displace(self.pose, way, 1.0, self.resting)
+
+    def stays_within_speed(self) -> bool:
+        """Return whether no velocity exceeds its limit while the motion brakes."""
+        return (
+            peak_speed(self.velocity, self.forward, self.forward_jerk) <= self.fastest
+            and peak_speed(self.turn, self.spin, self.spin_jerk) <= self.fastest_turn
+        )

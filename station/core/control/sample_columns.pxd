@@ -1,0 +1,17 @@
+cimport cython
+from station.memory.vectors cimport copy_into
+
+cdef class Column:
+    cdef double[::1] values
+    cdef Py_ssize_t size
+
+cdef class SampleColumns:
+    cdef tuple views
+    cdef list columns
+    cdef readonly Py_ssize_t size
+    cdef double[::1] row
+    cdef object packed
+    cdef readonly Py_ssize_t width
+    cdef double[::1] stamp
+    @cython.locals(at=Py_ssize_t, column=Column)
+    cpdef keep(self, double stamp)

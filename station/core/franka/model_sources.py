@@ -1,0 +1,132 @@
+"""What follows from the present state of an arm, written into memory in every cycle."""
+
+from collections.abc import Callable
+from typing import Any
+
+from station.core.numerics.arm_chain import zero_jacobian
+from station.core.numerics.arm_dynamics import ArmDynamics
+from station.core.numerics.rigid_motion import compose
+from station.memory.doubles import Doubles, Storage, own, own_zeros
+from station.memory.vectors import copy_into
+
+
+class ModelSource:
+    """Writes it by a Python function; a subclass does without one.
+
+    Args:
+        function: Writes the numbers into memory.
+    """
+
+    def __init__(self, function: Callable[[Doubles], object]) -> None:
+        self.function: Callable[[Doubles], object] | None = function
+
+    def write(self, result: Doubles) -> None:
+        """Write the present numbers."""
+        if self.function is not None:
+            self.function(result)
+
+
+class ToolPoseSource(ModelSource):
+    """Writes the pose of what is fixed to the flange of an arm, 16 numbers.
+
+    Args:
+        dynamics: The arm.
+        q: Its joint positions [rad], shape (n,).
+        links: Poses of the links, and of the flange, that `dynamics` places.
+        tool: What is fixed, in the frame of the flange, 16 numbers.
+    """
+
+    def __init__(
+        self, dynamics: ArmDynamics, q: Doubles, links: Storage, tool: Doubles
+    ) -> None:
+        self.function = None
+        self.dynamics = dynamics
+        self.q = q
+        self.links = links
+        self.end = 16 * len(q)
+        self.flange = own([0.0] * 16)
+        self.tool = tool
+
+    def write(self, result: Doubles) -> None:
+        """Write the present pose."""
+        self.dynamics.follow(self.q)
+        copy_into(self.flange, 0, self.links[self.end :], 16)
+        compose(self.flange, self.tool, result)
+
+
+class ToolJacobianSource(ModelSource):
+    """Writes the Jacobian of what is fixed to the flange, in the axes of the base.
+
+    Args:
+        pose: Writes the pose of what is fixed.
+    """
+
+    def __init__(self, pose: ToolPoseSource) -> None:
+        self.function = None
+        self.source = pose
+        self.pose = own([0.0] * 16)
+
+    def write(self, result: Doubles) -> None:
+        """Write the present Jacobian, 6 n numbers."""
+        self.source.write(self.pose)
+        zero_jacobian(self.source.links, self.pose, result)
+
+
+class CoriolisSource(ModelSource):
+    """Writes the Coriolis and centrifugal torques [Nm], shape (n,).
+
+    Args:
+        dynamics: The arm.
+        state: Its state: `m_total` is looked at in every cycle.
+        q: Its joint positions [rad], shape (n,).
+        dq: Its joint velocities [rad/s], shape (n,).
+        center: Centre of mass of what is carried, `F_x_Ctotal` [m], shape (3,).
+        inertia: Its inertia, `I_total` [kg m^2], shape (9,).
+        put_load: Gives `dynamics` the load that the state tells.
+    """
+
+    def __init__(
+        self,
+        dynamics: ArmDynamics,
+        state: Any,  # noqa: ANN401 - whatever has `m_total`
+        q: Doubles,
+        dq: Doubles,
+        center: Doubles,
+        inertia: Doubles,
+        put_load: Callable[[], None],
+    ) -> None:
+        self.function = None
+        self.dynamics = dynamics
+        self.state = state
+        self.q = q
+        self.dq = dq
+        self.center = center
+        self.inertia = inertia
+        self.put_load = put_load
+        self.mass = -1.0
+        self.load = own_zeros(12)
+        self.changes = -1
+
+    def write(self, result: Doubles) -> None:
+        """Write the present torques."""
+        if self.is_another_load():
+            self.put_load()
+            self.changes = self.dynamics.changes
+        self.dynamics.follow(self.q)
+        self.dynamics.coriolis(self.dq, result)
+
+    def is_another_load(self) -> bool:
+        """Return whether `dynamics` may carry another load; note the present one."""
+        mass: float = self.state.m_total
+        differs = self.changes != self.dynamics.changes or mass != self.mass
+        self.mass = mass
+        load = self.load
+        for k in range(3):
+            if load[k] != self.center[k]:
+                load[k] = self.center[k]
+                differs = True
+        for k in range(9):
+            if load[3 + k] != self.inertia[k]:
+                load[3 + k] = self.inertia[k]
+                differs = True
+        return differs

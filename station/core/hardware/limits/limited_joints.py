@@ -1,0 +1,337 @@
+"""Saturation and soft limits of the commands of n joints.
+
+A limit that a joint does not have is NaN, which every comparison ignores. A command of
+NaN passes through. Formulas and sources stand in `station.core.hardware.limits`, beside
+the handles of the same names.
+"""
+
+from collections.abc import Mapping
+
+from station.core.hardware.limits import clamp_codes as codes
+from station.memory.doubles import Storage, own
+
+MOST_JOINTS = 62
+"""Most joints of one group: the bits of a mask."""
+LIMITS = (
+    "min_position",
+    "max_position",
+    "max_velocity",
+    "max_acceleration",
+    "max_jerk",
+    "max_effort",
+    "soft_min",
+    "soft_max",
+    "k_position",
+    "k_velocity",
+)
+"""The views of limits and gains that a group has."""
+MEMORY = ("previous", "velocity_before", "acceleration_before")
+"""The views of what a group remembers of the last cycle."""
+
+# As C numbers, by the .pxd; the bit with all 64 that a mask has.
+_BIT = 1
+_POSITION = codes.POSITION
+_VELOCITY = codes.VELOCITY
+_ACCELERATION = codes.ACCELERATION
+_EFFORT = codes.EFFORT
+_SOFT_POSITION = codes.SOFT_POSITION
+_INFINITY = float("inf")
+
+
+class LimitedJoints:
+    """The commands of n joints, their limits, and what is remembered of the last cycle.
+
+    Args:
+        views: Numbers by name, shape (n,) each: `position`, `velocity` and `command` of
+            the joints, those named in `LIMITS` and `MEMORY`, and `asked` and `reason`,
+            which are written for the joints whose command was changed; the reason is a
+            number of `clamp_codes`.
+    """
+
+    def __init__(self, views: Mapping[str, Storage]) -> None:
+        self.position = views["position"]
+        self.velocity = views["velocity"]
+        self.command = views["command"]
+        self.min_position = views["min_position"]
+        self.max_position = views["max_position"]
+        self.max_velocity = views["max_velocity"]
+        self.max_acceleration = views["max_acceleration"]
+        self.max_jerk = views["max_jerk"]
+        self.max_effort = views["max_effort"]
+        self.soft_min = views["soft_min"]
+        self.soft_max = views["soft_max"]
+        self.k_position = views["k_position"]
+        self.k_velocity = views["k_velocity"]
+        self.previous = views["previous"]
+        self.velocity_before = views["velocity_before"]
+        self.acceleration_before = views["acceleration_before"]
+        self.asked = views["asked"]
+        self.reason = views["reason"]
+
+    def enforce(self, period: float, first: int, last: int) -> int:
+        """Replace the commands of joints `first` to `last` - 1 by admissible ones.
+
+        Args:
+            period: Time since the last cycle [s].
+            first: First joint.
+            last: The joint after the last one, at most `first + MOST_JOINTS`.
+
+        Returns:
+            Bit i is set if a limit changed the command of joint `first + i`.
+        """
+        return 0
+
+
+class SoftLimitedJoints(LimitedJoints):
+    """Joints that are slowed down before the ends of a range.
+
+    From `free_min` to `free_max` the ends are so far away that they certainly allow the
+    largest velocity: nothing has to be computed there.
+
+    Args:
+        views: See `LimitedJoints`.
+    """
+
+    def __init__(self, views: Mapping[str, Storage]) -> None:
+        super().__init__(views)
+        columns = ("soft_min", "soft_max", "max_velocity", "k_position")
+        rows = zip(*(views[name] for name in columns), strict=True)
+        ranges = [free_range(*row) for row in rows]
+        self.free_min = own(low for low, _ in ranges)
+        self.free_max = own(high for _, high in ranges)
+
+
+def free_range(
+    soft_min: float, soft_max: float, speed: float, gain: float
+) -> tuple[float, float]:
+    """Return the positions between which the soft limits allow the largest velocity.
+
+    Args:
+        soft_min: Lower end of the range [rad or m]; NaN if there is none.
+        soft_max: Upper end.
+        speed: Largest velocity [rad/s or m/s].
+        gain: Velocity per distance from an end [1/s].
+
+    Returns:
+        Lowest and highest position; the lower one is the larger one, or one is NaN, if
+        there are none.
+    """
+    if soft_min != soft_min:
+        return -_INFINITY, _INFINITY
+    if not (gain > 0.0 and speed >= 0.0):
+        return _INFINITY, -_INFINITY
+    way = speed / gain
+    # Against rounding; the second part for numbers that are almost 0.
+    way += 1e-9 * (abs(soft_min) + abs(soft_max) + way) + 1e-300
+    return soft_min + way, soft_max - way
+
+
+class EffortSaturation(LimitedJoints):
+    """Effort commands clipped to the hard limits."""
+
+    def enforce(self, period: float, first: int, last: int) -> int:
+        """See `LimitedJoints.enforce`."""
+        mask = 0
+        position, velocity, command = self.position, self.velocity, self.command
+        min_position, max_position = self.min_position, self.max_position
+        max_velocity, max_effort = self.max_velocity, self.max_effort
+        for i in range(first, last):
+            high = max_effort[i]
+            low = -high
+            p = position[i]
+            if p < min_position[i]:
+                low = 0.0
+            elif p > max_position[i]:
+                high = 0.0
+            v = velocity[i]
+            speed = max_velocity[i]
+            if v < -speed:
+                low = 0.0
+            elif v > speed:
+                high = 0.0
+            asked = command[i]
+            given = asked
+            if given < low:
+                given = low
+            if high < given:
+                given = high
+            if given < asked or asked < given:
+                command[i] = given
+                self.asked[i] = asked
+                mask |= _BIT << (i - first)
+                if given == max_effort[i] or given == -max_effort[i]:
+                    self.reason[i] = _EFFORT
+                elif p < min_position[i] or p > max_position[i]:
+                    self.reason[i] = _POSITION
+                else:
+                    self.reason[i] = _VELOCITY
+        return mask
+
+
+class EffortSoftLimits(SoftLimitedJoints):
+    """Effort commands that brake a joint before its soft limits."""
+
+    def enforce(self, period: float, first: int, last: int) -> int:
+        """See `LimitedJoints.enforce`."""
+        mask = 0
+        position, velocity, command = self.position, self.velocity, self.command
+        soft_min, soft_max = self.soft_min, self.soft_max
+        k_position, k_velocity = self.k_position, self.k_velocity
+        max_velocity, max_effort = self.max_velocity, self.max_effort
+        free_min, free_max = self.free_min, self.free_max
+        for i in range(first, last):
+            p = position[i]
+            v = velocity[i]
+            asked = command[i]
+            speed = max_velocity[i]
+            effort = max_effort[i]
+            damping = -k_velocity[i]
+            if (
+                -effort <= asked <= effort
+                and free_min[i] <= p <= free_max[i]
+                and damping * (v + speed) <= asked <= damping * (v - speed)
+            ):
+                continue  # the usual case
+            high_velocity = speed
+            low_velocity = -speed
+            bound = soft_min[i]
+            if bound == bound:  # not NaN: the joint has a range
+                gain = -k_position[i]
+                low_velocity = gain * (p - bound)
+                if low_velocity < -speed:
+                    low_velocity = -speed
+                if speed < low_velocity:
+                    low_velocity = speed
+                high_velocity = gain * (p - soft_max[i])
+                if high_velocity < -speed:
+                    high_velocity = -speed
+                if speed < high_velocity:
+                    high_velocity = speed
+            low = damping * (v - low_velocity)
+            if low < -effort:
+                low = -effort
+            if effort < low:
+                low = effort
+            high = damping * (v - high_velocity)
+            if high < -effort:
+                high = -effort
+            if effort < high:
+                high = effort
+            given = asked
+            if given < low:
+                given = low
+            if high < given:
+                given = high
+            if given < asked or asked < given:
+                command[i] = given
+                self.asked[i] = asked
+                mask |= _BIT << (i - first)
+                speed = high_velocity if given == high else low_velocity
+                # Braking at full effort points away from the effort asked for.
+                if (given == effort and asked > 0.0) or (
+                    given == -effort and not asked > 0.0
+                ):
+                    self.reason[i] = _EFFORT
+                elif -max_velocity[i] < speed < max_velocity[i]:
+                    self.reason[i] = _SOFT_POSITION
+                else:
+                    self.reason[i] = _VELOCITY
+        return mask
+
+
+class VelocitySaturation(LimitedJoints):
+    """Velocity commands clipped to the hard limits."""
+
+    def enforce(self, period: float, first: int, last: int) -> int:
+        """See `LimitedJoints.enforce`."""
+        mask = 0
+        command, previous = self.command, self.previous
+        max_velocity, max_acceleration = self.max_velocity, self.max_acceleration
+        for i in range(first, last):
+            speed = max_velocity[i]
+            low = -speed
+            high = speed
+            acceleration = max_acceleration[i]
+            if acceleration == acceleration:  # not NaN: there is such a limit
+                step = acceleration * period
+                before = previous[i]
+                low = before - step
+                if low < -speed:
+                    low = -speed
+                high = before + step
+                if speed < high:
+                    high = speed
+            asked = command[i]
+            given = asked
+            if given < low:
+                given = low
+            if high < given:
+                given = high
+            previous[i] = given
+            if given < asked or asked < given:
+                command[i] = given
+                self.asked[i] = asked
+                mask |= _BIT << (i - first)
+                if given == speed or given == -speed:
+                    self.reason[i] = _VELOCITY
+                else:
+                    self.reason[i] = _ACCELERATION
+        return mask
+
+
+class VelocitySoftLimits(LimitedJoints):
+    """Velocity commands that slow down towards the soft limits."""
+
+    def enforce(self, period: float, first: int, last: int) -> int:
+        """See `LimitedJoints.enforce`."""
+        mask = 0
+        position, velocity, command = self.position, self.velocity, self.command
+        soft_min, soft_max, k_position = self.soft_min, self.soft_max, self.k_position
+        max_velocity, max_acceleration = self.max_velocity, self.max_acceleration
+        for i in range(first, last):
+            speed = max_velocity[i]
+            range_low = -speed
+            range_high = speed
+            bound = soft_min[i]
+            if bound == bound:  # not NaN: the joint has a range
+                gain = -k_position[i]
+                p = position[i]
+                range_low = gain * (p - bound)
+                if range_low < -speed:
+                    range_low = -speed
+                if speed < range_low:
+                    range_low = speed
+                range_high = gain * (p - soft_max[i])
+                if range_high < -speed:
+                    range_high = -speed
+                if speed < range_high:
+                    range_high = speed
+            low = range_low
+            high = range_high
+            acceleration = max_acceleration[i]
+            if acceleration == acceleration:
+                step = acceleration * period
+                v = velocity[i]
+                low = v - step
+                if low < range_low:
+                    low = range_low
+                high = v + step
+                if range_high < high:
+                    high = range_high
+            asked = command[i]
+            given = asked
+            if given < low:
+                given = low
+            if high < given:
+                given = high
+            if given < asked or asked < given:
+                command[i] = given
+                self.asked[i] = asked
+                mask |= _BIT << (i - first)
+                if given != range_low and given != range_high:
+                    self.reason[i] = _ACCELERATION
+                elif given == speed or given == -speed:
+                    self.reason[i] = _VELOCITY
+                else:
+                    self.reason[i] = _SOFT_POSITION
+        return mask

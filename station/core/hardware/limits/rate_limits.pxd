@@ -1,0 +1,30 @@
+from station.memory.functions cimport square_root
+from station.core.hardware.limits.limited_joints cimport LimitedJoints
+
+cdef long _BIT
+cdef double _POSITION, _VELOCITY, _ACCELERATION, _JERK, _INFINITY, _NO_REASON
+
+cpdef double approach(double distance, double rate_limit, double period) noexcept
+
+cpdef double stoppable(
+    double distance,
+    double velocity,
+    double acceleration,
+    double max_acceleration,
+    double max_jerk,
+    double period,
+) noexcept
+
+
+cdef class RateLimitedJoints(LimitedJoints):
+    cpdef double shape(
+        self, Py_ssize_t i, double asked, double down, double up, double period
+    ) noexcept
+
+
+cdef class PositionRateLimits(RateLimitedJoints):
+    cpdef long enforce(self, double period, Py_ssize_t first, Py_ssize_t last) noexcept
+
+
+cdef class VelocityRateLimits(RateLimitedJoints):
+    cpdef long enforce(self, double period, Py_ssize_t first, Py_ssize_t last) noexcept

@@ -1,0 +1,16 @@
+from station.memory.functions cimport cosine, sine
+
+cpdef void place_links(double[::1] chain, double[::1] q, double[::1] links) noexcept
+cpdef void zero_jacobian(
+    double[::1] links, double[::1] pose, double[::1] result
+) noexcept
+cpdef void turn_to_inner_axes(
+    double[::1] pose, double[::1] vectors, double[::1] result
+) noexcept
+cpdef void turn_to_outer_axes(
+    double[::1] pose, double[::1] vectors, double[::1] result
+) noexcept
+cpdef void twist_of(double[::1] jacobian, double[::1] rates, double[::1] result) noexcept
+cpdef void torques_of(
+    double[::1] jacobian, double[::1] wrench, double[::1] result
+) noexcept

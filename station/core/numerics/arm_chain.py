@@ -1,0 +1,162 @@
+"""Poses and Jacobians of an arm whose links form a chain of revolute joints.
+
+A chain of n joints is given by 4 (n + 1) numbers, a [m], d [m], cos alpha and sin alpha
+of each joint and of the flange, after Craig's convention of Denavit and Hartenberg: the
+frame of a link is the one of the link before, turned by alpha about x, moved by a along
+x and d along its own z, and turned by the joint's position about z.
+
+Poses have 16 numbers, flat and column-major. The poses of the links and of the flange,
+which follow each other in one array, are written by elements: their last rows stay what
+they are. A Jacobian has 6 n numbers, column-major, rows vx vy vz wx wy wz.
+"""
+
+from station.memory.doubles import Doubles, Storage, doubles
+from station.memory.functions import cosine, sine
+
+_IDENTITY = (
+    1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0,
+    0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0,
+)  # fmt: skip
+
+
+def new_links(chain: Doubles) -> Doubles:
+    """Return new memory for the poses of the links and the flange of a chain."""
+    return doubles(_IDENTITY * (len(chain) // 4))
+
+
+def place_links(chain: Storage, q: Storage, links: Storage) -> None:
+    """Write the poses of the links and of the flange in the base frame.
+
+    Args:
+        chain: The chain of n joints.
+        q: Joint positions [rad], shape (n,). A position that is not finite makes the
+            poses of the links behind NaN.
+        links: Where n + 1 poses go.
+    """
+    xx, xy, xz, yx, yy, yz = 1.0, 0.0, 0.0, 0.0, 1.0, 0.0
+    zx, zy, zz, px, py, pz = 0.0, 0.0, 1.0, 0.0, 0.0, 0.0
+    count = len(chain) // 4
+    for link in range(count):
+        a, d = chain[4 * link], chain[4 * link + 1]
+        ca, sa = chain[4 * link + 2], chain[4 * link + 3]
+        # The y and z axes turned by alpha about x, the origin moved along x and z.
+        ux, uy, uz = ca * yx + sa * zx, ca * yy + sa * zy, ca * yz + sa * zz
+        zx, zy, zz = ca * zx - sa * yx, ca * zy - sa * yy, ca * zz - sa * yz
+        if a != 0.0:
+            px, py, pz = px + a * xx, py + a * xy, pz + a * xz
+        if d != 0.0:
+            px, py, pz = px + d * zx, py + d * zy, pz + d * zz
+        # Then all turned about z, but for the flange.
+        yx, yy, yz = ux, uy, uz
+        if link + 1 < count:
+            angle = q[link]
+            angle += angle - angle
+            ct, st = cosine(angle), sine(angle)
+            yx, yy, yz = ct * ux - st * xx, ct * uy - st * xy, ct * uz - st * xz
+            xx, xy, xz = ct * xx + st * ux, ct * xy + st * uy, ct * xz + st * uz
+        k = 16 * link
+        links[k], links[k + 1], links[k + 2] = xx, xy, xz
+        links[k + 4], links[k + 5], links[k + 6] = yx, yy, yz
+        links[k + 8], links[k + 9], links[k + 10] = zx, zy, zz
+        links[k + 12], links[k + 13], links[k + 14] = px, py, pz
+
+
+def zero_jacobian(links: Storage, pose: Storage, result: Storage) -> None:
+    """Write the Jacobian of a pose's origin in the axes of the base.
+
+    Args:
+        links: Poses of the links.
+        pose: The pose in the base frame, 16 numbers.
+        result: Where the columns of the first m joints go, those that move the pose;
+            6 m numbers.
+    """
+    px, py, pz = pose[12], pose[13], pose[14]
+    for joint in range(len(result) // 6):
+        k = 16 * joint
+        ax, ay, az = links[k + 8], links[k + 9], links[k + 10]
+        x, y, z = px - links[k + 12], py - links[k + 13], pz - links[k + 14]
+        k = 6 * joint
+        result[k] = ay * z - az * y
+        result[k + 1] = az * x - ax * z
+        result[k + 2] = ax * y - ay * x
+        result[k + 3], result[k + 4], result[k + 5] = ax, ay, az
+
+
+def turn_to_inner_axes(pose: Doubles, vectors: Doubles, result: Doubles) -> None:
+    """Write vectors, given in the outer axes of a pose, in the pose's own axes.
+
+    Args:
+        pose: The pose, 16 numbers.
+        vectors: The vectors, 3 numbers each: a Jacobian, a twist or a wrench.
+        result: Where the vectors go, as many; may be `vectors`.
+    """
+    a, b, c, d, e, f = pose[0], pose[1], pose[2], pose[4], pose[5], pose[6]
+    g, h, i = pose[8], pose[9], pose[10]
+    for k in range(0, len(vectors), 3):
+        x, y, z = vectors[k], vectors[k + 1], vectors[k + 2]
+        result[k] = a * x + b * y + c * z
+        result[k + 1] = d * x + e * y + f * z
+        result[k + 2] = g * x + h * y + i * z
+
+
+def turn_to_outer_axes(pose: Doubles, vectors: Doubles, result: Doubles) -> None:
+    """Write vectors, given in the axes of a pose, in the pose's outer axes.
+
+    Args:
+        pose: The pose, 16 numbers.
+        vectors: The vectors, 3 numbers each.
+        result: Where the vectors go, as many; may be `vectors`.
+    """
+    a, b, c, d, e, f = pose[0], pose[1], pose[2], pose[4], pose[5], pose[6]
+    g, h, i = pose[8], pose[9], pose[10]
+    for k in range(0, len(vectors), 3):
+        x, y, z = vectors[k], vectors[k + 1], vectors[k + 2]
+        result[k] = a * x + d * y + g * z
+        result[k + 1] = b * x + e * y + h * z
+        result[k + 2] = c * x + f * y + i * z
+
+
+def twist_of(jacobian: Doubles, rates: Doubles, result: Doubles) -> None:
+    """Write J dq, or the acceleration J ddq.
+
+    Args:
+        jacobian: The Jacobian J of n joints.
+        rates: Joint velocities [rad/s] or accelerations [rad/s^2], shape (n,).
+        result: Where the twist goes, shape (6,).
+    """
+    a, b, c, d, e, f = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for joint in range(len(rates)):
+        rate, k = rates[joint], 6 * joint
+        a, b, c = (
+            a + jacobian[k] * rate,
+            b + jacobian[k + 1] * rate,
+            c + jacobian[k + 2] * rate,
+        )
+        d, e, f = (
+            d + jacobian[k + 3] * rate,
+            e + jacobian[k + 4] * rate,
+            f + jacobian[k + 5] * rate,
+        )
+    result[0], result[1], result[2], result[3], result[4], result[5] = a, b, c, d, e, f
+
+
+def torques_of(jacobian: Doubles, wrench: Doubles, result: Doubles) -> None:
+    """Write J^T F.
+
+    Args:
+        jacobian: The Jacobian J of n joints.
+        wrench: Force [N], then torque [Nm], shape (6,).
+        result: Where the torques go [Nm], shape (n,).
+    """
+    a, b, c = wrench[0], wrench[1], wrench[2]
+    d, e, f = wrench[3], wrench[4], wrench[5]
+    for joint in range(len(result)):
+        k = 6 * joint
+        result[joint] = (
+            jacobian[k] * a
+            + jacobian[k + 1] * b
+            + jacobian[k + 2] * c
+            + jacobian[k + 3] * d
+            + jacobian[k + 4] * e
+            + jacobian[k + 5] * f
+        )

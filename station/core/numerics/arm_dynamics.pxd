@@ -1,0 +1,28 @@
+cimport cython
+
+from station.core.numerics.arm_chain cimport place_links
+from station.memory.vectors cimport copy_into
+
+cdef class ArmDynamics:
+    cdef Py_ssize_t size
+    cdef double[::1] chain
+    cdef double[::1] given
+    cdef double[::1] bodies
+    cdef double[::1] q
+    cdef double[::1] links
+    cdef double[::1] moments
+    cdef double[::1] screws
+    cdef double[::1] wrenches
+
+    cdef bint is_weighed
+    cdef readonly long changes
+    cdef readonly long long version
+
+    cpdef void move_to(self, object q) except *
+    @cython.locals(differs=bint)
+    cpdef void follow(self, double[::1] q) noexcept
+    cpdef void change_bodies(self) noexcept
+    cpdef void weigh(self) noexcept
+    cpdef void mass(self, double[::1] result) noexcept
+    cpdef void gravity(self, double[::1] acceleration, double[::1] result) noexcept
+    cpdef void coriolis(self, double[::1] dq, double[::1] result) noexcept

@@ -1,0 +1,119 @@
+"""Durations in a ring, without allocation."""
+
+from station.memory.doubles import zeros
+
+
+class Durations:
+    """The last durations. One thread adds, any thread may read.
+
+    Args:
+        capacity: Number of durations that are kept, >= 1.
+
+    Attributes:
+        values: The ring, shape (capacity,).
+        count: Number of durations since the last reset.
+        largest: Largest duration since the last reset [s].
+        total: Sum of the durations since the last reset [s].
+        squares: Sum of their squares [s^2].
+    """
+
+    def __init__(self, capacity: int = 16384) -> None:
+        self.capacity = capacity
+        self.values = zeros(capacity)
+        self.place = 0
+        self.count = 0
+        self.largest = 0.0
+        self.total = 0.0
+        self.squares = 0.0
+
+    def add(self, duration: float) -> None:
+        """Add a duration [s]."""
+        self.put(duration)
+
+    def put(self, duration: float) -> None:
+        """Add a duration [s]; for the kernel, which calls it without a look-up."""
+        place = self.place
+        self.values[place] = duration
+        self.place = 0 if place + 1 == self.capacity else place + 1
+        self.count += 1
+        self.total += duration
+        self.squares += duration * duration
+        if duration > self.largest:
+            self.largest = duration
+
+    def reset(self) -> None:
+        """Forget all durations; only the thread that adds may call this."""
+        self.place = 0
+        self.count = 0
+        self.largest = 0.0
+        self.total = 0.0
+        self.squares = 0.0
+
+
+class CycleTimes:
+    """How long the parts of the last cycles took. One thread adds, any may read.
+
+    Args:
+        capacity: Number of cycles that are kept, >= 1.
+
+    Attributes:
+        rows: The ring: reading, updating the controllers, writing, and all of it of one
+            cycle after the other [s], 4 numbers each.
+        count: Number of cycles since the last reset.
+        longest_read, longest_update, longest_write, longest_total: Longest of each part
+            since the last reset [s].
+        last: When the last cycle ended [s].
+    """
+
+    def __init__(self, capacity: int = 16384) -> None:
+        self.rows = zeros(4 * capacity)
+        self.size = 4 * capacity
+        self.at = 0
+        self.count = 0
+        self.longest_read = 0.0
+        self.longest_update = 0.0
+        self.longest_write = 0.0
+        self.longest_total = 0.0
+        self.last = 0.0
+
+    def add(self, begun: float, read: float, updated: float, written: float) -> None:
+        """Add a cycle.
+
+        Args:
+            begun: When the cycle began [s].
+            read: When the robot had been read [s].
+            updated: When the controllers had been updated [s].
+            written: When the commands had been written [s].
+        """
+        rows, at = self.rows, self.at
+        total, write, update, read = (
+            written - begun,
+            written - updated,
+            updated - read,
+            read - begun,
+        )
+        rows[at] = read
+        rows[at + 1] = update
+        rows[at + 2] = write
+        rows[at + 3] = total
+        at += 4
+        self.at = 0 if at == self.size else at
+        self.count += 1
+        if read > self.longest_read:
+            self.longest_read = read
+        if update > self.longest_update:
+            self.longest_update = update
+        if write > self.longest_write:
+            self.longest_write = write
+        if total > self.longest_total:
+            self.longest_total = total
+        self.last = written
+
+    def reset(self) -> None:
+        """Forget all cycles; only the thread that adds may call this."""
+        self.at = 0
+        self.count = 0
+        self.longest_read = 0.0
+        self.longest_update = 0.0
+        self.longest_write = 0.0
+        self.longest_total = 0.0

@@ -1,0 +1,180 @@
+"""The motors and torque sensors of an arm's joints in a simulation, over flat memory.
+
+    impedance: control = K q_d + D dq_d + bias - compensation + M_ii ddq_d
+
+The terms of the impedance in q and dq are part of the simulator's motor model.
+
+The motors of a real arm act on a command in the cycle after the one in which it is
+noticed: so do these when they are late.
+"""
+
+import cython
+
+from station.core.franka.joint_memory import JointMemory
+from station.hw.mujoco.simulator_memory import SimulatorMemory
+from station.memory.doubles import own
+from station.memory.vectors import copy_into
+
+
+class JointMotors:
+    """Computes controls and reads torques of n joints; all memory is given or in place.
+
+    Args:
+        memory: State and commands of the joints.
+        simulator: The simulator's memory of the joints.
+        period: Duration of a step [s], > 0.
+
+    Attributes:
+        stiffness: Stiffness of the impedance [Nm/rad], shape (n,).
+        damping: Damping of the impedance [Nm s/rad], shape (n,).
+        load_weight: Torques that carry a configured load [Nm], shape (n,).
+        is_loaded: Whether one of them is not 0.
+        is_late: Whether the motors act on commands one cycle later.
+        are_commands: Whether the torques are commands, and not computed by the arm.
+    """
+
+    def __init__(
+        self, memory: JointMemory, simulator: SimulatorMemory, period: float
+    ) -> None:
+        self.memory = memory
+        self.simulator = simulator
+        self.size = memory.size
+        self.period = period
+        none = [0.0] * self.size
+        self.stiffness = own(none)
+        self.damping = own(none)
+        self.load_weight = own(none)
+        self.is_loaded = False
+        # These never change in a simulation.
+        self.limits = own(simulator.limits)
+        self.passive = own(simulator.passive_damping)
+        # Torque that changes a rotor's velocity within a step [Nm s/rad], and that and
+        # the friction together.
+        self.rotor = own([inertia / period for inertia in simulator.armature])
+        both = zip(self.rotor, self.passive, strict=True)
+        self.drag = own([inertia + friction for inertia, friction in both])
+        self.is_late = False
+        self.are_commands = False
+        self.is_new = True
+        # What was wanted in the cycle before.
+        self.late_torques = own(none)
+        self.late_q = own(none)
+        self.late_dq = own(none)
+        self.late_ddq = own(none)
+
+    def begin(self) -> None:
+        """Forget what was wanted before: something else drives the motors now."""
+        self.are_commands = False
+        self.is_new = True
+        for i in range(self.size):
+            self.late_torques[i] = 0.0
+
+    def apply_torques(self) -> None:
+        """Let the motors give the commanded torques, within their limits."""
+        torques, tau_d = self.memory.torques, self.memory.tau_J_d
+        limits, controls = self.limits, self.simulator.controls
+        load, late_torques = self.load_weight, self.late_torques
+        for i in range(self.size):
+            tau, limit = torques[i], limits[i]
+            if limit < tau:
+                tau = limit
+            if tau < -limit:
+                tau = -limit
+            tau_d[i] = tau
+        if self.is_late and self.are_commands:
+            for i in range(self.size):
+                controls[i] = late_torques[i] + load[i]
+            copy_into(late_torques, 0, tau_d, self.size)
+        elif self.is_loaded:
+            for i in range(self.size):
+                controls[i] = tau_d[i] + load[i]
+        else:
+            copy_into(controls, 0, tau_d, self.size)
+
+    def apply_impedance(self, tells: bool) -> None:  # noqa: FBT001 - a C function
+        """Let the motors follow the desired motion.
+
+        Args:
+            tells: Whether to note as `tau_J_d` what the impedance asks for, within the
+                limits.
+        """
+        memory = self.memory
+        q_d, dq_d, ddq_d = memory.q_d, memory.dq_d, memory.ddq_d
+        is_late = self.is_late
+        if is_late:
+            if self.is_new:
+                self.note_motion()
+            q_d, dq_d, ddq_d = self.late_q, self.late_dq, self.late_ddq
+        stiffness, damping = self.stiffness, self.damping
+        simulator = self.simulator
+        bias, compensation = simulator.bias, simulator.compensation
+        inertia, diagonal = simulator.inertia, simulator.diagonal
+        controls, load = simulator.controls, self.load_weight
+        q, dq, tau_d = memory.positions, memory.dtheta, memory.tau_J_d
+        limits = self.limits
+        for i in range(self.size):
+            acceleration, spring, damper = ddq_d[i], stiffness[i], damping[i]
+            control = spring * q_d[i] + damper * dq_d[i] + bias[i] - compensation[i]
+            if acceleration != 0.0:  # an arm that holds looks at no inertia
+                control += inertia[diagonal[i]] * acceleration
+            controls[i] = control + load[i]
+            if tells:
+                tau = control - spring * q[i] - damper * dq[i]
+                limit = limits[i]
+                if limit < tau:
+                    tau = limit
+                if tau < -limit:
+                    tau = -limit
+                tau_d[i] = tau
+        if is_late:
+            self.note_motion()
+
+    def note_motion(self) -> None:
+        """Note the desired motion for the next cycle."""
+        memory = self.memory
+        q_d, dq_d, ddq_d = memory.q_d, memory.dq_d, memory.ddq_d
+        late_q, late_dq, late_ddq = self.late_q, self.late_dq, self.late_ddq
+        for i in range(self.size):
+            late_q[i], late_dq[i], late_ddq[i] = q_d[i], dq_d[i], ddq_d[i]
+        self.is_new = False
+
+    def sense(self) -> None:
+        """Read positions, velocities and link-side torques after a step.
+
+        A torque sensor behind the gears measures the torques of motor and brake minus
+        the torques that accelerate the rotor and overcome friction. The simulator
+        applies the damping of the impedance with the velocity at the end of the step,
+        while the motor's reading contains the velocity at the beginning.
+        """
+        memory = self.memory
+        dtheta, tau = memory.dtheta, memory.tau_J
+        simulator = self.simulator
+        positions, velocities = simulator.positions, simulator.velocities
+        motor_forces, brake_forces = simulator.motor_forces, simulator.brake_forces
+        compensation, damping = simulator.compensation, self.damping
+        drag, rotor, limits = self.drag, self.rotor, self.limits
+        copy_into(memory.last_tau_J, 0, tau, self.size)
+        for i in range(self.size):
+            velocity, force = velocities[i], motor_forces[i]
+            before, damper = dtheta[i], damping[i]
+            torque = force + brake_forces[i] + compensation[i]
+            torque += rotor[i] * before - drag[i] * velocity
+            if damper != 0.0 and -limits[i] < force < limits[i]:
+                torque -= damper * (velocity - before)
+            tau[i] = torque
+        if cython.compiled:
+            copy_into(memory.q, 0, positions, self.size)
+            copy_into(memory.positions, 0, positions, self.size)
+            copy_into(memory.dq, 0, velocities, self.size)
+            copy_into(dtheta, 0, velocities, self.size)
+        else:
+            # The same, without four calls of Python around it.
+            memory.q[:] = memory.positions[:] = positions
+            memory.dq[:] = dtheta[:] = velocities
+
+    def differentiate(self) -> None:
+        """Write the rates of the torques; only for whoever reads them."""
+        memory, period = self.memory, self.period
+        tau, last, dtau = memory.tau_J, memory.last_tau_J, memory.dtau_J
+        for i in range(self.size):
+            dtau[i] = (tau[i] - last[i]) / period

@@ -1,0 +1,34 @@
+cimport cython
+from station.hw.mujoco.speed_check cimport SpeedCheck
+
+ctypedef void (*_OfTwo)(void*, void*) noexcept
+
+cdef inline void call_with_two(size_t function, size_t first, size_t second) noexcept:
+    (<_OfTwo> function)(<void*> first, <void*> second)
+
+cdef class Preparation:
+    cpdef bint before(self)
+
+cdef class CalledPreparation(Preparation):
+    cdef object function
+    cpdef bint before(self)
+
+cdef class AttendedPreparation:
+    cdef Preparation preparation
+    cdef object attend
+
+cdef class WorldStep:
+    cdef object step
+    cdef size_t function
+    cdef size_t model
+    cdef size_t data
+    cdef SpeedCheck speeds
+    cdef object look
+    cdef object count_pushes
+    cdef readonly long long count
+    cdef readonly list preparations
+    cdef public bint stands_still
+    cdef public bint is_pushed
+    cdef public bint is_braked
+    @cython.locals(one=AttendedPreparation)
+    cpdef make(self)

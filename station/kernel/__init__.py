@@ -1,1 +1,0 @@
-"""The arithmetic of the control cycle: one source that runs interpreted or compiled."""

@@ -1,0 +1,1 @@
+"""Memory and functions that the compiled modules of the control cycle share."""

@@ -1,0 +1,111 @@
+"""A pose along its axes against the functions it is made of, and both modes."""
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from station.controllers.cartesian_motion import braking
+from station.controllers.cartesian_motion.pose_motion import PoseMotion
+from station.core.numerics.poses import displace, pose_of, rotation_between
+from station.memory.doubles import doubles, zeros
+from tests.both_modes import arrays, assert_same, needs_both, numbers
+
+LARGEST, JERK = [0.5] * 3 + [1.5] * 3, [6.0] * 3 + [15.0] * 3
+SPEEDS = (0.3, 1.0)
+HERE = pose_of([0.3, 0.1, 0.5], [0.6, 0.0, 0.0, 0.8])
+axes = st.lists(st.floats(-0.4, 0.4), min_size=6, max_size=6)
+
+
+class Moved:
+    """A motion with its memory."""
+
+    def __init__(self, kind=PoseMotion, pose=HERE, target=HERE):
+        self.pose, self.target = doubles(pose), doubles(target)
+        self.twist, self.accelerations = zeros(6), zeros(12)
+        self.motion = kind(
+            self.pose,
+            self.target,
+            self.twist,
+            self.accelerations,
+            largest=LARGEST,
+            jerk=JERK,
+            speeds=SPEEDS,
+        )
+
+
+def test_the_way_to_the_target_begins_at_the_present_orientation():
+    target = displace(HERE, (0.1, -0.2, 0.3), (0.0, 0.4, 0.2))
+    it = Moved(target=target)
+
+    assert it.motion.coordinates() == [*HERE[12:15], 0.0, 0.0, 0.0]
+    assert it.motion.aim() == [*target[12:15], *rotation_between(HERE, target)]
+
+
+@given(axes, axes, axes)
+def test_a_pose_goes_where_its_axes_go_and_back(way, velocities, accelerations):
+    it = Moved()
+    it.motion.take_rates([0.1] * 6, [0.2] * 6)
+    before = [*it.pose, *it.twist, *it.accelerations]
+    positions = [*(a + b for a, b in zip(HERE[12:15], way[:3], strict=True)), *way[3:]]
+    coordinates = it.motion.move(positions, velocities, accelerations)
+
+    assert [*it.pose] == pytest.approx(displace(HERE, way[:3], way[3:]), abs=1e-12)
+    assert coordinates == [*it.pose[12:15], 0.0, 0.0, 0.0]
+    assert [*it.twist, *it.accelerations[:6]] == [*velocities, *accelerations]
+    it.motion.undo([0.1] * 6, [0.2] * 6)
+    assert [*it.pose, *it.twist, *it.accelerations] == before
+
+
+@given(axes, axes)
+def test_a_motion_that_brakes_is_that_of_its_axes(velocities, accelerations):
+    it = Moved()
+    it.motion.take_rates(velocities, accelerations)
+    it.motion.brake()
+    v, a, largest, jerk = map(doubles, (velocities, accelerations, LARGEST, JERK))
+    peaks, ways = zeros(6), zeros(6)
+    braking.braking_peaks(v, a, largest, jerk, peaks)
+    braking.resting_ways(v, a, largest, jerk, ways)
+
+    assert [*it.accelerations[6:]] == [*peaks]
+    ended = displace(HERE, ways.tolist()[:3], ways.tolist()[3:])
+    assert [*it.motion.resting] == pytest.approx(ended, abs=1e-12)
+    assert it.motion.stays_within_speed() == all(
+        braking.peak_speed(v[k : k + 3], a[k : k + 3], jerk[k : k + 3]) <= speed
+        for k, speed in zip((0, 3), SPEEDS, strict=True)
+    )
+
+
+@pytest.mark.parametrize("axis", range(12))
+def test_one_axis_that_moves_or_accelerates_is_no_rest(axis):
+    it, rates = Moved(), [0.0] * 12
+    it.motion.take_rates(rates[:6], rates[6:])
+    assert it.motion.is_at_rest()
+    rates[axis] = -2e-12
+    it.motion.take_rates(rates[:6], rates[6:])
+    assert not it.motion.is_at_rest()
+
+
+def test_numbers_of_too_few_axes_are_refused():
+    it = Moved()
+
+    with pytest.raises(ValueError, match="unpack"):
+        it.motion.move([0.0] * 5, [0.0] * 6, [0.0] * 6)
+    with pytest.raises(ValueError, match="unpack"):
+        it.motion.take_rates([0.0] * 6, [0.0] * 5)
+
+
+@needs_both
+@settings(max_examples=100)
+@given(arrays(16), arrays(16), arrays(6), arrays(6), arrays(6), numbers)
+def test_both_modes_agree_bit_for_bit(pose, target, way, velocities, a, other):
+    def scenario(module):
+        it = Moved(module.PoseMotion, pose, target)
+        found = [*it.motion.aim(), *it.motion.coordinates()]
+        found += [*it.motion.move(way, velocities, a), *it.pose, *it.accelerations]
+        it.motion.brake()
+        found += [*it.motion.resting]
+        found += [it.motion.is_at_rest(), it.motion.stays_within_speed()]
+        it.motion.undo(a, [other] * 6)
+        return [*found, *it.pose, *it.twist, *it.accelerations]
+
+    assert_same("pose_motion", scenario)

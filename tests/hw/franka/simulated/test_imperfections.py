@@ -1,0 +1,147 @@
+"""Friction, noise and the observer give the same bits in both modes."""
+
+from math import exp
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from station.memory.doubles import doubles, put, zeros
+from tests.both_modes import arrays, assert_same, compiled, needs_both, sibling
+
+_CYCLES = 3
+
+
+class Bench:
+    """A joint pair with everything that disturbs it."""
+
+    def __init__(self, module, values) -> None:
+        self.memory = sibling(module, "joint_memory").JointMemory(2)
+        # Rows of the inertia matrix: (M00), (M10, M11).
+        diagonal = memoryview(bytearray(16)).cast("l")
+        diagonal[0], diagonal[1] = 0, 2
+        self.simulator = sibling(module, "simulator_memory").SimulatorMemory(
+            2,
+            inertia=doubles([1.5, 0.3, 0.8]),
+            diagonal=diagonal,
+            armature=doubles([0.1, 0.1]),
+        )
+        self.estimate, self.theta = zeros(2), zeros(2)
+        self.wrench, self.turned = zeros(6), zeros(6)
+        self.part = module.Imperfections(
+            self.memory,
+            self.simulator,
+            noise=doubles([0.5, -1.0, 2.0, 0.1, -0.3]),
+            estimate=self.estimate,
+            theta=self.theta,
+            wrench=self.wrench,
+            turned=self.turned,
+            period=0.001,
+        )
+        for name in ("level", "slope", "shift", "torque_noise", "torque_bias"):
+            put(getattr(self.part, name), values[:2])
+        put(self.part.velocity_noise, values[1:3])
+        put(self.part.model_error, values[2:4])
+        put(self.part.lower, [0.5] * 8)
+        put(self.part.static_friction, [0.5, 1.0])
+        put(self.part.compliance, [1e-3, 1e-4])
+        self.part.stribeck_velocity = 0.02
+        self.part.presliding = 1e-4
+        self.part.gain = 0.1
+        self.part.reach = 0.01
+        self.part.settle()
+        self.values = values
+
+    def results(self) -> list[float]:
+        found = []
+        for cycle in range(_CYCLES):
+            q = [value * (1.0 + cycle) for value in self.values]
+            put(self.memory.positions, q[:2])
+            put(self.memory.dtheta, q[1:3])
+            put(self.memory.tau_J, q[2:4])
+            put(self.simulator.velocities, q[:2])
+            put(self.simulator.bias, q[1:3])
+            self.part.before()
+            found += [self.part.sense(), *self.simulator.applied, *self.memory.dq]
+            found += [*self.memory.tau_J, *self.estimate, *self.wrench, *self.turned]
+            found += self.theta
+        return found
+
+
+@needs_both
+@given(st.one_of(arrays(4), st.lists(st.floats(-2.0, 2.0), min_size=4, max_size=4)))
+def test_both_modes_disturb_the_same(values):
+    assert_same("imperfections", lambda module: Bench(module, values).results())
+
+
+def test_the_estimate_is_what_the_motion_does_not_explain():
+    bench = Bench(compiled("imperfections"), [0.0] * 4)
+    bench.part.gain = 1.0
+    put(bench.memory.dtheta, [0.002, -0.001])  # in one cycle from rest
+    put(bench.memory.tau_J, [5.0, 1.0])
+    put(bench.simulator.bias, [0.5, 0.25])
+    assert bench.part.sense() == compiled("imperfections").TOUCHED
+    # Without the rotors: 1.4 and 0.7 on the diagonal, 0.3 beside it.
+    assert bench.estimate.tolist() == pytest.approx([
+        5.0 - (1.4 * 2.0 - 0.3 * 1.0) - 0.5,
+        1.0 - (0.3 * 2.0 - 0.7 * 1.0) - 0.25,
+    ])
+
+
+def test_friction_is_the_published_formula_and_zero_at_rest():
+    bench = Bench(compiled("imperfections"), [0.8, 5.0, 0.02, 0.0])
+    put(bench.part.level, [0.8, 0.8])
+    put(bench.part.slope, [5.0, 5.0])
+    put(bench.part.shift, [0.02, 0.02])
+    bench.part.settle()
+    put(bench.part.static_friction, [0.0, 0.0])
+    put(bench.simulator.velocities, [0.0, 0.7])
+    assert bench.part.before()
+    at_rest, moving = bench.simulator.applied
+    assert at_rest == 0.0
+    assert moving == pytest.approx(0.8 / (1 + exp(-0.1)) - 0.8 / (1 + exp(-3.6)))
+
+
+def test_a_joint_that_sticks_holds_against_every_torque_up_to_the_static_friction():
+    """It bends as a spring, and slides when its friction cannot grow further."""
+    bench = Bench(compiled("imperfections"), [0.0] * 4)
+    found = []
+    for _ in range(20):
+        put(bench.simulator.velocities, [1e-8, 1e-2])
+        bench.part.before()
+        found.append(tuple(bench.simulator.applied))
+    # 20 cycles at 1e-8 rad/s, and the damping: 5 ms times the speed.
+    assert found[-1][0] == pytest.approx(-0.5 * (20e-11 + 5e-11) / 1e-4)
+    assert [one[1] for one in found[10:]] == pytest.approx([-1.0 / 1.25] * 10)
+
+
+def test_the_static_friction_is_gone_at_speed():
+    bench = Bench(compiled("imperfections"), [0.0] * 4)
+    put(bench.simulator.velocities, [2.0, -2.0])
+    bench.part.before()
+    assert [*bench.simulator.applied] == pytest.approx([0.0, 0.0], abs=2e-4)
+
+
+def test_the_motor_turns_against_its_link_as_the_torque_demands():
+    bench = Bench(compiled("imperfections"), [0.0] * 4)
+    put(bench.memory.positions, [0.1, 0.2])
+    put(bench.memory.tau_J, [2.0, -3.0])
+    bench.part.sense()
+    assert bench.theta.tolist() == pytest.approx([0.102, 0.1997])
+
+
+def test_no_speed_makes_the_friction_overflow():
+    bench = Bench(compiled("imperfections"), [1.0, 1.0, 1.0, 1.0])
+    put(bench.simulator.velocities, [-1e308, 1e308])
+    bench.part.before()
+    assert [*bench.simulator.applied] == pytest.approx([0.7310585, -0.2689414])
+
+
+def test_a_joint_far_from_the_last_jacobian_is_told():
+    module = compiled("imperfections")
+    bench = Bench(module, [0.0] * 4)
+    put(bench.memory.positions, [0.0, 0.02])
+    assert bench.part.sense() == module.MOVED
+    bench.part.renew(0.05)
+    assert bench.part.sense() == 0
+    assert not bench.part.has_wrench  # the Jacobian is zero
