@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from station.config import StationConfig
-from station.config.errors import ConfigError
+from station.core.config_error import ConfigError
 from station.core.description.robot_files import load_robot_files
 from station.core.description.urdf_parser import parse_urdf
 from station.core.errors import RobotDescriptionError

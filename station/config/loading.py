@@ -7,11 +7,11 @@ from pathlib import Path
 import yaml
 
 from station.config.environment import read_environment
-from station.config.errors import ConfigError
 from station.config.models import StationConfig
 from station.config.ros_parameters import split_ros_parameters, substitute
 from station.config.validation import validate
-from station.config.yaml_reader import KeyPath, YamlDocument, parse_yaml, read_yaml
+from station.core.config_error import ConfigError
+from station.core.yaml_reader import KeyPath, YamlDocument, parse_yaml, read_yaml
 
 DEFAULT_FILE = Path(__file__).with_name("default.yaml")
 _MERGED_SECTIONS = ("station", "robot", "api", "ui", "watchdog", "records", "foxglove")

@@ -8,8 +8,8 @@ import re
 from dataclasses import dataclass, field
 from typing import TypeVar
 
-from station.config.errors import ConfigError
 from station.config.moveit_controllers import LIST, controllers_of_list
+from station.core.config_error import ConfigError
 from station.core.errors import show
 
 _SUBSTITUTION = re.compile(r"\$\((\w+)\s*([^)]*)\)")

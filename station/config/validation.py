@@ -5,15 +5,15 @@ from collections.abc import Callable
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from station.config.errors import ConfigError, key_text
 from station.config.models import (
     MODULE_PATTERN,
     NAME_PATTERN,
     PLUGIN_PATTERN,
     StationConfig,
 )
-from station.config.yaml_reader import KeyPath
+from station.core.config_error import ConfigError, key_text
 from station.core.errors import show
+from station.core.yaml_reader import KeyPath
 
 # Names in the parameter tree that controllers cannot have.
 RESERVED_NAMES = frozenset({"robot", "robot_description", "scene"})

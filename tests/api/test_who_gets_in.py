@@ -70,12 +70,12 @@ CALLERS = {
     "no token": Caller(
         {},
         (401, "unauthorized", 4401),
-        lambda method, path: path in PROBES | PUBLIC | {LOGOUT},
+        lambda _, path: path in PROBES | PUBLIC | {LOGOUT},
     ),
     "revoked token": Caller(
         bearer("revoked"),
         (401, "unauthorized", 4401),
-        lambda method, path: path in PROBES | PUBLIC | {LOGOUT},
+        lambda _, path: path in PROBES | PUBLIC | {LOGOUT},
     ),
     "viewer": Caller(
         bearer(VIEWER),
@@ -88,12 +88,12 @@ CALLERS = {
     "foreign Origin": Caller(
         {**bearer(OPERATOR), "Origin": "http://evil.example"},
         (403, "origin_not_allowed", 4403),
-        lambda method, path: path in PROBES,
+        lambda _, path: path in PROBES,
     ),
     "rebound Host": Caller(
         {**bearer(OPERATOR), "Host": "evil.example:8000"},
         (403, "host_not_allowed", 4403),
-        lambda method, path: path in PROBES,
+        lambda _, path: path in PROBES,
     ),
     # Nobody's control keeps others from stopping, looking, or ending the token of
     # whoever holds it.
@@ -135,7 +135,7 @@ def routes_of(app):
             yield method, path
 
 
-def refusal(server, http, method, path, headers):
+def refusal(http, method, path, headers):
     """Return status and code of the answer to a request."""
     sent = {}
     if path == f"{API}/control" and method in CONTROL:
@@ -185,7 +185,7 @@ def wrongly_answered(server, http, routes):
                 found = close_code(server, path, caller.headers)
                 is_refused = found == closed
             else:
-                found = refusal(server, http, method, path, caller.headers)
+                found = refusal(http, method, path, caller.headers)
                 is_refused = found in {(status, code), (status, "")}
             if is_refused is may:
                 yield f"{name}: {method} {path} was answered {found}"

@@ -2,8 +2,8 @@
 
 import pytest
 
-from station.config.errors import ConfigError
 from station.config.loading import load_config
+from station.core.config_error import ConfigError
 
 
 @pytest.fixture

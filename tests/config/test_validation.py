@@ -4,9 +4,9 @@ from math import inf
 
 import pytest
 
-from station.config.errors import ConfigError
 from station.config.loading import load_config
 from station.config.validation import validate
+from station.core.config_error import ConfigError
 
 MINIMAL = {
     "station": {

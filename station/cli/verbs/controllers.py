@@ -139,7 +139,7 @@ def _parameters_of(name: str, path: Path) -> dict[str, Any]:
         UsageError: It has none for that name.
     """
     from station.config.ros_parameters import split_ros_parameters
-    from station.config.yaml_reader import read_yaml
+    from station.core.yaml_reader import read_yaml
 
     found = split_ros_parameters(read_yaml(path).values, str(path))
     params = found.controllers.get(name) or found.others.get(name)

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import yaml
 
+from station.core.config_error import ConfigError
 from station.core.errors import StationError, show, suggest
+from station.core.yaml_reader import FILE, parse_yaml
 
-LARGEST = 1_000_000
-"""Largest file that is read [characters]."""
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}")
 _SUFFIX = ".yaml"
 _REMEDY = "Correct or delete the file, or save it anew."
@@ -86,7 +86,7 @@ class NamedFiles:
         path = self._path(name)
         try:
             with path.open(encoding="utf-8") as file:
-                text = file.read(LARGEST + 1)
+                text = file.read(FILE.characters + 1)
         except FileNotFoundError as error:
             raise self._kind.not_found(
                 f"There is no {self._kind.noun} '{name}'.",
@@ -95,13 +95,10 @@ class NamedFiles:
             ) from error
         except (OSError, UnicodeDecodeError) as error:
             raise self.unusable(name, error) from error
-        if len(text) > LARGEST:
-            raise self.unusable(name, f"it is larger than {LARGEST} characters")
         try:
-            data = yaml.safe_load(text)
-        except yaml.YAMLError as error:
-            raise self.unusable(name, f"it is no YAML: {error}") from error
-        return data if isinstance(data, dict) else {}
+            return parse_yaml(text, path.name).values
+        except ConfigError as error:
+            raise self.unusable(name, error.message.rstrip(".")) from error
 
     def write(self, name: str, data: Mapping[str, object]) -> None:
         """Write a file; one of that name is replaced.
