@@ -143,8 +143,8 @@ class Station:
         return StationStatus(
             boot_id=self.boot_id,
             epoch=self.loop.epoch,
-            time=self.loop.time,
-            cycle=self.loop.cycle,
+            time=snapshot.stamp if snapshot else self.loop.time,
+            cycle=snapshot.cycle if snapshot else self.loop.cycle,
             robot_type=self._robot_type,
             robot_mode=snapshot.mode if snapshot else "unknown",
             stop_state=latch.state,
