@@ -83,6 +83,11 @@ class StationCollector(Collector):
             float(station.ready() is None),
         )
         yield GaugeMetricFamily(
+            "station_watchdog_failing",
+            "Whether a watchdog is wanted and none looks at the loop.",
+            float(station.watchdog_failure is not None),
+        )
+        yield GaugeMetricFamily(
             "station_stopped",
             "Whether the stop is engaged, or released and not armed.",
             float(station.loop.stop_latch.state is not StopState.ARMED),

@@ -7,6 +7,7 @@ dashboard is gone, the control thread ends, the watchdog ends.
 import contextlib
 import hashlib
 import os
+import time
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
@@ -54,6 +55,10 @@ UI_TIMEOUT = 0.5
 """Longest wait for the dashboard after the server has stopped [s]."""
 LOOP_TIMEOUT = 0.4
 """Longest wait for the control thread [s]; all waits together are below 3 s."""
+UI_RESTARTS = 3
+"""So often a dashboard that crashes is started again within `UI_MEMORY`."""
+UI_MEMORY = 60.0
+"""How long an end of the dashboard counts [s]."""
 WATCH_PERIOD = 0.2
 """How often the station looks whether its parts live [s]."""
 
@@ -283,6 +288,7 @@ class StationRun:
     def _watch_ui(self, announcement: Announcement) -> Callable[[], bool]:
         ui = self._ui
         is_announced = False
+        ends: list[float] = []
 
         def watch() -> bool:
             nonlocal is_announced
@@ -294,9 +300,17 @@ class StationRun:
             code = ui.exit_code()
             if code is None:
                 return False
+            now = time.monotonic()
+            ends[:] = [*(end for end in ends if now - end < UI_MEMORY), now]
+            told = f"The dashboard ended (exit code {code})"
+            # One that ends in order was ended by somebody, e.g. with `kill`.
+            if code != 0 and len(ends) <= UI_RESTARTS:
+                self._warn(f"{told}; it is started again at the same address.")
+                ui.start_again()
+                return False
             self._warn(
-                f"The dashboard ended (exit code {code}); the station runs on. Start "
-                f"it again: station ui --connect {announcement.api_url}"
+                f"{told}; the station runs on. Start it again: station ui --connect "
+                f"{announcement.api_url}"
             )
             return True
 

@@ -47,11 +47,13 @@ class StateWatcher:
         self._arms = Arms(station.robots)
         self._stop = (StopState.ARMED, "")
         self._loop = station.loop.state
+        self._unwatched: str | None = None
         self._mode = ""
         self._controllers: dict[str, ControllerCondition] = {}
         self._bursts = _Bursts(log, station.loop.skipped)
         self._parts: dict[str, Callable[[], None]] = {
             "the control loop": self._look_at_loop,
+            "the watchdog": self._look_at_watchdog,
             "the stop": self._look_at_stop,
             "the robot's mode": self._look_at_mode,
             "the controllers": self._look_at_controllers,
@@ -123,6 +125,19 @@ class StateWatcher:
             dead or f"The control loop is {state.value}.",
             severity=Severity.ERROR if failed else Severity.INFO,
             result=state.value,
+        )
+
+    def _look_at_watchdog(self) -> None:
+        failure = self._station.watchdog_failure
+        if failure == self._unwatched:
+            return
+        self._unwatched = failure
+        failed = failure is not None
+        self._log.record(
+            EventKind.WATCHDOG,
+            failure or "The watchdog looks at the control loop again.",
+            severity=Severity.ERROR if failed else Severity.INFO,
+            result="failed" if failed else "watching",
         )
 
     def _look_at_stop(self) -> None:

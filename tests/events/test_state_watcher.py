@@ -146,3 +146,13 @@ def test_mode_in_which_an_arm_cannot_move_is_an_error_with_its_remedy(
     event = log.since(kinds=[EventKind.ROBOT_MODE])[-1]
     assert event.severity is Severity.ERROR
     assert event.details["remedies"] == [f"left: {todo}"]
+
+
+def test_the_end_and_the_return_of_the_watchdog_are_recorded(station, log, watcher):
+    for failure in ("It is suspended.", None):
+        station.watchdog_failure = failure
+        watcher.look()
+        watcher.look()
+
+    found = told(log, EventKind.WATCHDOG)
+    assert [result for _, result in found] == ["failed", "watching"]
