@@ -83,10 +83,7 @@ def create_app(
         title="Control station",
         version=package.__version__,
         description=DESCRIPTION,
-        openapi_url=f"{PREFIX}/openapi.json",
         generate_unique_id_function=operation_id,
-        docs_url=None,
-        redoc_url=None,
         # Its spans and counters would cost time in every request.
         telemetry={"tracing": False, "metrics": False, "logs": False},
     )

@@ -5,7 +5,7 @@ No token is needed, and nothing is said about the robot.
 
 from typing import TYPE_CHECKING
 
-from fastapi import APIRouter, Request
+from fastapi import APIRouter, Request, Response
 
 import station as package
 from station.api import asyncapi
@@ -13,6 +13,8 @@ from station.api.routes import PREFIX
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from station.api.openapi import StationApi
 
 router = APIRouter(include_in_schema=False)
 _STREAMS = asyncapi.document()
@@ -36,6 +38,13 @@ async def index(request: Request) -> dict[str, str]:
         "login": "/login?token=…",
         **known,
     }
+
+
+@router.get(f"{PREFIX}/openapi.json")
+async def openapi_document(request: Request) -> Response:
+    """Return the OpenAPI document; it needs no token."""
+    app: StationApi = request.app
+    return Response(await app.openapi_json(), media_type="application/json")
 
 
 @router.get(f"{PREFIX}/asyncapi.json")
