@@ -67,8 +67,10 @@ class Guard:
     async def _http(self, scope: Scope, receive: Receive, send: Send) -> None:
         async def send_with_headers(message: Message) -> None:
             if message["type"] == "http.response.start":
+                given = {name.lower() for name, _ in message.get("headers", ())}
+                own = [each for each in _HEADERS if each[0] not in given]
                 clock = (_CLOCK, f"{time.time():.3f}".encode())
-                message["headers"] = [*message.get("headers", ()), *_HEADERS, clock]
+                message["headers"] = [*message.get("headers", ()), *own, clock]
             await send(message)
 
         refused = self._place_refused(scope)
@@ -98,7 +100,8 @@ class Guard:
                 403,
                 "origin_not_allowed",
                 f"A page of {origin!r:.80} may not use this station.",
-                "Use the station's own pages, or a program instead of a web page.",
+                "Use the station's own pages or a program, or add the page's origin to "
+                "api.allowed_origins of the configuration.",
             )
         return None
 

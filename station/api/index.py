@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 router = APIRouter(include_in_schema=False)
 _STREAMS = asyncapi.document()
+REVALIDATED = {"Cache-Control": "no-cache"}
+"""A browser may keep the documents, and asks whether they are still the same."""
 
 
 @router.get("/")
@@ -44,10 +46,13 @@ async def index(request: Request) -> dict[str, str]:
 async def openapi_document(request: Request) -> Response:
     """Return the OpenAPI document; it needs no token."""
     app: StationApi = request.app
-    return Response(await app.openapi_json(), media_type="application/json")
+    return Response(
+        await app.openapi_json(), media_type="application/json", headers=REVALIDATED
+    )
 
 
 @router.get(f"{PREFIX}/asyncapi.json")
-async def streams_document() -> dict[str, object]:
+async def streams_document(response: Response) -> dict[str, object]:
     """Return the AsyncAPI document, which needs no token, as the OpenAPI document."""
+    response.headers.update(REVALIDATED)
     return _STREAMS

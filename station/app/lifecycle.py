@@ -181,7 +181,7 @@ class StationRun:
         app = create_app(
             station,
             authenticator,
-            HostPolicy(host_names(api.host)),
+            HostPolicy(host_names(api.host), api.allowed_origins),
             dashboard_url=lambda: _dashboard_url(server.url, ui_port),
             kept=Kept(journal.log, self._recorder, experiments),
         )

@@ -16,6 +16,7 @@ from station.core.loop.pace import FASTEST, SLOWEST
 NAME_PATTERN = r"^[A-Za-z_][A-Za-z0-9_]*$"
 PLUGIN_PATTERN = r"^[A-Za-z_][\w.]*[/:][A-Za-z_]\w*$"
 MODULE_PATTERN = r"^[A-Za-z_]\w*(\.[A-Za-z_]\w*)*$"
+ORIGIN_PATTERN = r"^https?://([A-Za-z0-9.-]+|\[[0-9A-Fa-f:.]+\])(:[0-9]{1,5})?$"
 Name = Annotated[str, Field(pattern=NAME_PATTERN)]
 """What ROS allows as a name without namespaces."""
 Port = Annotated[int, Field(ge=0, le=65535)]
@@ -26,6 +27,9 @@ PluginType = Annotated[str, Field(pattern=PLUGIN_PATTERN)]
 ModuleName = Annotated[str, Field(pattern=MODULE_PATTERN)]
 """A Python module; the modules inside of a package belong to it."""
 
+
+WebOrigin = Annotated[str, Field(pattern=ORIGIN_PATTERN)]
+"""Scheme, host and port of a web page, without a path: `https://lab.example:8443`."""
 
 FileName = Annotated[str, Field(min_length=1)]
 """A file; relative to the working directory."""
@@ -141,12 +145,14 @@ class ApiSection(_Section):
         port: TCP port; 0 for any free one.
         token: The operator's token; None has a random one made.
         tls: Certificate and key, with which it serves https and wss alone.
+        allowed_origins: Origins of web pages elsewhere that may use it.
     """
 
     host: str = Field(min_length=1, pattern=r"^[A-Za-z0-9.:_-]+$")
     port: Port
     token: str | None = Field(min_length=8, pattern=r"^[A-Za-z0-9._~+/=-]+$")
     tls: TlsSection = Field(default_factory=TlsSection)
+    allowed_origins: list[WebOrigin] = Field(default_factory=list)
 
 
 class UiSection(_Section):

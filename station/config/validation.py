@@ -8,6 +8,7 @@ from pydantic_core import ErrorDetails
 from station.config.models import (
     MODULE_PATTERN,
     NAME_PATTERN,
+    ORIGIN_PATTERN,
     PLUGIN_PATTERN,
     StationConfig,
 )
@@ -30,6 +31,7 @@ _WANTED = {
     "finite_number": "a finite number",
 }
 _PATTERNS = {
+    ORIGIN_PATTERN: "scheme, host and port of a page, e.g. https://lab.example:8443",
     MODULE_PATTERN: "the name of a Python module, e.g. my_package.my_controllers",
     NAME_PATTERN: "a name of letters, digits and underscores",
     PLUGIN_PATTERN: "package/Class, e.g. franka_hw/FrankaHW, or module:Class",

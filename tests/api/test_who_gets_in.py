@@ -131,7 +131,10 @@ def routes_of(app):
         path = re.sub(
             r"\{(\w+)(:path)?\}", lambda m: KNOWN.get(m[1], "x"), route.path_format
         )
-        for method in sorted(route.methods or {SOCKET}):
+        methods = set(route.methods or {SOCKET})
+        if "GET" in methods:
+            methods.add("HEAD")  # the same answer without its body
+        for method in sorted(methods):
             yield method, path
 
 

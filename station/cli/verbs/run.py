@@ -21,6 +21,7 @@ _FLAGS = {
     "host": "api.host",
     "port": "api.port",
     "token": "api.token",
+    "allowed_origins": "api.allowed_origins",
     "tls_cert": "api.tls.certificate",
     "tls_key": "api.tls.key",
     "ui_port": "ui.port",
