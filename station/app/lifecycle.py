@@ -33,6 +33,7 @@ from station.core.facade.station import Station
 from station.core.loop.loop_report import LoopState
 from station.core.loop.scheduling import realtime_interpreter
 from station.core.loop.stop_latch import StopState
+from station.local.descriptors import open_more_files, shortage
 from station.local.private_files import process_start
 from station.local.runtime_file import RunningStation, write_runtime_file
 from station.local.tls import TlsFiles
@@ -163,6 +164,10 @@ class StationRun:
         self, stack: ExitStack, station: Station, authenticator: Authenticator
     ) -> Announcement:
         self._watchdog.announce("Starting the server and the dashboard")
+        open_more_files()
+        few = shortage()
+        if few is not None:
+            self._warn(few)
         api, ui, tls = self._config.api, self._config.ui, self._tls()
         # The robot knows best where it stands.
         robot = station.parameters.get(ROBOT_NAMESPACE)
