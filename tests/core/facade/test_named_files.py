@@ -1,5 +1,7 @@
 """Named files of the user: names that are none, and files that cannot be used."""
 
+import os
+
 import pytest
 
 from station.core.errors import GainSetError, GainSetNotFoundError
@@ -48,6 +50,15 @@ def test_a_file_that_is_no_yaml_or_too_large_says_where_it_is(files, monkeypatch
     monkeypatch.setattr(named_files, "LARGEST", 10)
     with pytest.raises(GainSetError, match="larger"):
         files.read("x")
+
+
+def test_a_pipe_among_the_files_holds_nobody_up(files):
+    files.write("good", {"a": 1})
+    os.mkfifo(files.folder / "pipe.yaml")
+
+    assert files.names() == ["good"]
+    with pytest.raises(GainSetError, match="no regular file"):
+        files.read("pipe")
 
 
 def test_a_folder_that_cannot_be_written_is_told(files):
