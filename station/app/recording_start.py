@@ -2,7 +2,8 @@
 
 import importlib.util
 import json
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -51,10 +52,35 @@ def make_recorder(
     incidents = None
     if section.incidents:
         incidents = RecordStore(folder / "incidents", Quota(count=section.incidents))
-    for found in (store, *([incidents] if incidents else [])):
-        for info in found.recover():
-            warn(f"Recording {info.identifier} is {info.state}: {info.error}")
+    # Files may have many gigabytes: the station starts meanwhile.
+    threading.Thread(
+        target=recover_all,
+        args=((store, *([incidents] if incidents else [])), station, warn),
+        name="recovery",
+        daemon=True,
+    ).start()
     return Recorder(station, store, incidents, texts=describe(station, config))
+
+
+def recover_all(
+    stores: Iterable[RecordStore], station: Station, warn: Callable[[str], None]
+) -> None:
+    """Recover what killed stations have left, beside a control loop that runs.
+
+    Args:
+        stores: The folders.
+        station: The station, whose control thread comes first.
+        warn: Takes a line about each recording, and about each file that is skipped.
+    """
+    for store in stores:
+        for skipped in store.skipped():
+            warn(f"A file of {store.folder} is skipped: {skipped}.")
+        store.recover(
+            station.loop.right_of_way.give,
+            lambda info: warn(
+                f"Recording {info.identifier} is {info.state}: {info.error}"
+            ),
+        )
 
 
 def start_foxglove(

@@ -221,7 +221,11 @@ class Recorder:
 
     def infos(self) -> list[RecordingInfo]:
         """Return all recordings, the oldest first."""
-        return [self.info(one.identifier) for one in self.store.infos()]
+        last = self.last
+        return [
+            last if last is not None and last.identifier == one.identifier else one
+            for one in self.store.infos()
+        ]
 
     def drain(self) -> None:
         """Take what the cycles since the last call have left."""
@@ -240,6 +244,7 @@ class Recorder:
         self.failure = f"The recorder ended: {why}."
         last = self.last
         if self._recording is not None and last is not None:
+            self._recording.give_up()
             self.store.keep(self._note(replace(last, state=FAILED, error=self.failure)))
             self._recording = None
 
@@ -308,15 +313,8 @@ class Recorder:
         note: str,
         causes: tuple[str, ...] = (),
     ) -> Recording:
-        info, path = store.begin(name, note, causes)
-        try:
-            file = McapFile(self._open_file(path))
-        except OSError as error:
-            store.keep(replace(info, state=FAILED, error=str(error)))
-            raise RecordingFileError(
-                f"{path} cannot be made: {error}.",
-                remedy="Make room, or configure another folder.",
-            ) from error
+        info, disk = store.begin(self._open_file, name, note, causes)
+        file = McapFile(disk)
         sources = [] if causes else sources_of(self._station)
         recording = Recording(info, store, file, self._encoder, sources)
         recording.add_facts(self._station, self._texts)

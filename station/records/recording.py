@@ -155,6 +155,12 @@ class Recording:
             self.info = replace(self.info, state=FAILED, error=error)
         return self.info
 
+    def give_up(self) -> None:
+        """Let go of the file as it is: a recovery makes it whole."""
+        for source in self._sources:
+            source.close()
+        self._file.give_up()
+
     def _describe(self) -> None:
         """Bring `info` up to date."""
         first, last = self._first, self._last
