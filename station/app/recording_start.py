@@ -7,8 +7,9 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from station.api.host_policy import HostPolicy
+from station.app.access import host_names, is_loopback
 from station.config import StationConfig
-from station.config.errors import ConfigError
 from station.core.description.robot_files import load_robot_files
 from station.core.description.urdf_parser import parse_urdf
 from station.core.errors import RobotDescriptionError
@@ -16,10 +17,11 @@ from station.core.facade.station import Station
 from station.records.record_store import Quota, RecordStore, default_folder
 
 if TYPE_CHECKING:
-    from station.records.foxglove_server import FoxgloveServer
+    from fastapi import FastAPI
+
+    from station.api.foxglove.foxglove_port import FoxglovePort
     from station.records.recorder import Recorder
 
-_LOOPBACK = frozenset({"127.0.0.1", "::1", "localhost"})
 _PACKAGES = ("foxglove", "lz4", "mcap")
 
 
@@ -83,48 +85,38 @@ def recover_all(
         )
 
 
-def start_foxglove(
-    station: Station, config: StationConfig, warn: Callable[[str], None]
-) -> "FoxgloveServer | None":
-    """Return the server for Foxglove, started; None when it is not configured.
+def make_foxglove(
+    app: "FastAPI", station: Station, config: StationConfig, policy: HostPolicy
+) -> "FoxglovePort | None":
+    """Return what is served to Foxglove; None when it is not configured.
 
     Args:
+        app: The application of the API, whose tokens and lease count there, too.
         station: The station.
         config: Its configuration.
-        warn: Takes a line about where it listens, or what a client wanted in vain.
-
-    Raises:
-        ConfigError: Nobody can listen at its address.
+        policy: Which hosts and origins the API allows.
     """
     section = config.foxglove
     if not section.enabled:
         return None
-    # Imported late: the package may be missing, and the command line says which.
-    from station.records.foxglove_server import FoxgloveServer
+    # Imported here: most stations do without.
+    from station.api.foxglove.foxglove_port import FoxglovePort
+    from station.api.foxglove.live_channels import LiveChannels
 
     texts = describe(station, config)
     description = texts.get("/robot_description", "")
     urdf = parse_urdf(description) if description.lstrip().startswith("<") else None
-    try:
-        server = FoxgloveServer(
-            station,
-            host=section.host,
-            port=section.port,
-            urdf=urdf,
-            texts=texts,
-            warn=warn,
-        )
-    except RuntimeError as error:
-        raise ConfigError(
-            [f"foxglove: nobody can listen at {section.host}:{section.port}: {error}."],
-            remedy="Give another port with --foxglove=PORT.",
-        ) from error
-    if section.host not in _LOOPBACK:
-        warn(
-            f"The Foxglove server listens at {section.host}:{server.port} without "
-            "tokens: whoever reaches it may change gains and switch controllers."
-        )
-    return server
+    return FoxglovePort(
+        app,
+        LiveChannels(station, urdf, texts),
+        host=section.host,
+        port=section.port,
+        policy=HostPolicy(
+            {*policy.hosts, *host_names(section.host)},
+            {*policy.origins, *section.origins},
+        ),
+        anonymous=is_loopback(section.host),
+    )
 
 
 def describe(station: Station, config: StationConfig) -> dict[str, str]:

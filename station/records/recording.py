@@ -86,7 +86,7 @@ class Recording:
     ) -> None:
         """Add an event at a station time [s]; its details are JSON."""
         event = messages.EVENT.encode({
-            "header": messages.header(self._encoder.stamp(stamp) / 1e9),
+            "header": messages.header(self._encoder.stamp(stamp)),
             "kind": kind,
             "severity": severity,
             "text": text,

@@ -6,8 +6,16 @@ import threading
 
 import pytest
 
+from station.api.app import create_app
+from station.api.auth import Authenticator
+from station.api.host_policy import HostPolicy
 from station.app.composition import compose
-from station.app.recording_start import describe, make_recorder, recover_all
+from station.app.recording_start import (
+    describe,
+    make_foxglove,
+    make_recorder,
+    recover_all,
+)
 from station.config import load_config
 from station.records.record_store import RecordStore
 
@@ -87,6 +95,32 @@ def test_a_long_recovery_does_not_hold_the_start_up(build, monkeypatch):
     assert thread.is_alive()
     go_on.set()
     thread.join(10.0)
+
+
+@pytest.mark.parametrize(
+    ("host", "anonymous"), [("127.0.0.1", True), ("192.0.2.7", False)]
+)
+def test_foxglove_is_served_as_configured(build, host, anonymous):
+    config, station, _ = build()
+    policy = HostPolicy(origins=["https://mine.example"])
+    app = create_app(station, Authenticator(), policy)
+    assert make_foxglove(app, station, config, policy) is None
+    section = config.foxglove.model_copy(
+        update={
+            "enabled": True,
+            "host": host,
+            "port": 9,
+            "origins": ["https://app.foxglove.dev"],
+        }
+    )
+    config = config.model_copy(update={"foxglove": section})
+
+    found = make_foxglove(app, station, config, policy)
+
+    assert (found.host, found.port) == (host, 9)
+    assert found._anonymous is anonymous
+    allowed = found._guarded._policy
+    assert allowed.origins == {"https://mine.example", "https://app.foxglove.dev"}
 
 
 def test_a_recording_says_how_its_station_was_configured(build):
