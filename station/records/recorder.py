@@ -152,6 +152,7 @@ class Recorder:
             recording.open_sources()
             # Cycles that ran meanwhile are not of the recording, but their inputs are.
             self._first = self._station.loop.cycle + 1
+            recording.begin(self._first)
             self._gains = ""
             self._recording = recording
             self._note(recording.info)
@@ -249,28 +250,32 @@ class Recorder:
             self._recording = None
 
     def _drain(self) -> None:
+        recording = self._recording
+        # Looked at before the rows, which a cycle leaves first: each cycle has all of
+        # its messages in the recording, or none.
+        until = None if recording is None else recording.newest_sampled()
         rows = self._station.snapshots.rows_since(self._cycle)
         self._inputs.take(self._cycle)
-        recording = self._recording
         if rows.lost:
             self._inputs.lose("what was asked while cycles were lost", self._cycle)
         for index in range(len(rows)):
             self._station.loop.right_of_way.give()
             packed = self._packer.pack(rows.record(index))
-            self._rows.append(packed)
             row = self._packer.unpack(packed)
+            if until is not None and row.cycle > until:
+                break
+            self._rows.append(packed)
             if recording is not None and row.cycle >= self._first:
                 recording.add_row(row)
             periods = round(row.period / self._station.loop.period)
             self._inputs.note_periods(row.cycle, periods)
             self._note_causes(self._watch.look(row), row.time)
+            self._cycle = row.cycle
         if len(rows):
-            self._cycle = rows.newest
             stop = self._station.loop.stop_latch.cycle
             self._note_causes(self._watch.look_at_stop(), rows.time_of(stop))
         if recording is not None:
-            recording.add_lost(rows.lost)
-            recording.add_samples()
+            recording.add_samples(self._cycle, rows.lost)
             self._add_texts(recording)
             self._write_out(recording)
         if self._causes and self._station.loop.time >= self._incident_end:

@@ -54,6 +54,19 @@ class Recording:
         for source in self._sources:
             source.open()
 
+    def begin(self, cycle: int) -> None:
+        """Take no samples of cycles before this one.
+
+        Args:
+            cycle: Number of the first cycle of the recording.
+        """
+        for source in self._sources:
+            source.begin(cycle)
+
+    def newest_sampled(self) -> int | None:
+        """Return the last cycle that all sources have sampled; None without sources."""
+        return min((source.newest for source in self._sources), default=None)
+
     def add_facts(self, station: Station, texts: dict[str, str]) -> None:
         """Add what a reader needs to know about the whole.
 
@@ -103,14 +116,16 @@ class Recording:
         self._last = row
         self._count += 1
 
-    def add_samples(self) -> None:
-        """Add what the sources have sampled since the last call."""
-        for source in self._sources:
-            self.add_lost(source.take(self._encoder, self._log))
+    def add_samples(self, until: int, lost: int = 0) -> None:
+        """Add what the sources have sampled since the last call.
 
-    def add_lost(self, count: int) -> None:
-        """Count cycles that were lost."""
-        self._lost += count
+        Args:
+            until: Number of the last cycle that is in the recording.
+            lost: How many cycles were lost otherwise.
+        """
+        # A cycle that several channels lack is one cycle that is lost.
+        losses = [s.take(self._encoder, self._log, until) for s in self._sources]
+        self._lost += max(lost, *losses, 0)
 
     def write_out(self, *, end_chunk: bool) -> str | None:
         """Write to the disk; return why the recording cannot go on, None if it can.
