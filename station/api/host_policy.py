@@ -65,7 +65,7 @@ class HostPolicy:
         """
         if origin is None:
             return True
-        if origin.lower() in self.origins:
+        if origin.lower().rstrip("/") in self.origins:
             return True
         try:
             parts = urlsplit(origin.lower())

@@ -22,7 +22,7 @@ from station.app.announcement import Announcement
 from station.app.composition import ROBOT_NAMESPACE, compose
 from station.app.journal import Journal
 from station.app.kernel_build import KernelBuild
-from station.app.recording_start import make_recorder, start_foxglove
+from station.app.recording_start import make_foxglove, make_recorder
 from station.app.shutdown_signals import ShutdownSignals
 from station.app.station_watchdog import StationWatchdog
 from station.app.ui_process import UiOptions, UiProcess, find_orphan, free_port
@@ -183,21 +183,22 @@ class StationRun:
             Setup.of(self._config), workers=spare_processors()
         )
         stack.callback(experiments.close)
+        policy = HostPolicy(host_names(api.host), api.allowed_origins)
         app = create_app(
             station,
             authenticator,
-            HostPolicy(host_names(api.host), api.allowed_origins),
+            policy,
             dashboard_url=lambda: _dashboard_url(server.url, ui_port),
             kept=Kept(journal.log, self._recorder, experiments),
         )
         journal.start(app)
-        server = ApiServer(app, api.host, api.port, tls)
+        foxglove = make_foxglove(app, station, self._config, policy)
+        server = ApiServer(app, api.host, api.port, tls, foxglove)
         stack.callback(self._finish_ui)
         stack.callback(server.stop, SERVER_TIMEOUT)
         server.start()
-        foxglove = start_foxglove(station, self._config, self._warn)
-        if foxglove is not None:
-            stack.callback(foxglove.close)
+        if foxglove is not None and self._config.foxglove.port == 0:
+            self._warn(f"Foxglove is served at port {foxglove.port}.")
         token = authenticator.operator_token
         pid = os.getpid()
         running = RunningStation(

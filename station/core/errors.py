@@ -36,6 +36,7 @@ StationError
 ├── RecordingNotFoundError        there is no recording of that name (KeyError)
 ├── RecordingRefusedError         not possible in the recording's state (RuntimeError)
 ├── RecordingFileError            a recording cannot be read or written (OSError)
+│   └── RecordingDamagedError     it has damaged bytes, or lacks its end
 ├── StaleEpochError               the command belongs to an older epoch
 ├── StoppedError                  the latched stop is engaged; nothing may move
 ├── LoopError                     the control loop is not running or died (RuntimeError)
@@ -324,6 +325,12 @@ class RecordingFileError(StationError, OSError):
     """The file of a recording cannot be read or written, or is no recording."""
 
     code = "recording_file"
+
+
+class RecordingDamagedError(RecordingFileError):
+    """The file of a recording has damaged bytes, or lacks its end."""
+
+    code = "recording_damaged"
 
 
 class StaleEpochError(StationError):

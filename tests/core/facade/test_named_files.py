@@ -1,5 +1,7 @@
 """Named files of the user: names that are none, and files that cannot be used."""
 
+import os
+
 import pytest
 
 from station.core.errors import GainSetError, GainSetNotFoundError
@@ -47,6 +49,15 @@ def test_a_file_that_is_no_yaml_or_too_large_says_where_it_is(files):
     path.write_text(" " * (FILE.characters + 1))
     with pytest.raises(GainSetError, match="longer than the 1000000 characters"):
         files.read("x")
+
+
+def test_a_pipe_among_the_files_holds_nobody_up(files):
+    files.write("good", {"a": 1})
+    os.mkfifo(files.folder / "pipe.yaml")
+
+    assert files.names() == ["good"]
+    with pytest.raises(GainSetError, match="no regular file"):
+        files.read("pipe")
 
 
 def test_a_folder_that_cannot_be_written_is_told(files):
