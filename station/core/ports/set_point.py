@@ -9,6 +9,12 @@ from station.core.errors import InvalidCommandError
 from station.core.ports.receipt import Receipt
 from station.kernel.set_points import SetPointNews
 
+RANGE_TOLERANCE = 1e-4
+"""How far beyond its range a position may be asked for [rad or m].
+
+Numbers are written with four digits, and a joint rests a little inside its stop.
+"""
+
 
 @dataclass(frozen=True, slots=True)
 class SetPointElement:
