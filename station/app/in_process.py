@@ -243,7 +243,7 @@ class InProcessStation:
             values: One number per element of its set-points.
             timeout: How long it is valid [s], 0 for ever; the controller's own if None.
         """
-        self.facade.motion.set_command(name, list(values), timeout=timeout)
+        self.facade.motion.set_command(name, values, timeout=timeout)
 
     def gains(self, name: str) -> Mapping[str, float]:
         """Return the gains of a controller by name."""
