@@ -92,6 +92,8 @@ class InProcessStation:
         composition = compose(loaded, self._clock)
         self.facade: Station = composition.station
         self.not_loaded: Mapping[str, StationError] = composition.not_loaded
+        for warning in composition.warnings():
+            _LOGGER.warning("%s", warning)
         self._stack = ExitStack()
         if threaded:
             self._stack.enter_context(realtime_interpreter())

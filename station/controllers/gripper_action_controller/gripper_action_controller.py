@@ -99,6 +99,7 @@ class GripperActionController(Controller[CommandInterfaceT]):
         beyond the joint's limits is refused.
     """
 
+    accepted_parameters: ClassVar[tuple[str, ...]] = ("action_monitor_rate",)
     joint: JointDescription
     _handle: JointHandle
     _port: GripperGoalPort

@@ -111,6 +111,10 @@ class JointTrajectoryController(Controller[InterfaceT]):
         execution: The trajectory that is executed.
     """
 
+    accepted_parameters: ClassVar[tuple[str, ...]] = (
+        "state_publish_rate",
+        "action_monitor_rate",
+    )
     joints: list[JointDescription]
     execution: TrajectoryExecution
     sampled: SampleColumns

@@ -81,7 +81,11 @@ class JointPidGroup:
                 schema[f"{joint.name}/{key}"] = _tunable(key, value, units[key])
                 values[f"{joint.name}/{key}"] = value
         self.tunables = Tunables(
-            schema, values, check=self._check_bounds, apply=self._set_gains
+            schema,
+            values,
+            check=self._check_bounds,
+            apply=self._set_gains,
+            notes=self._without_effect,
         )
 
     def reset(self) -> None:
@@ -113,6 +117,16 @@ class JointPidGroup:
                     f"'{name}/i_clamp_max', which is {upper}.",
                     remedy="Send bounds with i_clamp_min <= i_clamp_max.",
                 )
+
+    def _without_effect(self, values: Mapping[str, float]) -> list[str]:
+        return [
+            f"The gain '{name}/i' is {values[f'{name}/i']:g} and has no effect: the "
+            "integral part is bounded by 'i_clamp', which is 0. Give i_clamp, the "
+            "largest integral part of the command."
+            for name in self._names
+            if values[f"{name}/i"] != 0.0
+            and values[f"{name}/i_clamp_min"] == values[f"{name}/i_clamp_max"] == 0.0
+        ]
 
     def _set_gains(self, values: Mapping[str, float]) -> None:
         gains = [

@@ -121,3 +121,20 @@ def test_the_gains_of_a_group_are_not_taken_from_a_single_pid_block():
     params = Parameters(ParameterTree({"arm": {"pid": {"p": 1.0}}}), "arm")
     with pytest.raises(ParameterError, match="'arm/elbow/pid/p' is missing"):
         read_pid_gains(params, [ELBOW, SLIDE])
+
+
+@pytest.mark.parametrize(
+    ("gains", "told"),
+    [
+        (PidGains(p=1.0, i=5.0), True),
+        (PidGains(p=1.0, i=5.0, antiwindup=True), True),
+        (PidGains(p=1.0, i=5.0, i_max=1.0, i_min=-1.0), False),
+        (PidGains(p=1.0, i=5.0, i_max=1.0), False),
+        (PidGains(p=1.0), False),
+    ],
+)
+def test_an_integral_gain_without_a_bound_is_told_to_have_no_effect(gains, told):
+    pids = JointPidGroup([ELBOW], [gains], error=POSITION, command=EFFORT)
+    notes = pids.tunables.notes(pids.tunables.values)
+    assert len(notes) == told
+    assert all("'elbow/i' is 5 and has no effect" in note for note in notes)
