@@ -92,6 +92,8 @@ class InProcessStation:
         composition = compose(loaded, self._clock)
         self.facade: Station = composition.station
         self.not_loaded: Mapping[str, StationError] = composition.not_loaded
+        for warning in composition.warnings():
+            _LOGGER.warning("%s", warning)
         self._stack = ExitStack()
         if threaded:
             self._stack.enter_context(realtime_interpreter())
@@ -243,7 +245,7 @@ class InProcessStation:
             values: One number per element of its set-points.
             timeout: How long it is valid [s], 0 for ever; the controller's own if None.
         """
-        self.facade.motion.set_command(name, list(values), timeout=timeout)
+        self.facade.motion.set_command(name, values, timeout=timeout)
 
     def gains(self, name: str) -> Mapping[str, float]:
         """Return the gains of a controller by name."""

@@ -134,8 +134,8 @@ class StationRun:
             self._config, heartbeat=self._watchdog.heartbeat, announce=announce
         )
         station = composition.station
-        for name, error in composition.not_loaded.items():
-            self._warn(f"Controller '{name}' is not loaded: {error} {error.remedy}")
+        for warning in composition.warnings():
+            self._warn(warning)
         stack.enter_context(realtime_interpreter())
         self._recorder = make_recorder(station, self._config, self._warn)
         if self._recorder is not None:

@@ -243,6 +243,8 @@ class StationConfig(_Section):
         start: Names of those to start, in order.
         parameters: Other parameters of the controller files (`joint_limits` …), which
             controllers and robots may read.
+        ros_controllers: Names of the controllers of files written for ROS, whose
+            parameters may have names that no controller here knows.
         api: The server.
         ui: The dashboard.
         watchdog: The process beside the station.
@@ -263,6 +265,7 @@ class StationConfig(_Section):
     foxglove: FoxgloveSection
     fci: FciSection
     parameters: dict[str, Any] = Field(default_factory=dict, exclude=True)
+    ros_controllers: frozenset[str] = Field(default=frozenset(), exclude=True)
 
     def controller_modules(self) -> frozenset[str]:
         """Return the modules whose controllers may be loaded as `module:Class`.

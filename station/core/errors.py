@@ -47,6 +47,7 @@ StationError
 
 import difflib
 from collections.abc import Iterable, Mapping
+from typing import NoReturn
 
 from typing_extensions import override
 
@@ -331,6 +332,23 @@ class RecordingDamagedError(RecordingFileError):
     """The file of a recording has damaged bytes, or lacks its end."""
 
     code = "recording_damaged"
+
+
+def refuse_non_number(name: str, command: object) -> NoReturn:
+    """Refuse a command that is no number.
+
+    Args:
+        name: What is commanded, usually a joint.
+        command: The command.
+
+    Raises:
+        InvalidCommandError: Always.
+    """
+    raise InvalidCommandError(
+        f"The command for '{name}' is {show(command)}; it must be a number.",
+        remedy="Send one number per joint.",
+        details={"element": name},
+    )
 
 
 class StaleEpochError(StationError):

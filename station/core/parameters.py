@@ -7,10 +7,10 @@ path if the value has another type.
 """
 
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from copy import deepcopy
 
-from station.core.errors import ParameterError, show
+from station.core.errors import ParameterError, show, suggest
 
 ParameterListener = Callable[[str, object], None]
 _MISSING = object()
@@ -113,11 +113,19 @@ class Parameters:
     Args:
         tree: The tree; None makes an empty one.
         path: The namespace.
+        reads: Where the full path of everything is noted that is read through this view
+            and its namespaces; None to note nothing.
     """
 
-    def __init__(self, tree: ParameterTree | None = None, path: str = "") -> None:
+    def __init__(
+        self,
+        tree: ParameterTree | None = None,
+        path: str = "",
+        reads: set[str] | None = None,
+    ) -> None:
         self.tree = ParameterTree() if tree is None else tree
         self.path = "/".join(_split(path))
+        self._reads = reads
 
     def resolve(self, key: str) -> str:
         """Return the full path of `key` in this namespace."""
@@ -125,15 +133,17 @@ class Parameters:
 
     def namespace(self, key: str) -> "Parameters":
         """Return the view on the namespace `key` below this one."""
-        return Parameters(self.tree, self.resolve(key))
+        return Parameters(self.tree, self.resolve(key), self._reads)
 
     def get(self, key: str = "", default: object = None) -> object:
         """Return the value of `key`, of any type, or `default` if there is none."""
+        if self._reads is not None:
+            self._reads.add(self.resolve(key))
         return self.tree.get(self.resolve(key), default)
 
     def has(self, key: str) -> bool:
-        """Return whether `key` has a value."""
-        return self.get(key, _MISSING) is not _MISSING
+        """Return whether `key` has a value. To ask is not to read it."""
+        return self.tree.get(self.resolve(key), _MISSING) is not _MISSING
 
     def set(self, key: str, value: object) -> None:
         """Set `key` in this namespace."""
@@ -240,3 +250,42 @@ class Parameters:
             remedy="Correct the value and try again.",
             details={"parameter": self.resolve(key)},
         )
+
+
+def unknown_parameters(
+    params: Parameters, known: Collection[str]
+) -> list[tuple[str, str]]:
+    """Return the parameters of a namespace that nobody knows.
+
+    Args:
+        params: The namespace.
+        known: Full paths of the parameters that are known; what is below one is known.
+
+    Returns:
+        The path of each below the namespace, and a sentence about the names that may
+        have been meant. A namespace in which nothing is known counts as one parameter.
+    """
+    around: dict[str, None] = {}
+    for path in sorted(known):
+        parts = _split(path)
+        around |= dict.fromkeys("/".join(parts[:n]) for n in range(1, len(parts) + 1))
+    found: list[tuple[str, str]] = []
+
+    def look(node: object, path: str) -> None:
+        if path in known:
+            return
+        if path != params.path and path not in around:
+            place, _, name = path.rpartition("/")
+            others = [
+                other.rpartition("/")[2]
+                for other in around
+                if other.rpartition("/")[0] == place
+            ]
+            below = path.removeprefix(params.path).strip("/")
+            found.append((below, suggest(name, others)))
+        elif isinstance(node, dict):
+            for key, child in node.items():
+                look(child, "/".join(_split(f"{path}/{key}")))
+
+    look(params.tree.get(params.path), params.path)
+    return found

@@ -3,7 +3,7 @@
 import ssl
 from collections.abc import Mapping, Sequence
 from types import TracebackType
-from typing import Self
+from typing import Literal, Self
 
 import httpx
 from pydantic import JsonValue
@@ -197,6 +197,7 @@ class AsyncStationClient:
         params: Mapping[str, JsonValue] | None = None,
         *,
         timeout: float | None = None,
+        unknown_params: Literal["refuse", "tell"] = "refuse",
         idempotency_key: str | None = None,
     ) -> wire.ControllerState:
         """Load a controller; loading the same one again changes nothing.
@@ -207,11 +208,13 @@ class AsyncStationClient:
             params: Its parameters; None when the station's configuration has them.
             timeout: How long its import, constructor and init may take [s]; None for
                 the station's default.
+            unknown_params: Whether parameters that its type does not know are refused,
+                or told in its `notes`, as is right for files written for ROS.
             idempotency_key: Random name of the request, 1 to 200 visible ASCII
                 characters: sent again with the same key within 10 minutes, e.g. after a
                 lost connection, it is carried out once.
         """
-        request = load_request(name, type, params, timeout)
+        request = load_request(name, type, params, timeout, unknown_params)
         return await load(self._connection, request, idempotency_key)
 
     async def unload_controller(

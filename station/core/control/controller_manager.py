@@ -203,7 +203,9 @@ class ControllerManager:
 
     # Loading
 
-    def load_controller(self, name: str, timeout: float = LOAD_TIMEOUT) -> None:
+    def load_controller(
+        self, name: str, timeout: float = LOAD_TIMEOUT, *, strict: bool = False
+    ) -> None:
         """Load the controller whose type and parameters are under `name` (CM-21).
 
         Its import, its constructor and its `init` run in a thread of their own while
@@ -212,6 +214,7 @@ class ControllerManager:
         Args:
             name: Its name and namespace.
             timeout: How long to wait for it [s wall time], > 0.
+            strict: Whether a parameter that its type does not know is refused, or told.
 
         Raises:
             ControllerExistsError: That name is loaded already (CM-22), or being loaded.
@@ -221,7 +224,7 @@ class ControllerManager:
                 or not in time, or the loading was cancelled.
         """
         self._refuse_control_thread("load")
-        loading = Loading(name, lambda: self._factory.build(name))
+        loading = Loading(name, lambda: self._factory.build(name, strict=strict))
         with self._lock:
             self._refuse_duplicate(name)
             self._loading[name] = loading

@@ -256,8 +256,8 @@ class ControllerRunner(ControllerRound):
         self._fail(
             one,
             time,
-            f"update took {1000.0 * duration:.3g} ms, {times}; an update may take at "
-            f"most {1000.0 * self.update_budget:.3g} ms",
+            f"update took {milliseconds(duration)}, {times}; an update may take at "
+            f"most {milliseconds(self.update_budget)}",
             None,
         )
 
@@ -358,6 +358,16 @@ class ControllerRunner(ControllerRound):
         self.pending = None
         self._transaction = None
         pending.finish(self.cycle)
+
+
+def milliseconds(duration: float) -> str:
+    """Return a duration [s] in milliseconds, of three digits and never as a power.
+
+    Args:
+        duration: The duration [s].
+    """
+    number = 1000.0 * duration
+    return f"{number:.0f} ms" if number >= 99.95 else f"{number:.3g} ms"
 
 
 def _is_running(one: LoadedController) -> bool:

@@ -257,6 +257,7 @@ class Station:
         params: Mapping[str, object] | None = None,
         *,
         timeout: float = LOAD_TIMEOUT,
+        strict: bool = False,
     ) -> ControllerStatus:
         """Load a controller; doing the same twice is the same as once.
 
@@ -269,6 +270,9 @@ class Station:
                 under `name` say when left out.
             params: Its parameters; those in the parameter tree when left out.
             timeout: How long its import, constructor and init may take [s wall time].
+            strict: Whether a parameter that its type does not know is refused. It is
+                told in the notes of the controller otherwise, as for parameters that
+                were written for ROS.
 
         Raises:
             ControllerExistsError: Something else is loaded under that name, or a
@@ -300,7 +304,7 @@ class Station:
         # Without the lock: the controller's code may take long, or hang.
         is_loaded = False
         try:
-            self.manager.load_controller(name, timeout)
+            self.manager.load_controller(name, timeout, strict=strict)
             is_loaded = True
         finally:
             with self._change_lock:
