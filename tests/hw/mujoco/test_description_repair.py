@@ -116,7 +116,7 @@ def test_transmission_that_cannot_be_used_becomes_a_direct_drive(
     xml = robot(transmission=f'<transmission name="t">{transmission}</transmission>')
     hw = make(tmp_path / "r.urdf", xml)
     assert [t.name for t in hw.transmissions()] == ["j_transmission"]
-    (repair,) = hw.repairs()
+    (repair,) = [r for r in hw.repairs() if not r.is_addition]
     assert repair.element == "transmission 't'"
     assert reason in repair.problem
 
@@ -135,7 +135,7 @@ def test_robot_without_motors_starts_and_says_so(tmp_path) -> None:
     hw = make(tmp_path / "r.urdf", robot(effort=0))
     hw.read(0.001, 0.001)
     hw.write(0.001, 0.001)
-    assert [repair.new for repair in hw.repairs()] == ["passive"]
+    assert "passive" in [repair.new for repair in hw.repairs()]
     assert np.isfinite(hw.world.data.qpos).all()
 
 
