@@ -159,3 +159,26 @@ def test_a_list_may_need_a_length():
 )
 def test_defaults_are_for_what_is_missing(method, default):
     assert getattr(Parameters(), method)("missing", default) == default
+
+
+@pytest.mark.parametrize(
+    "gains",
+    [
+        {"arm/j": {"pid": {"p": 1.0}}},
+        {"arm/j/pid": {"p": 1.0}},
+        {"arm": {"j/pid": {"p": 1.0}}},
+        {"arm": {"j": {"pid": {"p": 1.0}}}},
+        {"arm": {"k": {"p": 2.0}}, "arm/j": {"pid": {"p": 1.0}}},
+    ],
+)
+def test_a_key_with_a_slash_is_found_by_its_path(gains):
+    """Joints of ROS robots have names such as `arm/j`."""
+    params = Parameters(ParameterTree({"gains": gains}), "gains/arm/j")
+    params.set("pid/i", 3.0)
+    params.set("pid/p", 4.0)
+
+    assert params.get("pid") == {"p": 4.0, "i": 3.0}
+    assert params.tree.delete("gains/arm/j/pid/p")
+    assert not params.has("pid/p")
+    assert not params.tree.delete("gains/arm/j/pid/p")
+    assert Parameters(params.tree, "gains").keys() == list(gains)
