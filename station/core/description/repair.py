@@ -13,6 +13,8 @@ RepairKind = Literal[
     "transmission",
     "self_collision",
     "start_pose",
+    "base",
+    "name",
     "armature",
     "gravity",
 ]

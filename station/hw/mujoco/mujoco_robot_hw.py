@@ -30,7 +30,7 @@ from station.core.hardware.interfaces import (
     JointHandle,
     JointStateInterface,
 )
-from station.core.hardware.limits import LimitMode
+from station.core.hardware.limits import LimitMode, joint_limits_from_parameters
 from station.core.hardware.robot_hw import ControllerInfo, RobotHW
 from station.core.hardware.robot_report import (
     ClampReport,
@@ -121,8 +121,13 @@ class MujocoRobotHW(RobotHW):
         """
         parameters = read_parameters(hw_params)
         description = load_robot_files(parameters.robot_description)
+        limited = hw_params if hw_params.has("joint_limits") else root_params
         repaired = repair_robot(
-            description, strict=parameters.strict, zero_range=parameters.zero_range
+            description,
+            strict=parameters.strict,
+            zero_range=parameters.zero_range,
+            base=parameters.base_type,
+            find_effort=lambda joint: _effort_of(joint, limited),
         )
         description, urdf = repaired.description, repaired.urdf
         transmissions = read_transmissions(description, urdf)
@@ -153,7 +158,6 @@ class MujocoRobotHW(RobotHW):
             [*joints_of_base(parameters.base_type), *_others(urdf, self._names)],
             interface_of(self, JointStateInterface),
         )
-        limited = hw_params if hw_params.has("joint_limits") else root_params
         self._add_limits(description.xml, urdf, limited, parameters.limit_mode)
         model, data = self.world.model, self.world.data
         self._sensors = WorldSensors(model, data, parameters.sensors)
@@ -369,6 +373,14 @@ class MujocoRobotHW(RobotHW):
         limits = velocities | _velocities_of_mimics(urdf)
         self.world.limit_velocities(limits)
         add_hard_stops(self.world, limits)
+
+
+def _effort_of(joint: str, limited: Parameters) -> float | None:
+    """Return the effort limit of a joint in `joint_limits`; None without one."""
+    limits = joint_limits_from_parameters(joint, limited)
+    effort = None if limits is None else limits.max_effort
+    # What is below 0 is refused with the other limits of the joint.
+    return effort if effort is not None and effort >= 0.0 else None
 
 
 def _others(urdf: Urdf, driven: Sequence[str]) -> list[str]:
