@@ -35,6 +35,8 @@ from station.hw.mujoco.inertia import carried_inertials, combine, is_rigid_body
 from station.hw.mujoco.mesh_loader import add_mesh
 
 _COLLISION_GROUP = 3
+# Between the link's name and the number of the shape.
+_COLLISION = "_collision_"
 # The part of MuJoCo's error message that names the refused element.
 _ELEMENT = re.compile(r"Element name '(?P<name>[^']+)', id \d+")
 # Time constant of the constraints that are hard on a real robot (mechanical stops,
@@ -59,8 +61,8 @@ class RobotOptions:
     Attributes:
         base: The root link's pose in the world.
         armature: Inertia of rotor and gears as seen at each revolute joint that a motor
-            drives [kg m^2], >= 0. Source of the default: mujoco_menagerie franka_emika_panda/panda.xml,
-            the `panda` default class.
+            drives [kg m^2], >= 0. Source of the default: mujoco_menagerie
+            franka_emika_panda/panda.xml, the `panda` default class.
         slide_armature: The same at each prismatic joint [kg], >= 0.
         gravity_compensation: Whether each link is lifted by a force equal to its
             weight, so that the motors need not carry the robot.
@@ -117,7 +119,7 @@ def add_robot(spec: mujoco.MjSpec, urdf: Urdf, options: RobotOptions) -> None:
         RobotDescriptionError: MuJoCo refuses an element of the robot, e.g. a name that
             another robot in the world has.
     """
-    with _refusals_explained():
+    with _refusals_explained(spec):
         _RobotBuilder(spec, urdf, options).build()
 
 
@@ -128,12 +130,12 @@ def compile_world(spec: mujoco.MjSpec) -> mujoco.MjModel:
         RobotDescriptionError: MuJoCo refuses an element of a URDF, e.g. an inertia that
             no rigid body has, or a name used twice.
     """
-    with _refusals_explained():
+    with _refusals_explained(spec):
         return spec.compile()
 
 
 @contextmanager
-def _refusals_explained() -> Iterator[None]:
+def _refusals_explained(spec: mujoco.MjSpec) -> Iterator[None]:
     try:
         yield
     except RobotDescriptionError:
@@ -146,6 +148,16 @@ def _refusals_explained() -> Iterator[None]:
         if found is not None:
             where = f"the element named {found['name']!r}"
             reason = reason[: found.start()].strip()
+            mesh = spec.mesh(found["name"])
+            if mesh is not None and mesh.info:
+                link, is_of_link, _ = found["name"].rpartition(_COLLISION)
+                if is_of_link:
+                    where = f"link {link!r} <collision>"
+                raise RobotDescriptionError(
+                    f"{where}: MuJoCo cannot use the mesh file {mesh.info}: {reason}.",
+                    remedy="Use another file, with four corners that are not in one "
+                    "plane.",
+                ) from exc
         raise RobotDescriptionError(
             f"{where}: MuJoCo cannot simulate it: {reason}",
             remedy="correct that element of the URDF; a link that moves needs an "
@@ -229,7 +241,7 @@ class _RobotBuilder:
                 body.fullinertia = [ixx, iyy, izz, ixy, ixz, iyz]
         for number, shape in enumerate(link.collisions):
             try:
-                self._add_shape(body, f"{link.name}_collision_{number}", shape)
+                self._add_shape(body, f"{link.name}{_COLLISION}{number}", shape)
             except RobotDescriptionError as exc:
                 raise RobotDescriptionError(
                     f"link {link.name!r} <collision>: {exc.message}", remedy=exc.remedy

@@ -216,4 +216,4 @@ def test_link_called_world_is_simulated(tmp_path, base) -> None:
     assert ("name" in [r.kind for r in hw.repairs()]) is (base == "floating")
     moving = solid.replace('"arm"', '"world"')
     hw = make(tmp_path / "s.urdf", moving, base=base)
-    assert ["world_link"] == [r.new for r in hw.repairs() if r.kind == "name"]
+    assert [r.new for r in hw.repairs() if r.kind == "name"] == ["world_link"]
