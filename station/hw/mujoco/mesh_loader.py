@@ -144,7 +144,7 @@ def _load_with_trimesh(path: Path) -> tuple[list[float], list[int]]:
         reason = " ".join(str(exc).split())[:_MAX_REASON].removesuffix(".")
         raise RobotDescriptionError(
             f"The mesh file {path} cannot be read: {reason}.",
-            remedy="Use another file, or convert this one to STL or OBJ if it is whole.",
+            remedy="Use another file, or convert this one to STL or OBJ.",
         ) from exc
     if len(mesh.faces) == 0:
         raise RobotDescriptionError(
