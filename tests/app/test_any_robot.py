@@ -44,7 +44,7 @@ def test_robot_without_motors_gets_its_joint_states() -> None:
 def test_doctor_tells_what_a_robot_needs() -> None:
     added = examine_robot("example-robot-data:so100")
     assert [repair.kind for repair in added] == ["armature", "gravity"]
-    (pairs,) = examine_robot("example-robot-data:ur3")
+    pairs, *_ = examine_robot("example-robot-data:ur3")
     assert pairs.kind == "self_collision"
     with pytest.raises(RobotDescriptionError, match="no robot 'nobody'"):
         examine_robot("example-robot-data:nobody")
