@@ -25,6 +25,7 @@ from station.core.errors import RecordingFileError
 from station.core.loop.scheduling import realtime_interpreter
 from station.core.loop.snapshot import Snapshot
 from station.core.loop.stop_latch import StopState
+from station.hw.robot_loader import find_robot
 from station.wire import StreamFrame
 
 if TYPE_CHECKING:
@@ -87,6 +88,7 @@ class InProcessStation:
             )
         self._config = loaded
         self._recorder: Recorder | None = None
+        find_robot(loaded.robot.type)  # before a download that would be of no use
         fetch_what_is_missing(loaded.robot_parameters(), _LOGGER.warning)
         self._clock = None if threaded else ManualClock()
         composition = compose(loaded, self._clock)

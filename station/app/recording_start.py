@@ -14,6 +14,7 @@ from station.core.description.robot_files import load_robot_files
 from station.core.description.urdf_parser import parse_urdf
 from station.core.errors import RobotDescriptionError
 from station.core.facade.station import Station
+from station.core.installation import install_command
 from station.records.record_store import Quota, RecordStore, default_folder
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ def make_recorder(
     if missing:
         warn(
             f"Nothing is recorded: {', '.join(missing)} is not installed. "
-            "pip install 'control-station[records]' brings it."
+            f"Install it: {install_command('records')}"
         )
         return None
     # Imported late: the packages may be missing.

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+from station.core.installation import install_command
 from station.core.loop.scheduling import realtime_interpreter, request_realtime_priority
 from station.kernel import STATUS
 from station.kernel.built import present_status
@@ -149,7 +150,8 @@ def check_packages() -> Finding:
             missing.append(name)
     if missing:
         absent = f"missing: {', '.join(missing)}"
-        return Finding("packages", "problem", absent, "Set up anew: make setup.")
+        advice = f"Install what a station needs: {install_command('all')}"
+        return Finding("packages", "problem", absent, advice)
     return Finding("packages", "ok", ", ".join(found))
 
 

@@ -188,3 +188,26 @@ def test_what_nobody_read_or_knows_is_found_with_the_nearest_name():
     assert "goal" in found["constraints/j/gaol"]
     assert unknown_parameters(arm, reads | {"arm"}) == []
     assert unknown_parameters(Parameters(tree, "nothing"), reads) == []
+
+
+@pytest.mark.parametrize(
+    "gains",
+    [
+        {"arm/j": {"pid": {"p": 1.0}}},
+        {"arm/j/pid": {"p": 1.0}},
+        {"arm": {"j/pid": {"p": 1.0}}},
+        {"arm": {"j": {"pid": {"p": 1.0}}}},
+        {"arm": {"k": {"p": 2.0}}, "arm/j": {"pid": {"p": 1.0}}},
+    ],
+)
+def test_a_key_with_a_slash_is_found_by_its_path(gains):
+    """Joints of ROS robots have names such as `arm/j`."""
+    params = Parameters(ParameterTree({"gains": gains}), "gains/arm/j")
+    params.set("pid/i", 3.0)
+    params.set("pid/p", 4.0)
+
+    assert params.get("pid") == {"p": 4.0, "i": 3.0}
+    assert params.tree.delete("gains/arm/j/pid/p")
+    assert not params.has("pid/p")
+    assert not params.tree.delete("gains/arm/j/pid/p")
+    assert Parameters(params.tree, "gains").keys() == list(gains)
