@@ -12,6 +12,7 @@ from station.core.franka.franka_model import Frame
 from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.core.franka.franka_services import CollisionBehavior
 from station.hw.franka.arm.arm_limits import ArmLimits
+from station.hw.franka.arm.collision_behavior import NEAR
 from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
 from station.hw.franka.simulated.arm_cycle import ArmCycle
 from station.hw.franka.simulated.contact_estimate import SINGULAR, ContactEstimate
@@ -24,9 +25,10 @@ from station.kernel.simulator_memory import SimulatorMemory
 _NUMBERS = 16381
 """How many random numbers there are. They are drawn in pairs of a cycle's 14, and the
 number is prime, so a joint gets the same ones again after 16 s at the earliest."""
-_RELEASE = 0.8
-"""Share of its threshold below which a signal must fall before it can be a new
-collision: one that fades through noise would be counted again and again."""
+_RELEASE_TIME = 0.1
+"""How long all signals must be that low until the contact in which the arm recovered
+has ended [s]: near a singular pose the noise of some newtons would end a contact of
+19 N for a cycle, and begin it again as a new collision."""
 _REACH = 0.01
 """How far a joint may turn until the Jacobian is computed anew [rad]: 1 % of wrench."""
 _RELIABLE = 0.13
@@ -36,8 +38,8 @@ Below, errors of sensors and model are taken for contacts in free space otherwis
 1000 random motions in the whole range of the joints 1 in 30 ended in a reflex.
 """
 _LASTING = 0.2
-"""Time after which a change of the torques counts as lasting [s]: long beside the 0.05 s
-in which a collision is found, short beside a motion, over which errors change."""
+"""Time after which a change of the torques counts as lasting [s]: long beside the
+0.05 s in which a collision is found, short beside a motion, in which errors change."""
 
 
 class ObservedContact(ContactEstimate):
@@ -92,7 +94,9 @@ class ObservedContact(ContactEstimate):
         # By the arm's time, which goes on while nothing touches the arm.
         self._settled_at = 0.0
         self.set_behavior(self.behavior)
-        self.release = _RELEASE
+        # A signal that fades through noise would be counted again and again.
+        self.release = NEAR
+        self.release_cycles = round(_RELEASE_TIME / joints.timestep)
 
     @override
     def set_behavior(self, behavior: CollisionBehavior) -> None:

@@ -93,8 +93,8 @@ TYPICAL = Realism(
     torque_bias=(-0.15, -0.40, 0.01, 0.03, -0.02, 0.03, 0.0),
     velocity_noise=(0.0027, 0.0031, 0.0026, 0.0028, 0.0025, 0.0032, 0.0033),
     model_error=(0.09, 0.025, 0.025, 0.05, 0.15, 0.09, 0.24),
-    # What the figures above cause: at most 2.7 Nm in the weakest direction of the wrench
-    # in 1000 random motions in the whole range of the joints, 1.9 Nm in 99.9 %.
+    # What the figures above cause: in 1000 random motions in the whole range of the
+    # joints at most 2.7 Nm in the weakest direction of the wrench, 1.9 Nm in 99.9 %.
     torque_error=2.0,
     # Assumptions; nobody publishes them. With 15 Hz the noise of the estimate stays
     # below 0.5 Nm, far below the smallest default threshold, and a contact is reported
