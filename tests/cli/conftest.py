@@ -308,7 +308,12 @@ class FakeStation:
 
 def _report(arm_id):
     return ArmReport(
-        arm_id=arm_id, robot_mode="idle", connected=True, errors=[], remedy=""
+        arm_id=arm_id,
+        robot_mode="idle",
+        connected=True,
+        errors=[],
+        remedy="",
+        caution="It is touched." if arm_id == "left" else "",
     )
 
 
