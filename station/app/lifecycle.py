@@ -227,6 +227,7 @@ class StationRun:
             token,
             str(path),
             scheduler=station.loop_report().scheduler,
+            robot=station.status().robot_label,
             kernel=self._kernel.start(),
         )
 

@@ -30,7 +30,7 @@ from station.core.facade.parameter_server import ParameterServer
 from station.core.facade.path_player import PathPlayer
 from station.core.facade.robots import Robots
 from station.core.facade.simulation_control import SimulationControl
-from station.core.facade.station_status import StationStatus
+from station.core.facade.station_status import StationStatus, label_robot
 from station.core.facade.waypoint_paths import WaypointPaths
 from station.core.hardware.robot_report import (
     ContactReport,
@@ -146,6 +146,7 @@ class Station:
             time=snapshot.stamp if snapshot else self.loop.time,
             cycle=snapshot.cycle if snapshot else self.loop.cycle,
             robot_type=self._robot_type,
+            robot_label=label_robot(self.loop.hw),
             robot_mode=snapshot.mode if snapshot else "unknown",
             stop_state=latch.state,
             stop_reason=latch.reason,
