@@ -413,35 +413,6 @@ def _check_effect(limited: Parameters, hw_params: Parameters, urdf: Urdf) -> Non
         _logger.warning("A limit has no effect: %s", place)
 
 
-def _others(urdf: Urdf, driven: Sequence[str]) -> list[str]:
-    """Return the joints that move and have no motor."""
-    moving = (joint.name for joint in urdf.joints.values() if joint.type.moves)
-    return [name for name in moving if name not in driven]
-
-
-def _limits_in_force(
-    root_params: Parameters, hw_params: Parameters, urdf: Urdf
-) -> Parameters:
-    """Return the namespace whose `joint_limits` count, and tell what in it does not.
-
-    Raises:
-        ParameterError: The robot's own parameters have a limit without effect. Others
-            may come from files written for ROS; the log tells them.
-    """
-    is_own = hw_params.has("joint_limits")
-    params = hw_params if is_own else root_params
-    for problem in limits_without_effect(params, urdf.joints):
-        place = "/".join((*params.path.split("/"), problem)).strip("/")
-        if is_own:
-            raise ParameterError(
-                f"A limit has no effect: {place}",
-                remedy="Correct it, or leave it out.",
-                details={"parameter": params.resolve("joint_limits")},
-            )
-        _logger.warning("A limit has no effect: %s", place)
-    return params
-
-
 def _velocities_of_mimics(urdf: Urdf) -> dict[str, float]:
     return {
         joint.name: joint.limit.velocity
