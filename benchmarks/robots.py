@@ -41,7 +41,7 @@ class Row:
         robot: Its name.
         joints: Joints that move.
         motors: Joints with a motor.
-        repairs: Repairs of the description.
+        repairs: Repairs of the description, without what every robot gets.
         moved: Largest motion in the first second [rad or m].
         goal: `reached`, or why not.
         yielded: How far the stops yield at full effort [degrees].
@@ -94,7 +94,7 @@ def _stand_still(row: Row) -> dict | None:
     world = station.loop.hw.world
     start = world.data.qpos.copy()
     row.joints, row.motors = world.model.njnt, world.model.nu
-    row.repairs = len(station.loop.hw.repairs())
+    row.repairs = sum(not one.is_addition for one in station.loop.hw.repairs())
     station.loop.step(1000)
     row.moved = float(np.abs(np.append(world.data.qpos - start, 0.0)).max())
     if TRAJECTORIES not in config["controllers"]:

@@ -19,11 +19,17 @@ def __getattr__(name: str) -> Any:  # noqa: ANN401 - the stub beside this file h
 
     Raises:
         AttributeError: There is no such name.
+        MissingExtraError: It needs an extra of this distribution, and which.
     """
-    if name == "open":
-        return import_module("station.app.in_process").open_station
-    if name == "rerun":
-        return import_module("station.app.rerun").rerun
+    try:
+        if name == "open":
+            return import_module("station.app.in_process").open_station
+        if name == "rerun":
+            return import_module("station.app.rerun").rerun
+    except ModuleNotFoundError as error:
+        from station.core.installation import missing_extra
+
+        raise missing_extra(error) or error from error
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

@@ -4,6 +4,8 @@ import threading
 import time
 from collections.abc import Iterable
 
+POOL = "AnyIO worker thread"
+"""These end with their event loop, whose own thread is looked at here."""
 GRACE = 2.0
 """How long a stopped thread may take to end [s]; passing tests do not wait."""
 
@@ -22,7 +24,11 @@ def leaked_threads(
     """
     known = set(before)
     deadline = time.monotonic() + grace
-    new = [thread for thread in threading.enumerate() if thread not in known]
+    new = [
+        thread
+        for thread in threading.enumerate()
+        if thread not in known and thread.name != POOL
+    ]
     for thread in new:
         if thread is not threading.current_thread():
             thread.join(max(0.0, deadline - time.monotonic()))

@@ -8,11 +8,17 @@ from station import client
 
 PAGE = Path(__file__).parents[1] / "docs" / "client.md"
 BEGIN = "<!-- Below: written by `make client` from the docstrings. -->\n"
+NOWHERE = client.StationClient("http://nowhere", "token")
+# The parts of a client, such as `client.recordings`, in the order in which it has them.
+PARTS = tuple(
+    type(part) for name, part in vars(NOWHERE).items() if not name.startswith("_")
+)
+NOWHERE.close()
 CLASSES = (
     client.StationClient,
     client.RobotClient,
     client.GripperClient,
-    client.SimulationClient,
+    *PARTS,
     client.GoalHandle,
     client.Stream,
     client.Samples,
@@ -29,11 +35,19 @@ def page() -> str:
 def _section(kind: type) -> str:
     rows = "".join(
         f"| `{name}{_arguments(member)}` | {_first_line(member)} |\n"
-        for name, member in vars(kind).items()
+        for name, member in _members(kind).items()
         if not name.startswith("_") and _is_described(member)
     )
     title = f"\n### {kind.__name__}\n\n{_first_line(kind)}\n"
     return title + (f"\n| Name | |\n|---|---|\n{rows}" if rows else "")
+
+
+def _members(kind: type) -> dict[str, object]:
+    """Return the members of a class and of its bases, in the order of their text."""
+    found: dict[str, object] = {}
+    for base in reversed(kind.__mro__[:-1]):  # without `object`
+        found |= vars(base)
+    return found
 
 
 def _is_described(member: object) -> bool:

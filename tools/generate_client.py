@@ -44,6 +44,8 @@ NAMES = {
     "AsyncStationClient": "StationClient",
     "AsyncStream": "Stream",
     "AsyncTokensClient": "TokensClient",
+    "AsyncAlarmsClient": "AlarmsClient",
+    "AsyncWaypointPathsClient": "WaypointPathsClient",
 }
 
 

@@ -6,6 +6,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from fastapi import APIRouter, FastAPI
+from starlette.middleware.cors import CORSMiddleware
 from starlette.routing import BaseRoute
 
 import station as package
@@ -16,9 +17,15 @@ from station.api.control import Control
 from station.api.errors import add_error_handlers
 from station.api.event_feed import EventFeed
 from station.api.guard import MAX_BODY_BYTES, Guard
-from station.api.host_policy import HostPolicy
+from station.api.host_policy import (
+    ANSWER_HEADERS,
+    METHODS,
+    REQUEST_HEADERS,
+    HostPolicy,
+)
 from station.api.idempotency import IdempotentAnswers
 from station.api.openapi import StationApi, operation_id
+from station.api.representation import Representation
 from station.api.routes import PREFIX, api_router, metrics, robots
 from station.api.routes.access import login_page
 from station.api.streams import Broadcaster
@@ -83,10 +90,7 @@ def create_app(
         title="Control station",
         version=package.__version__,
         description=DESCRIPTION,
-        openapi_url=f"{PREFIX}/openapi.json",
         generate_unique_id_function=operation_id,
-        docs_url=None,
-        redoc_url=None,
         # Its spans and counters would cost time in every request.
         telemetry={"tracing": False, "metrics": False, "logs": False},
     )
@@ -110,7 +114,18 @@ def create_app(
     add_error_handlers(app)
     app.router.routes.extend(_shared_routes())
     app.include_router(robots.declared(station), prefix=PREFIX)
-    app.add_middleware(Guard, policy=policy or HostPolicy(), max_body=max_body)
+    policy = policy or HostPolicy()
+    app.add_middleware(Representation)
+    if policy.origins:
+        app.add_middleware(
+            CORSMiddleware,
+            allow_origins=sorted(policy.origins),
+            allow_methods=METHODS,
+            allow_headers=REQUEST_HEADERS,
+            expose_headers=ANSWER_HEADERS,
+            allow_private_network=True,
+        )
+    app.add_middleware(Guard, policy=policy, max_body=max_body)
     app.add_middleware(Audit, repeats=event_recorder.repeats)
     app.add_middleware(RequestId)
     return app

@@ -69,6 +69,7 @@ STATUS: Mapping[type[errors.StationError], int] = {
     errors.RecordingNotFoundError: 404,
     errors.RecordingRefusedError: 409,
     errors.RecordingFileError: 500,
+    errors.RecordingDamagedError: 409,
     errors.StaleEpochError: 409,
     errors.StoppedError: 423,
     errors.LoopError: 503,

@@ -14,7 +14,6 @@ from station.wire import CLOSE_FORBIDDEN
 MAX_BODY_BYTES = 256 * 1024
 """Parsing JSON holds the interpreter, and with it the control loop: stay small."""
 
-_SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 _PROBES = frozenset({"/api/v1/health", "/api/v1/ready"})
 _CLOCK = CLOCK_HEADER.lower().encode()
 _HEADERS = (
@@ -51,7 +50,7 @@ class Guard:
             await self._app(scope, receive, send)
 
     async def _websocket(self, scope: Scope, receive: Receive, send: Send) -> None:
-        refused = self._place_refused(scope, changing=True)
+        refused = self._place_refused(scope)
         if refused is None:
             await self._app(scope, receive, send)
             return
@@ -68,12 +67,13 @@ class Guard:
     async def _http(self, scope: Scope, receive: Receive, send: Send) -> None:
         async def send_with_headers(message: Message) -> None:
             if message["type"] == "http.response.start":
+                given = {name.lower() for name, _ in message.get("headers", ())}
+                own = [each for each in _HEADERS if each[0] not in given]
                 clock = (_CLOCK, f"{time.time():.3f}".encode())
-                message["headers"] = [*message.get("headers", ()), *_HEADERS, clock]
+                message["headers"] = [*message.get("headers", ()), *own, clock]
             await send(message)
 
-        changing = scope["method"] not in _SAFE_METHODS
-        refused = self._place_refused(scope, changing=changing)
+        refused = self._place_refused(scope)
         if refused is None and announces_more_than(scope, self._max_body):
             refused = self._too_large()
         if refused is not None:
@@ -82,22 +82,26 @@ class Guard:
         receive = limited(receive, self._max_body, self._too_large())
         await self._app(scope, receive, send_with_headers)
 
-    def _place_refused(self, scope: Scope, *, changing: bool) -> ProblemError | None:
+    def _place_refused(self, scope: Scope) -> ProblemError | None:
+        if scope["path"] in _PROBES:
+            return None
         headers = Headers(scope=scope)
         host, origin = headers.get("host"), headers.get("origin")
-        if scope["path"] not in _PROBES and not self._policy.allows_host(host):
+        if not self._policy.allows_host(host):
             return ProblemError(
                 403,
                 "host_not_allowed",
                 f"The station does not answer under the name {host!r:.80}.",
                 "Use localhost, its numeric address, or a name it is configured for.",
             )
-        if changing and not self._policy.allows_origin(origin, host):
+        # Reading, too: a page elsewhere that got hold of a token learns nothing by it.
+        if not self._policy.allows_origin(origin, host):
             return ProblemError(
                 403,
                 "origin_not_allowed",
                 f"A page of {origin!r:.80} may not use this station.",
-                "Use the station's own pages, or a program instead of a web page.",
+                "Use the station's own pages or a program, or add the page's origin to "
+                "api.allowed_origins of the configuration.",
             )
         return None
 

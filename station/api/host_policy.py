@@ -10,6 +10,22 @@ from collections.abc import Iterable
 from ipaddress import ip_address
 from urllib.parse import urlsplit
 
+METHODS = ("GET", "HEAD", "POST", "PUT", "PATCH", "DELETE")
+"""Methods that pages of an allowed origin may use."""
+REQUEST_HEADERS = (
+    "Authorization",
+    "Content-Type",
+    "Idempotency-Key",
+    "If-Match",
+    "If-None-Match",
+    "Last-Event-ID",
+    "X-Control-Lease",
+    "X-Not-After",
+    "X-Request-ID",
+)
+"""Headers that they may send. They have no cookie: they show a token."""
+ANSWER_HEADERS = ("ETag", "Idempotent-Replayed", "X-Request-ID", "X-Station-Clock")
+"""Headers that they may read."""
 _HOST = re.compile(r"(?P<name>\[[0-9a-f:.]+\]|[a-z0-9._-]+)(:\d{1,5})?", re.ASCII)
 
 
@@ -49,7 +65,7 @@ class HostPolicy:
         """
         if origin is None:
             return True
-        if origin.lower() in self.origins:
+        if origin.lower().rstrip("/") in self.origins:
             return True
         try:
             parts = urlsplit(origin.lower())

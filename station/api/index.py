@@ -5,7 +5,7 @@ No token is needed, and nothing is said about the robot.
 
 from typing import TYPE_CHECKING
 
-from fastapi import APIRouter, Request
+from fastapi import APIRouter, Request, Response
 
 import station as package
 from station.api import asyncapi
@@ -14,8 +14,12 @@ from station.api.routes import PREFIX
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from station.api.openapi import StationApi
+
 router = APIRouter(include_in_schema=False)
 _STREAMS = asyncapi.document()
+REVALIDATED = {"Cache-Control": "no-cache"}
+"""A browser may keep the documents, and asks whether they are still the same."""
 
 
 @router.get("/")
@@ -38,7 +42,17 @@ async def index(request: Request) -> dict[str, str]:
     }
 
 
+@router.get(f"{PREFIX}/openapi.json")
+async def openapi_document(request: Request) -> Response:
+    """Return the OpenAPI document; it needs no token."""
+    app: StationApi = request.app
+    return Response(
+        await app.openapi_json(), media_type="application/json", headers=REVALIDATED
+    )
+
+
 @router.get(f"{PREFIX}/asyncapi.json")
-async def streams_document() -> dict[str, object]:
+async def streams_document(response: Response) -> dict[str, object]:
     """Return the AsyncAPI document, which needs no token, as the OpenAPI document."""
+    response.headers.update(REVALIDATED)
     return _STREAMS

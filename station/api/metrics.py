@@ -83,6 +83,11 @@ class StationCollector(Collector):
             float(station.ready() is None),
         )
         yield GaugeMetricFamily(
+            "station_watchdog_failing",
+            "Whether a watchdog is wanted and none looks at the loop.",
+            float(station.watchdog_failure is not None),
+        )
+        yield GaugeMetricFamily(
             "station_stopped",
             "Whether the stop is engaged, or released and not armed.",
             float(station.loop.stop_latch.state is not StopState.ARMED),
@@ -119,19 +124,19 @@ class StationCollector(Collector):
         yield GaugeMetricFamily(
             "station_loop_rate_hertz", "Rate asked for.", report.rate
         )
-        lateness = _quantiles(
+        lateness = _statistics(
             "station_loop_lateness_seconds",
             "How long after its deadline a cycle began, since the last reset.",
         )
-        _add_quantiles(lateness, [], report.lateness)
+        _add_statistics(lateness, [], report.lateness)
         yield lateness
-        phases = _quantiles(
+        phases = _statistics(
             "station_loop_phase_seconds",
             "How long the parts of a cycle take, since the last reset.",
             "phase",
         )
         for phase in PHASES:
-            _add_quantiles(phases, [phase], getattr(report, phase))
+            _add_statistics(phases, [phase], getattr(report, phase))
         yield phases
 
     def _controller_figures(self) -> Iterator[Metric]:
@@ -149,7 +154,7 @@ class StationCollector(Collector):
             "Updates that took longer than the period, since it was loaded.",
             labels=label,
         )
-        durations = _quantiles(
+        durations = _statistics(
             "station_controller_update_seconds",
             "How long an update takes, since the last reset.",
             "controller",
@@ -158,7 +163,7 @@ class StationCollector(Collector):
             running.add_metric([found.name], float(found.running))
             updates.add_metric([found.name], found.total_updates)
             overruns.add_metric([found.name], found.total_overruns)
-            _add_quantiles(durations, [found.name], found.time)
+            _add_statistics(durations, [found.name], found.time)
         faulty = GaugeMetricFamily(
             "station_controller_faulty",
             "Whether the station stopped a controller because of a fault.",
@@ -185,21 +190,16 @@ class StationCollector(Collector):
         )
 
 
-def _quantiles(name: str, text: str, *labels: str) -> GaugeMetricFamily:
-    return GaugeMetricFamily(name, text, labels=[*labels, "quantile"])
+def _statistics(name: str, text: str, *labels: str) -> GaugeMetricFamily:
+    # Not `quantile`: that label is for summaries, whose sums a reset may not take back.
+    return GaugeMetricFamily(name, text, labels=[*labels, "statistic"])
 
 
-def _add_quantiles(
+def _add_statistics(
     metric: GaugeMetricFamily, labels: list[str], found: Percentiles
 ) -> None:
-    values = {
-        "0.5": found.p50,
-        "0.99": found.p99,
-        "0.999": found.p999,
-        "1": found.max,
-    }
-    for quantile, value in values.items():
-        metric.add_metric([*labels, quantile], value)
+    for statistic in ("p50", "p99", "p999", "max"):
+        metric.add_metric([*labels, statistic], getattr(found, statistic))
 
 
 def render(station: Station, broadcaster: Broadcaster, events: EventLog) -> bytes:

@@ -1,7 +1,11 @@
 """The OpenAPI document: what the framework writes, with what it cannot know in it."""
 
+from copy import deepcopy
 from typing import Any
 
+import anyio
+import anyio.to_thread
+import orjson
 from fastapi import FastAPI
 from fastapi.routing import APIRoute, iter_route_contexts
 from typing_extensions import override
@@ -10,6 +14,7 @@ from station.api.audit import REPLAYED_HEADER
 from station.api.idempotency import KEY_HEADER
 from station.api.routes.problems import MEANINGS
 from station.wire import PROBLEM_MEDIA_TYPE, Problem
+from station.wire.base import WireModel
 
 _REF = "#/components/schemas/"
 _PROBLEM = {PROBLEM_MEDIA_TYPE: {"schema": {"$ref": f"{_REF}Problem"}}}
@@ -51,6 +56,11 @@ PARAMETERS = {
 }
 """Description and example of each parameter that its route does not describe."""
 
+SERVERS = [{"url": "/", "description": "The server that this document comes from."}]
+INFO = {
+    "license": {"name": "Apache-2.0", "identifier": "Apache-2.0"},
+    "contact": {"name": "The maintainers of the control station"},
+}
 _TEXT = {"schema": {"type": "string"}}
 HEADERS = {
     "RequestId": {
@@ -81,7 +91,16 @@ def operation_id(route: APIRoute) -> str:
 
 
 class StationApi(FastAPI):
-    """A FastAPI whose document says that every error is a problem document."""
+    """A FastAPI whose document says that every error is a problem document.
+
+    Args:
+        settings: Those of FastAPI; the pages of the document are routes of their own.
+    """
+
+    def __init__(self, **settings: Any) -> None:  # noqa: ANN401 - those of FastAPI
+        super().__init__(openapi_url=None, docs_url=None, redoc_url=None, **settings)
+        self._json = b""
+        self._one_maker = anyio.CapacityLimiter(1)
 
     def methods_by_path(self) -> dict[str, set[str]]:
         """Return the methods of each path in the document, which is not made for it.
@@ -98,6 +117,17 @@ class StationApi(FastAPI):
                 found.setdefault(path, set()).update(methods)
         return found
 
+    async def openapi_json(self) -> bytes:
+        """Return the document as JSON; made once, beside the event loop.
+
+        Making it takes half a second, in which the event loop answers the stop.
+        """
+        if not self._json:
+            self._json = await anyio.to_thread.run_sync(
+                lambda: orjson.dumps(self.openapi()), limiter=self._one_maker
+            )
+        return self._json
+
     @override
     def openapi(self) -> dict[str, Any]:
         """Return the document; made once."""
@@ -109,7 +139,13 @@ class StationApi(FastAPI):
             schemas["Problem"] = problem
             for name in _OWN_ERRORS:
                 schemas.pop(name, None)
+            models = _models(WireModel)
+            for name, schema in schemas.items():
+                _restore_examples(models.get(name), schema)
+                _require_tags(schema, schemas)
             document["components"]["headers"] = HEADERS
+            document["servers"] = SERVERS
+            document["info"] = {**document["info"], **INFO}
             document["tags"] = [
                 {"name": name, "description": text} for name, text in TAGS.items()
             ]
@@ -122,7 +158,44 @@ class StationApi(FastAPI):
         return super().openapi()
 
 
+def _models(base: type[WireModel]) -> dict[str, type[WireModel]]:
+    found = {one.__name__: one for one in base.__subclasses__()}
+    for one in list(found.values()):
+        found |= _models(one)
+    return found
+
+
+def _restore_examples(model: type[WireModel] | None, schema: dict[str, Any]) -> None:
+    """Put the nulls into examples that the framework leaves out of its document."""
+    told = None if model is None else model.model_config.get("json_schema_extra")
+    if "examples" in schema and isinstance(told, dict):
+        schema["examples"] = deepcopy(told["examples"])
+
+
+def _require_tags(schema: object, schemas: dict[str, dict[str, Any]]) -> None:
+    """Require the tag that tells the members of a union apart.
+
+    Requests must name it. Without it in the document, two members would fit an object,
+    and `oneOf` says that one does.
+    """
+    if isinstance(schema, list):
+        for each in schema:
+            _require_tags(each, schemas)
+    if not isinstance(schema, dict):
+        return
+    union = schema.get("discriminator")
+    if isinstance(union, dict) and isinstance(union.get("mapping"), dict):
+        for reference in union["mapping"].values():
+            member = schemas[reference.removeprefix(_REF)]
+            required = member.setdefault("required", [])
+            if union["propertyName"] not in required:
+                required.insert(0, union["propertyName"])
+    for each in schema.values():
+        _require_tags(each, schemas)
+
+
 def _complete(path: str, operation: dict[str, Any]) -> None:
+    operation.setdefault("security", [])  # none, which is not the same as nothing said
     # "Raises" is for readers of the code; the responses say it to users.
     operation["description"] = operation["description"].partition("\n\nRaises:")[0]
     for parameter in operation.get("parameters", []):

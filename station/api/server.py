@@ -13,6 +13,7 @@ import uvicorn
 from fastapi import FastAPI
 from typing_extensions import override
 
+from station.api.foxglove.foxglove_port import FoxglovePort, by_port
 from station.api.websocket_protocol import StreamProtocol
 from station.core.errors import StationError
 from station.core.loop.right_of_way import RightOfWay
@@ -60,6 +61,8 @@ class ApiServer:
         host: Address to listen on.
         port: Port; 0 for any free one.
         tls: Certificate and key for https and wss; http and ws when None.
+        foxglove: What is served at a port of its own, with the same certificate and
+            the same limits; None for nothing.
 
     Raises:
         TlsFilesError: The certificate or the key cannot be used.
@@ -75,6 +78,7 @@ class ApiServer:
         host: str = "127.0.0.1",
         port: int = 8000,
         tls: TlsFiles | None = None,
+        foxglove: FoxglovePort | None = None,
     ) -> None:
         self.host = host
         self.port = port
@@ -82,9 +86,10 @@ class ApiServer:
         self._scheme = "http" if context is None else "https"
         self._broadcaster: Broadcaster = app.state.broadcaster
         self._right_of_way: RightOfWay = app.state.station.loop.right_of_way
+        self._foxglove = foxglove
         self._server = LimitedServer(
             uvicorn.Config(
-                app,
+                app if foxglove is None else by_port(app, foxglove),
                 ws=StreamProtocol,
                 ws_max_size=64 * 1024,
                 ws_ping_interval=5.0,
@@ -127,10 +132,18 @@ class ApiServer:
         Raises:
             ServerStartError: The address is taken or not this machine's.
         """
-        listener = self._listen()
-        self.port = listener.getsockname()[1]
+        listeners = [_listen(self.host, self.port)]
+        self.port = listeners[0].getsockname()[1]
+        foxglove = self._foxglove
+        if foxglove is not None:
+            try:
+                listeners.append(_listen(foxglove.host, foxglove.port))
+            except ServerStartError:
+                listeners[0].close()
+                raise
+            foxglove.port = listeners[1].getsockname()[1]
         self._thread = threading.Thread(
-            target=self._run, args=(listener,), name="api", daemon=True
+            target=self._run, args=(listeners,), name="api", daemon=True
         )
         self._thread.start()
         self._running.wait()
@@ -156,41 +169,22 @@ class ApiServer:
         log.setLevel(level)
         self._thread = None
 
-    def _listen(self) -> socket.socket:
-        family = socket.AF_INET6 if ":" in self.host else socket.AF_INET
-        # With the protocol named, asyncio turns Nagle's algorithm off: else every
-        # answer waits 40 ms for the acknowledgement of its head.
-        listener = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
-        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        listener.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
-        try:
-            listener.bind((self.host, self.port))
-            listener.listen(128)
-        except OSError as error:
-            listener.close()
-            raise ServerStartError(
-                f"Cannot listen on {self.host}:{self.port}: {error.strerror or error}.",
-                remedy="Choose another port (0 means any free one) or end what has it.",
-                details={"host": self.host, "port": self.port},
-            ) from error
-        return listener
-
-    def _run(self, listener: socket.socket) -> None:
+    def _run(self, listeners: list[socket.socket]) -> None:
         with asyncio.Runner(
             loop_factory=lambda: asyncio.SelectorEventLoop(
                 GivingWaySelector(self._right_of_way)
             )
         ) as runner:
-            runner.run(self._serve(listener))
+            runner.run(self._serve(listeners))
 
-    async def _serve(self, listener: socket.socket) -> None:
+    async def _serve(self, listeners: list[socket.socket]) -> None:
         self._loop = asyncio.get_running_loop()
         # anyio imports a backend when it is first used. In the first request that would
         # keep the interpreter from the control thread, for up to 30 ms.
         await anyio.lowlevel.checkpoint()
-        self._running.set()  # the listener queues connections from now on
+        self._running.set()  # the listeners queue connections from now on
         try:
-            await self._server.serve(sockets=[listener])
+            await self._server.serve(sockets=listeners)
         finally:
             for connection in list(self._server.server_state.connections):
                 connection.transport.abort()
@@ -198,3 +192,28 @@ class ApiServer:
     async def _shut_down(self) -> None:
         await self._broadcaster.close()
         self._server.should_exit = True
+
+
+def _listen(host: str, port: int) -> socket.socket:
+    """Return a socket that listens.
+
+    Raises:
+        ServerStartError: The address is taken or not this machine's.
+    """
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    # With the protocol named, asyncio turns Nagle's algorithm off: else every
+    # answer waits 40 ms for the acknowledgement of its head.
+    listener = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
+    listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    listener.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
+    try:
+        listener.bind((host, port))
+        listener.listen(128)
+    except OSError as error:
+        listener.close()
+        raise ServerStartError(
+            f"Cannot listen on {host}:{port}: {error.strerror or error}.",
+            remedy="Choose another port (0 means any free one) or end what has it.",
+            details={"host": host, "port": port},
+        ) from error
+    return listener

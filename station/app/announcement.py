@@ -14,6 +14,7 @@ class Announcement:
         token: The operator's token.
         runtime_file: Where the tokens are kept.
         scheduler: What the control thread was granted.
+        robot: SIMULATION or REAL ARM, as in the dashboard's strip.
         kernel: Whether the cycle's arithmetic runs interpreted or compiled, and why.
     """
 
@@ -22,6 +23,7 @@ class Announcement:
     token: str
     runtime_file: str
     scheduler: str
+    robot: str
     kernel: str
 
     def lines(self) -> list[str]:
@@ -29,6 +31,7 @@ class Announcement:
         return [
             f"API        {self.api_url}/docs",
             f"Token      {self.token} (also in {self.runtime_file})",
+            f"Robot      {self.robot}",
             f"Kernel     {self.kernel}",
         ]
 
@@ -43,5 +46,6 @@ class Announcement:
             "ui_url": self.ui_url,
             "runtime_file": self.runtime_file,
             "scheduler": self.scheduler,
+            "robot": self.robot,
             "kernel": self.kernel,
         }

@@ -34,7 +34,7 @@ def configure_robot(reference: str, base: BaseType = "fixed") -> dict[str, objec
     Raises:
         RobotDescriptionError: The robot is unknown or cannot be simulated.
     """
-    urdf = repair_robot(load_robot_files(reference)).urdf
+    urdf = repair_robot(load_robot_files(reference), base=base).urdf
     driven = driven_joints(urdf)
     wheels = [name for name in driven if is_wheel(urdf, name)]
     limbs = [name for name in driven if name not in wheels]
@@ -72,16 +72,17 @@ def configure_robot(reference: str, base: BaseType = "fixed") -> dict[str, objec
     }
 
 
-def examine_robot(reference: str) -> Sequence[Repair]:
+def examine_robot(reference: str, base: BaseType = "fixed") -> Sequence[Repair]:
     """Return in what the simulated robot differs from its description.
 
     Args:
         reference: As for `configure_robot`.
+        base: How the root link is held.
 
     Raises:
         RobotDescriptionError: The robot is unknown or cannot be simulated.
     """
-    tree = ParameterTree({"robot": {"robot_description": reference}})
+    tree = ParameterTree({"robot": {"robot_description": reference, "base": base}})
     robot = create_robot(TYPE)
     # What `init` logs is what this returns.
     logger = logging.getLogger(log_repairs.__module__)

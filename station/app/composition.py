@@ -32,6 +32,19 @@ class Composition:
     station: Station
     not_loaded: dict[str, StationError]
 
+    def warnings(self) -> list[str]:
+        """Return what the log says about the controllers of the configuration."""
+        missing = [
+            f"Controller '{name}' is not loaded: {error} {error.remedy}"
+            for name, error in self.not_loaded.items()
+        ]
+        notes = [
+            f"Controller '{status.name}': {note}"
+            for status in self.station.controllers()
+            for note in status.notes
+        ]
+        return [*missing, *notes]
+
 
 def compose(
     config: StationConfig,
@@ -94,7 +107,7 @@ def _load_controllers(
     for name in config.controllers:
         announce(f"Loading the controller '{name}'")
         try:
-            station.load_controller(name)
+            station.load_controller(name, strict=name not in config.ros_controllers)
         except StationError as error:
             if name in config.start:
                 raise

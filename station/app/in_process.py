@@ -25,6 +25,7 @@ from station.core.errors import RecordingFileError
 from station.core.loop.scheduling import realtime_interpreter
 from station.core.loop.snapshot import Snapshot
 from station.core.loop.stop_latch import StopState
+from station.hw.robot_loader import find_robot
 from station.wire import StreamFrame
 
 if TYPE_CHECKING:
@@ -87,11 +88,14 @@ class InProcessStation:
             )
         self._config = loaded
         self._recorder: Recorder | None = None
+        find_robot(loaded.robot.type)  # before a download that would be of no use
         fetch_what_is_missing(loaded.robot_parameters(), _LOGGER.warning)
         self._clock = None if threaded else ManualClock()
         composition = compose(loaded, self._clock)
         self.facade: Station = composition.station
         self.not_loaded: Mapping[str, StationError] = composition.not_loaded
+        for warning in composition.warnings():
+            _LOGGER.warning("%s", warning)
         self._stack = ExitStack()
         if threaded:
             self._stack.enter_context(realtime_interpreter())
@@ -243,7 +247,7 @@ class InProcessStation:
             values: One number per element of its set-points.
             timeout: How long it is valid [s], 0 for ever; the controller's own if None.
         """
-        self.facade.motion.set_command(name, list(values), timeout=timeout)
+        self.facade.motion.set_command(name, values, timeout=timeout)
 
     def gains(self, name: str) -> Mapping[str, float]:
         """Return the gains of a controller by name."""

@@ -7,6 +7,7 @@ dashboard is gone, the control thread ends, the watchdog ends.
 import contextlib
 import hashlib
 import os
+import time
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
@@ -21,7 +22,7 @@ from station.app.announcement import Announcement
 from station.app.composition import ROBOT_NAMESPACE, compose
 from station.app.extensions_build import ExtensionsBuild
 from station.app.journal import Journal
-from station.app.recording_start import make_recorder, start_foxglove
+from station.app.recording_start import make_foxglove, make_recorder
 from station.app.shutdown_signals import ShutdownSignals
 from station.app.station_watchdog import StationWatchdog
 from station.app.ui_process import UiOptions, UiProcess, find_orphan, free_port
@@ -32,6 +33,7 @@ from station.core.facade.station import Station
 from station.core.loop.loop_report import LoopState
 from station.core.loop.scheduling import realtime_interpreter
 from station.core.loop.stop_latch import StopState
+from station.local.descriptors import open_more_files, shortage
 from station.local.private_files import process_start
 from station.local.runtime_file import RunningStation, write_runtime_file
 from station.local.tls import TlsFiles
@@ -54,6 +56,10 @@ UI_TIMEOUT = 0.5
 """Longest wait for the dashboard after the server has stopped [s]."""
 LOOP_TIMEOUT = 0.4
 """Longest wait for the control thread [s]; all waits together are below 3 s."""
+UI_RESTARTS = 3
+"""So often a dashboard that crashes is started again within `UI_MEMORY`."""
+UI_MEMORY = 60.0
+"""How long an end of the dashboard counts [s]."""
 WATCH_PERIOD = 0.2
 """How often the station looks whether its parts live [s]."""
 
@@ -128,8 +134,8 @@ class StationRun:
             self._config, heartbeat=self._watchdog.heartbeat, announce=announce
         )
         station = composition.station
-        for name, error in composition.not_loaded.items():
-            self._warn(f"Controller '{name}' is not loaded: {error} {error.remedy}")
+        for warning in composition.warnings():
+            self._warn(warning)
         stack.enter_context(realtime_interpreter())
         self._recorder = make_recorder(station, self._config, self._warn)
         if self._recorder is not None:
@@ -158,6 +164,10 @@ class StationRun:
         self, stack: ExitStack, station: Station, authenticator: Authenticator
     ) -> Announcement:
         self._watchdog.announce("Starting the server and the dashboard")
+        open_more_files()
+        few = shortage()
+        if few is not None:
+            self._warn(few)
         api, ui, tls = self._config.api, self._config.ui, self._tls()
         # The robot knows best where it stands.
         robot = station.parameters.get(ROBOT_NAMESPACE)
@@ -173,21 +183,22 @@ class StationRun:
             Setup.of(self._config), workers=spare_processors()
         )
         stack.callback(experiments.close)
+        policy = HostPolicy(host_names(api.host), api.allowed_origins)
         app = create_app(
             station,
             authenticator,
-            HostPolicy(host_names(api.host)),
+            policy,
             dashboard_url=lambda: _dashboard_url(server.url, ui_port),
             kept=Kept(journal.log, self._recorder, experiments),
         )
         journal.start(app)
-        server = ApiServer(app, api.host, api.port, tls)
+        foxglove = make_foxglove(app, station, self._config, policy)
+        server = ApiServer(app, api.host, api.port, tls, foxglove)
         stack.callback(self._finish_ui)
         stack.callback(server.stop, SERVER_TIMEOUT)
         server.start()
-        foxglove = start_foxglove(station, self._config, self._warn)
-        if foxglove is not None:
-            stack.callback(foxglove.close)
+        if foxglove is not None and self._config.foxglove.port == 0:
+            self._warn(f"Foxglove is served at port {foxglove.port}.")
         token = authenticator.operator_token
         pid = os.getpid()
         running = RunningStation(
@@ -217,6 +228,7 @@ class StationRun:
             str(path),
             scheduler=station.loop_report().scheduler,
             kernel=self._extensions.start(),
+            robot=station.status().robot_label,
         )
 
     def _ui_options(
@@ -283,6 +295,7 @@ class StationRun:
     def _watch_ui(self, announcement: Announcement) -> Callable[[], bool]:
         ui = self._ui
         is_announced = False
+        ends: list[float] = []
 
         def watch() -> bool:
             nonlocal is_announced
@@ -294,9 +307,17 @@ class StationRun:
             code = ui.exit_code()
             if code is None:
                 return False
+            now = time.monotonic()
+            ends[:] = [*(end for end in ends if now - end < UI_MEMORY), now]
+            told = f"The dashboard ended (exit code {code})"
+            # One that ends in order was ended by somebody, e.g. with `kill`.
+            if code != 0 and len(ends) <= UI_RESTARTS:
+                self._warn(f"{told}; it is started again at the same address.")
+                ui.start_again()
+                return False
             self._warn(
-                f"The dashboard ended (exit code {code}); the station runs on. Start "
-                f"it again: station ui --connect {announcement.api_url}"
+                f"{told}; the station runs on. Start it again: station ui --connect "
+                f"{announcement.api_url}"
             )
             return True
 

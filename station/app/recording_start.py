@@ -2,23 +2,27 @@
 
 import importlib.util
 import json
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from station.api.host_policy import HostPolicy
+from station.app.access import host_names, is_loopback
 from station.config import StationConfig
-from station.config.errors import ConfigError
 from station.core.description.robot_files import load_robot_files
 from station.core.description.urdf_parser import parse_urdf
 from station.core.errors import RobotDescriptionError
 from station.core.facade.station import Station
+from station.core.installation import install_command
 from station.records.record_store import Quota, RecordStore, default_folder
 
 if TYPE_CHECKING:
-    from station.records.foxglove_server import FoxgloveServer
+    from fastapi import FastAPI
+
+    from station.api.foxglove.foxglove_port import FoxglovePort
     from station.records.recorder import Recorder
 
-_LOOPBACK = frozenset({"127.0.0.1", "::1", "localhost"})
 _PACKAGES = ("foxglove", "lz4", "mcap")
 
 
@@ -40,7 +44,7 @@ def make_recorder(
     if missing:
         warn(
             f"Nothing is recorded: {', '.join(missing)} is not installed. "
-            "pip install 'control-station[records]' brings it."
+            f"Install it: {install_command('records')}"
         )
         return None
     # Imported late: the packages may be missing.
@@ -51,54 +55,69 @@ def make_recorder(
     incidents = None
     if section.incidents:
         incidents = RecordStore(folder / "incidents", Quota(count=section.incidents))
-    for found in (store, *([incidents] if incidents else [])):
-        for info in found.recover():
-            warn(f"Recording {info.identifier} is {info.state}: {info.error}")
+    # Files may have many gigabytes: the station starts meanwhile.
+    threading.Thread(
+        target=recover_all,
+        args=((store, *([incidents] if incidents else [])), station, warn),
+        name="recovery",
+        daemon=True,
+    ).start()
     return Recorder(station, store, incidents, texts=describe(station, config))
 
 
-def start_foxglove(
-    station: Station, config: StationConfig, warn: Callable[[str], None]
-) -> "FoxgloveServer | None":
-    """Return the server for Foxglove, started; None when it is not configured.
+def recover_all(
+    stores: Iterable[RecordStore], station: Station, warn: Callable[[str], None]
+) -> None:
+    """Recover what killed stations have left, beside a control loop that runs.
 
     Args:
+        stores: The folders.
+        station: The station, whose control thread comes first.
+        warn: Takes a line about each recording, and about each file that is skipped.
+    """
+    for store in stores:
+        for skipped in store.skipped():
+            warn(f"A file of {store.folder} is skipped: {skipped}.")
+        store.recover(
+            station.loop.right_of_way.give,
+            lambda info: warn(
+                f"Recording {info.identifier} is {info.state}: {info.error}"
+            ),
+        )
+
+
+def make_foxglove(
+    app: "FastAPI", station: Station, config: StationConfig, policy: HostPolicy
+) -> "FoxglovePort | None":
+    """Return what is served to Foxglove; None when it is not configured.
+
+    Args:
+        app: The application of the API, whose tokens and lease count there, too.
         station: The station.
         config: Its configuration.
-        warn: Takes a line about where it listens, or what a client wanted in vain.
-
-    Raises:
-        ConfigError: Nobody can listen at its address.
+        policy: Which hosts and origins the API allows.
     """
     section = config.foxglove
     if not section.enabled:
         return None
-    # Imported late: the package may be missing, and the command line says which.
-    from station.records.foxglove_server import FoxgloveServer
+    # Imported here: most stations do without.
+    from station.api.foxglove.foxglove_port import FoxglovePort
+    from station.api.foxglove.live_channels import LiveChannels
 
     texts = describe(station, config)
     description = texts.get("/robot_description", "")
     urdf = parse_urdf(description) if description.lstrip().startswith("<") else None
-    try:
-        server = FoxgloveServer(
-            station,
-            host=section.host,
-            port=section.port,
-            urdf=urdf,
-            texts=texts,
-            warn=warn,
-        )
-    except RuntimeError as error:
-        raise ConfigError(
-            [f"foxglove: nobody can listen at {section.host}:{section.port}: {error}."],
-            remedy="Give another port with --foxglove=PORT.",
-        ) from error
-    if section.host not in _LOOPBACK:
-        warn(
-            f"The Foxglove server listens at {section.host}:{server.port} without "
-            "tokens: whoever reaches it may change gains and switch controllers."
-        )
-    return server
+    return FoxglovePort(
+        app,
+        LiveChannels(station, urdf, texts),
+        host=section.host,
+        port=section.port,
+        policy=HostPolicy(
+            {*policy.hosts, *host_names(section.host)},
+            {*policy.origins, *section.origins},
+        ),
+        anonymous=is_loopback(section.host),
+    )
 
 
 def describe(station: Station, config: StationConfig) -> dict[str, str]:

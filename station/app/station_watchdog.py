@@ -21,6 +21,10 @@ FINISH_TIMEOUT = 0.2
 """Longest wait for the watchdog to end [s]."""
 RESTART_PERIOD = 1.0
 """Shortest time between two starts of the watchdog, the first restart excepted [s]."""
+LATE = 1.0
+"""Age of the watchdog's last look that counts as damage [s]; it looks every 0.01 s."""
+HOPELESS = 3.0
+"""Age at which a damaged watchdog is killed, and another one started [s]."""
 _INCIDENTS = "incidents"
 
 
@@ -103,12 +107,32 @@ class StationWatchdog:
             return
         code = self._process.start_again_if_ended()
         if code is None:
-            station.watchdog_failure = None
+            self._look_at_its_beat(station, self._process, now)
             return
         self._may_start_at = now + RESTART_PERIOD
         self._told = {}
         station.watchdog_failure = f"The watchdog ended (exit code {code})."
         self._warn(f"{station.watchdog_failure} It is started again.")
+
+    def _look_at_its_beat(
+        self, station: Station, process: WatchdogProcess, now: float
+    ) -> None:
+        """Tell of a watchdog that lives and does not look: it is stopped, or hangs."""
+        age = process.age(now)
+        if age <= LATE:
+            station.watchdog_failure = None
+            return
+        if station.watchdog_failure is None:
+            self._warn(
+                f"The watchdog has not looked at the loop for {age:.1f} s. It is "
+                f"started anew if it does not look within {HOPELESS:g} s."
+            )
+        station.watchdog_failure = (
+            "The watchdog runs and has not looked at the loop for more than "
+            f"{LATE:g} s: it is suspended or hangs."
+        )
+        if age > HOPELESS:
+            process.kill()
 
     def _tell_tokens(self, process: WatchdogProcess) -> None:
         """Tell which named tokens are new, and which have ended."""

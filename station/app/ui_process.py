@@ -225,6 +225,17 @@ class UiProcess:
             self._process = self._start_process()
         self._record(self._process.pid).write()
 
+    def start_again(self) -> None:
+        """Start the process anew, at the same port, after it has ended.
+
+        Raises:
+            RuntimeDirectoryError: The runtime directory cannot be used.
+        """
+        if self._process is not None:
+            dashboard_path(self._process.pid).unlink(missing_ok=True)
+        self._process = None
+        self.start()
+
     def _record(self, pid: int) -> DashboardRecord:
         options = self._options
         return DashboardRecord(

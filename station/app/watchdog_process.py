@@ -9,6 +9,7 @@ import signal
 import socket
 import subprocess
 import sys
+import time
 from collections.abc import Mapping
 from contextlib import suppress
 
@@ -18,6 +19,8 @@ from station.core.loop.heartbeat import PAGE_BYTES, Heartbeat
 STACK_SIGNAL = signal.SIGRTMIN + 3
 """Upon this signal the interpreter's C code writes the stacks of all threads; it needs
 no interpreter lock for that, so it works while a controller holds the lock."""
+STARTING_TIME = 5.0
+"""How long the interpreter of the watchdog may take to start [s]."""
 _MAX_LINE = 4096
 
 
@@ -56,6 +59,8 @@ class WatchdogProcess:
     def start(self, settings: WatchdogSettings) -> None:
         """Start the process; does not wait until it watches."""
         self._settings = settings
+        # It looks for the first time when its interpreter has started.
+        self.heartbeat.watchdog_beats[0] = time.monotonic() + STARTING_TIME
         inherited = (self._page, self._listener.fileno(), self._stacks)
         self._process = subprocess.Popen(
             [sys.executable, "-m", "station.app.watchdog", *map(str, inherited)],
@@ -113,6 +118,20 @@ class WatchdogProcess:
             self._close_pipe()
             self.start(self._settings)
         return code
+
+    def age(self, now: float) -> float:
+        """Return how long ago the watchdog has looked last; negative while it starts.
+
+        Args:
+            now: Monotonic time [s].
+        """
+        last = self.heartbeat.watchdog_beats[0]
+        return now - last if last else 0.0
+
+    def kill(self) -> None:
+        """Kill a watchdog that hangs, for `start_again_if_ended`."""
+        if self._process is not None:
+            self._process.kill()
 
     def finish(self, timeout: float) -> None:
         """End the process by closing its input; kill it after `timeout` [s]."""

@@ -114,6 +114,14 @@ def _add_station_verbs(verbs: Verbs) -> None:
         "read it in the list of processes: STATION_API__TOKEN is more private",
     )
     run.add_argument(
+        "--allowed-origin",
+        action="append",
+        dest="allowed_origins",
+        metavar="ORIGIN",
+        help="a web page elsewhere that may use the API, e.g. https://lab.example; may "
+        "be repeated",
+    )
+    run.add_argument(
         "--tls-cert", metavar="FILE", help="serve https and wss with this certificate"
     )
     run.add_argument("--tls-key", metavar="FILE", help="the key of --tls-cert")

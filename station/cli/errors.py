@@ -1,26 +1,11 @@
 """Errors of the command line, and how errors of all kinds are reported."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from station.core.errors import StationError
-
-EXTRAS: Mapping[str, tuple[str, ...]] = {
-    **dict.fromkeys(("fastapi_offline", "orjson"), ("server",)),
-    **dict.fromkeys(
-        ("anyio", "fastapi", "msgspec", "starlette", "uvicorn"), ("server", "ui")
-    ),
-    **dict.fromkeys(("mujoco", "ruckig"), ("sim",)),
-    "trimesh": ("sim", "ui"),
-    **dict.fromkeys(("viser", "yourdfpy"), ("ui",)),
-    "gymnasium": ("gym",),
-    **dict.fromkeys(("foxglove", "lz4", "mcap"), ("records",)),
-    **dict.fromkeys(("cma", "matplotlib", "pandas"), ("experiments",)),
-    "pyarrow": ("export", "experiments"),
-    "distributed": ("cluster",),
-}
-"""The extras of this distribution that bring a package which `station` imports."""
+from station.core.installation import missing_extra
 
 
 class UsageError(StationError, ValueError):
@@ -77,18 +62,8 @@ def failure_of(error: Exception) -> Failure | None:
 
 def _failure_of_missing(error: ModuleNotFoundError) -> Failure | None:
     """Return how to report that a package of an extra is missing; None for others."""
-    package = (error.name or "").partition(".")[0]
-    extras = EXTRAS.get(package)
-    if extras is None:
-        return None
-    names = " or ".join(extras)
-    return Failure(
-        "missing_extra",
-        f"The package '{package}' is not installed; control-station brings it with the "
-        f"extra {names}.",
-        f"Install it with `pip install 'control-station[{extras[-1]}]'`, or all that "
-        "`station run` uses with `pip install 'control-station[all]'`.",
-    )
+    missing = missing_extra(error)
+    return None if missing is None else failure_of(missing)
 
 
 def _failure_of_api(error: Any) -> Failure:  # noqa: ANN401 - station.client.ApiError

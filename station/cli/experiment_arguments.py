@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from station.cli.robot_arguments import add_base
+
 if TYPE_CHECKING:
     from station.cli.arguments import Verbs
     from station.cli.parser import Parser
@@ -23,10 +25,10 @@ def add_experiment_verbs(verbs: "Verbs") -> None:
     )
     validate.add_argument(
         "robot",
-        type=Path,
         metavar="ROBOT",
-        help="a URDF, or the configuration of a station",
+        help="example-robot-data:NAME, a URDF, or the configuration of a station",
     )
+    add_base(validate)
     _add_controllers(validate, "*")
     validate.add_argument(
         "--page", type=Path, metavar="FILE.html", help="write the scorecard as a page"

@@ -13,7 +13,9 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from station.compiled import present_status
+from station.core.installation import install_command
 from station.core.loop.scheduling import realtime_interpreter, request_realtime_priority
+from station.local.descriptors import most_files, shortage
 
 PERIOD = 0.001
 """Period of the trial loop [s]."""
@@ -128,6 +130,15 @@ def _wake_up(cycles: int, lateness: list[float]) -> None:
         lateness.append(max(0.0, time.monotonic() - deadline))
 
 
+def check_descriptors() -> Finding:
+    """Check how many files a station, and so how many clients, may have open."""
+    most, few = most_files(), shortage()
+    found = "as many as wanted" if most is None else str(most)
+    if few is None:
+        return Finding("open files", "ok", found)
+    return Finding("open files", "warning", found, few)
+
+
 def check_packages() -> Finding:
     """Check the packages a station needs."""
     found, missing = [], []
@@ -138,7 +149,8 @@ def check_packages() -> Finding:
             missing.append(name)
     if missing:
         absent = f"missing: {', '.join(missing)}"
-        return Finding("packages", "problem", absent, "Set up anew: make setup.")
+        advice = f"Install what a station needs: {install_command('all')}"
+        return Finding("packages", "problem", absent, advice)
     return Finding("packages", "ok", ", ".join(found))
 
 
@@ -180,6 +192,7 @@ CHECKS: tuple[Callable[[], Finding], ...] = (
     check_processors,
     check_governor,
     check_scheduler,
+    check_descriptors,
     check_clock,
     check_browser,
     lambda: check_port(8000),

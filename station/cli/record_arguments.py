@@ -39,7 +39,7 @@ def add_record_verbs(verbs: "Verbs") -> None:
     recover = verbs.add(
         "recover_file",
         "records:recover_file",
-        "mend a recording whose end is missing",
+        "mend a recording whose end is missing, or that has damaged bytes",
         is_client=False,
     )
     recover.add_argument("file", type=Path, metavar="FILE")

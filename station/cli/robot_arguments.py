@@ -17,11 +17,16 @@ def add_robot_options(run: Parser) -> None:
         metavar="ROBOT",
         help=f"simulate this robot with controllers made for it: {_ROBOT}",
     )
-    run.add_argument(
+    add_base(run)
+
+
+def add_base(parser: Parser) -> None:
+    """Add how the root link of a robot is held of which only the URDF is known."""
+    parser.add_argument(
         "--base",
         choices=("fixed", "floating", "planar"),
         default="fixed",
-        help="how the root link of --robot is held",
+        help="how the root link of the robot is held, if its file does not say it",
     )
 
 
@@ -36,5 +41,6 @@ def add_robot_verbs(verbs: "Verbs") -> None:
     doctor.add_argument(
         "robot", nargs="?", metavar="ROBOT", help=f"look at this robot: {_ROBOT}"
     )
+    add_base(doctor)
     summary = "fetch the Panda, as `run` does"
     verbs.add("fetch_robot", "robot_data:fetch_robot", summary, is_client=False)

@@ -61,6 +61,7 @@ def load_request(
     type: str | None,  # noqa: A002 - ros_control's word
     params: Mapping[str, JsonValue] | None,
     timeout: float | None,
+    unknown_params: str,
 ) -> LoadRequest:
     """Return the request that loads a controller; what is None is left out.
 
@@ -69,8 +70,15 @@ def load_request(
         type: Its plugin type.
         params: Its parameters.
         timeout: How long its import, constructor and init may take [s].
+        unknown_params: `refuse` or `tell`.
     """
-    given = {"name": name, "type": type, "params": params, "timeout": timeout}
+    given = {
+        "name": name,
+        "type": type,
+        "params": params,
+        "timeout": timeout,
+        "unknown_params": unknown_params,
+    }
     return LoadRequest.model_validate({
         key: value for key, value in given.items() if value is not None
     })

@@ -3,19 +3,22 @@
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from station.wire import StreamFrame
 
 if TYPE_CHECKING:
+    from types import ModuleType
+    from typing import TypeAlias
+
+    import numpy as np
+    from numpy.typing import NDArray
     from pandas import DataFrame
 
-Array = NDArray[np.float64]
+    Array: TypeAlias = NDArray[np.float64]
 
 
-class Samples(Mapping[str, Array]):
+class Samples(Mapping[str, "Array"]):
     """Numbers of a topic over time: `samples["position"]`, shape (n, joints).
 
     Args:
@@ -25,9 +28,14 @@ class Samples(Mapping[str, Array]):
         topic: What was streamed.
         names: What the columns of the arrays belong to, usually joints.
         lost: How many cycles were lost on the way.
+
+    Raises:
+        ModuleNotFoundError: NumPy is not installed: `pip install numpy`.
     """
 
     def __init__(self, topic: str) -> None:
+        # Before anything is recorded that could not be read: the client runs without.
+        self._numpy = _load_numpy()
         self.topic = topic
         self.names: tuple[str, ...] = ()
         self.lost = 0
@@ -36,9 +44,10 @@ class Samples(Mapping[str, Array]):
         self._widths: dict[str, int | None] = {}
 
     @property
-    def stamp(self) -> Array:
+    def stamp(self) -> "Array":
         """Station time of each sample [s], shape (n,)."""
-        return np.array(self._stamps)
+        found: Array = self._numpy.array(self._stamps)
+        return found
 
     @property
     def duration(self) -> float:
@@ -102,7 +111,7 @@ class Samples(Mapping[str, Array]):
         return DataFrame(columns, index=Index(self.stamp, name="stamp"))
 
     @override
-    def __getitem__(self, key: str) -> Array:
+    def __getitem__(self, key: str) -> "Array":
         """Return one quantity, shape (n, k), or (n,) if it is one number.
 
         NaN stands where a sample has no number.
@@ -110,7 +119,8 @@ class Samples(Mapping[str, Array]):
         width = self._widths[key]
         absent = None if width is None else [None] * width
         rows = [sample.get(key, absent) for sample in self._samples]
-        return np.array(rows, dtype=np.float64)
+        found: Array = self._numpy.array(rows, dtype=float)
+        return found
 
     @override
     def __iter__(self) -> Iterator[str]:
@@ -135,6 +145,21 @@ class Samples(Mapping[str, Array]):
             if key not in {"stamp", "name"} and _is_numeric(value):
                 width = len(value) if isinstance(value, list) else None
                 self._widths.setdefault(key, width)
+
+
+def _load_numpy() -> "ModuleType":
+    """Import NumPy.
+
+    Raises:
+        ModuleNotFoundError: It is not installed.
+    """
+    try:
+        import numpy
+    except ModuleNotFoundError as error:
+        raise ModuleNotFoundError(
+            "Samples are arrays of NumPy: pip install numpy.", name="numpy"
+        ) from error
+    return numpy
 
 
 def _is_numeric(value: object) -> bool:

@@ -1,8 +1,8 @@
 """The station's configuration: YAML files and the environment, validated."""
 
-from station.config.errors import ConfigError
 from station.config.loading import load_config
 from station.config.models import ApiSection, LoopSection, StationConfig, UiSection
+from station.core.config_error import ConfigError
 
 __all__ = [
     "ApiSection",

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 from pydantic import Field
 from pydantic_settings import BaseSettings, SettingsConfigDict, SettingsError
 
-from station.config.errors import ConfigError
-from station.config.yaml_reader import KeyPath, parse_value
+from station.core.config_error import ConfigError
+from station.core.yaml_reader import KeyPath, parse_value
 
 _PREFIX = "STATION_"
 _BETWEEN = "__"

@@ -7,14 +7,19 @@ from pathlib import Path
 import yaml
 
 from station.config.environment import read_environment
-from station.config.errors import ConfigError
 from station.config.models import StationConfig
-from station.config.ros_parameters import split_ros_parameters, substitute
+from station.config.ros_parameters import (
+    RosParameters,
+    split_ros_parameters,
+    substitute,
+)
 from station.config.validation import validate
-from station.config.yaml_reader import KeyPath, YamlDocument, parse_yaml, read_yaml
+from station.core.config_error import ConfigError
+from station.core.yaml_reader import KeyPath, YamlDocument, parse_yaml, read_yaml
 
 DEFAULT_FILE = Path(__file__).with_name("default.yaml")
 _MERGED_SECTIONS = ("station", "robot", "api", "ui", "watchdog", "records", "foxglove")
+_INNER_SECTIONS = {n for n, f in StationConfig.model_fields.items() if f.exclude}
 _SECTIONS = [n for n, f in StationConfig.model_fields.items() if not f.exclude]
 
 
@@ -46,8 +51,7 @@ def load_config(
         merge.add_file(read_yaml(path))
     merge.add_environment()
     merge.add_flags(flags or {})
-    for controller_file in controller_files:
-        merge.add_controllers(read_yaml(controller_file))
+    merge.add_controllers([read_yaml(file) for file in controller_files])
     merge.substitute_arguments()
     return validate(merge.values, merge.where)
 
@@ -71,13 +75,13 @@ class _Merge:
         """Merge a file over the values so far.
 
         Raises:
-            ConfigError: The file has the section `parameters`, which does not exist.
+            ConfigError: The file has a section such as `parameters`, which it may not.
         """
         values = document.values
-        if "parameters" in values:
+        for section in _INNER_SECTIONS & values.keys():
             raise ConfigError(
                 [
-                    f"{document.where(('parameters',))}: parameters is unknown; "
+                    f"{document.where((section,))}: {section} is unknown; "
                     f"allowed are {', '.join(_SECTIONS)}."
                 ],
                 remedy="Put the parameters of controllers under 'controllers'.",
@@ -91,17 +95,26 @@ class _Merge:
                 value = _relative_to(Path(document.name).parent, value)
             self._add_section(section, value, document)
 
-    def add_controllers(self, document: YamlDocument) -> None:
-        """Add the controllers and other parameters of a file written for ROS."""
-        found = split_ros_parameters(document.values, document.name)
+    def add_controllers(self, documents: Sequence[YamlDocument]) -> None:
+        """Add the controllers and other parameters of files written for ROS.
+
+        Raises:
+            ConfigError: A file was written for ROS 2, or a name is in two namespaces.
+        """
+        found, sources = RosParameters(), list[tuple[KeyPath, str | YamlDocument]]()
+        for document in documents:
+            more = split_ros_parameters(document.values, document.name)
+            found.add_file(more, document.name)
+            sources += [
+                (("controllers", name), document.name) for name in more.controllers
+            ]
         before = self.values.get("controllers")
-        self.values["controllers"] = {
-            **(before if isinstance(before, dict) else {}),
-            **found.controllers,
-        }
-        names = [("controllers", name) for name in found.controllers]
-        self._sources += [(name, document.name) for name in names]
+        if documents:
+            known = before if isinstance(before, dict) else {}
+            self.values["controllers"] = {**known, **found.controllers}
+        self._sources += sources
         self._parameters |= found.others
+        self.values["ros_controllers"] = frozenset(found.controllers)
 
     def add_environment(self) -> None:
         """Merge environment variables over the values so far."""

@@ -16,6 +16,7 @@ from station.core.loop.pace import FASTEST, SLOWEST
 NAME_PATTERN = r"^[A-Za-z_][A-Za-z0-9_]*$"
 PLUGIN_PATTERN = r"^[A-Za-z_][\w.]*[/:][A-Za-z_]\w*$"
 MODULE_PATTERN = r"^[A-Za-z_]\w*(\.[A-Za-z_]\w*)*$"
+ORIGIN_PATTERN = r"^https?://([A-Za-z0-9.-]+|\[[0-9A-Fa-f:.]+\])(:[0-9]{1,5})?$"
 Name = Annotated[str, Field(pattern=NAME_PATTERN)]
 """What ROS allows as a name without namespaces."""
 Port = Annotated[int, Field(ge=0, le=65535)]
@@ -26,6 +27,9 @@ PluginType = Annotated[str, Field(pattern=PLUGIN_PATTERN)]
 ModuleName = Annotated[str, Field(pattern=MODULE_PATTERN)]
 """A Python module; the modules inside of a package belong to it."""
 
+
+WebOrigin = Annotated[str, Field(pattern=ORIGIN_PATTERN)]
+"""Scheme, host and port of a web page, without a path: `https://lab.example:8443`."""
 
 FileName = Annotated[str, Field(min_length=1)]
 """A file; relative to the working directory."""
@@ -141,12 +145,14 @@ class ApiSection(_Section):
         port: TCP port; 0 for any free one.
         token: The operator's token; None has a random one made.
         tls: Certificate and key, with which it serves https and wss alone.
+        allowed_origins: Origins of web pages elsewhere that may use it.
     """
 
     host: str = Field(min_length=1, pattern=r"^[A-Za-z0-9.:_-]+$")
     port: Port
     token: str | None = Field(min_length=8, pattern=r"^[A-Za-z0-9._~+/=-]+$")
     tls: TlsSection = Field(default_factory=TlsSection)
+    allowed_origins: list[WebOrigin] = Field(default_factory=list)
 
 
 class UiSection(_Section):
@@ -203,13 +209,15 @@ class FoxgloveSection(_Section):
 
     Attributes:
         enabled: Whether to start it.
-        host: Address to listen at. The protocol knows no tokens.
+        host: Address to listen at. From other machines a client needs a token.
         port: TCP port; 0 for any free one.
+        origins: Origins of web pages that may connect, such as that of Foxglove.
     """
 
     enabled: bool
     host: str = Field(min_length=1, pattern=r"^[A-Za-z0-9.:_-]+$")
     port: Port
+    origins: list[str] = Field(default_factory=list)
 
 
 class FciSection(_Section):
@@ -235,6 +243,8 @@ class StationConfig(_Section):
         start: Names of those to start, in order.
         parameters: Other parameters of the controller files (`joint_limits` …), which
             controllers and robots may read.
+        ros_controllers: Names of the controllers of files written for ROS, whose
+            parameters may have names that no controller here knows.
         api: The server.
         ui: The dashboard.
         watchdog: The process beside the station.
@@ -255,6 +265,7 @@ class StationConfig(_Section):
     foxglove: FoxgloveSection
     fci: FciSection
     parameters: dict[str, Any] = Field(default_factory=dict, exclude=True)
+    ros_controllers: frozenset[str] = Field(default=frozenset(), exclude=True)
 
     def controller_modules(self) -> frozenset[str]:
         """Return the modules whose controllers may be loaded as `module:Class`.

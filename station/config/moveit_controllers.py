@@ -5,7 +5,7 @@ FollowJointTrajectory and GripperCommand; moveit_setup_assistant for the form of
 ros_control, in which a type is that of a controller.
 """
 
-from station.config.errors import ConfigError
+from station.core.config_error import ConfigError
 from station.core.errors import show
 
 LIST = "controller_list"

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import yaml
 
-from station.config.yaml_reader import parse_yaml, read_yaml
 from station.core.parameters import Parameters
+from station.core.yaml_reader import parse_yaml, read_yaml
 
 
 def load_parameters(params: Parameters, path: Path) -> None:

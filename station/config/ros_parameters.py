@@ -5,14 +5,18 @@ namespace of a controller manager. A station has one manager, so the namespace g
 """
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TypeVar
+from typing import Any, TypeVar
 
-from station.config.errors import ConfigError
 from station.config.moveit_controllers import LIST, controllers_of_list
+from station.core.config_error import ConfigError
 from station.core.errors import show
 
 _SUBSTITUTION = re.compile(r"\$\((\w+)\s*([^)]*)\)")
+_ONE_MANAGER = (
+    "A station has one controller manager: give each controller a name of its own."
+)
 T = TypeVar("T")
 _TYPE = re.compile(r"[A-Za-z_][\w.]*[/:][A-Za-z_]\w*")
 
@@ -24,10 +28,33 @@ class RosParameters:
     Attributes:
         controllers: Parameters of each controller, `type` among them, by name.
         others: All other parameters, by name.
+        paths: Where the file has each of them, with namespaces, by name.
     """
 
     controllers: dict[str, dict[str, object]] = field(default_factory=dict)
     others: dict[str, object] = field(default_factory=dict)
+    paths: dict[str, str] = field(default_factory=dict)
+
+    def add_file(self, other: "RosParameters", name: str) -> None:
+        """Add what another file has, as `rosparam load` does: its values win.
+
+        Args:
+            other: The content of the other file.
+            name: The other file, for messages.
+
+        Raises:
+            ConfigError: Both files have a name, and in two namespaces.
+        """
+        for key, path in other.paths.items():
+            before = self.paths.get(key, path)
+            if before != path:
+                raise ConfigError(
+                    [f"{name}: {path} has the name of {before} in an earlier file."],
+                    remedy=_ONE_MANAGER,
+                )
+        self.controllers = _merged(self.controllers, other.controllers)
+        self.others = _merged(self.others, other.others)
+        self.paths |= other.paths
 
 
 def split_ros_parameters(values: dict[str, object], name: str) -> RosParameters:
@@ -66,10 +93,12 @@ def _collect(
             )
         if isinstance(value, dict) and _is_controller(value):
             _add(found.controllers, path, value, name)
+            found.paths[path.rpartition("/")[2]] = path
         elif isinstance(value, dict) and _has_controllers(value):
             _collect(value, path, found, name)
         else:
             _add(found.others, path, value, name)
+            found.paths[path.rpartition("/")[2]] = path
 
 
 def _add(found: dict[str, T], path: str, value: T, name: str) -> None:
@@ -77,10 +106,19 @@ def _add(found: dict[str, T], path: str, value: T, name: str) -> None:
     if key in found:
         raise ConfigError(
             [f"{name}: {path} has a name that another namespace has, too."],
-            remedy="A station has one controller manager: give each controller a name "
-            "of its own.",
+            remedy=_ONE_MANAGER,
         )
     found[key] = value
+
+
+def _merged(before: Mapping[str, T], after: Mapping[str, T]) -> dict[str, T]:
+    """Return two mappings as one, mappings below them as well; `after` wins."""
+    result: dict[str, Any] = dict(before)
+    for key, value in after.items():
+        old = result.get(key)
+        both = isinstance(old, dict) and isinstance(value, dict)
+        result[key] = _merged(old, value) if both else value  # type: ignore[arg-type,type-var]  # both are mappings
+    return result
 
 
 def _is_controller(value: dict[str, object]) -> bool:

@@ -5,15 +5,16 @@ from collections.abc import Callable
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from station.config.errors import ConfigError, key_text
 from station.config.models import (
     MODULE_PATTERN,
     NAME_PATTERN,
+    ORIGIN_PATTERN,
     PLUGIN_PATTERN,
     StationConfig,
 )
-from station.config.yaml_reader import KeyPath
+from station.core.config_error import ConfigError, key_text
 from station.core.errors import show
+from station.core.yaml_reader import KeyPath
 
 # Names in the parameter tree that controllers cannot have.
 RESERVED_NAMES = frozenset({"robot", "robot_description", "scene"})
@@ -30,6 +31,7 @@ _WANTED = {
     "finite_number": "a finite number",
 }
 _PATTERNS = {
+    ORIGIN_PATTERN: "scheme, host and port of a page, e.g. https://lab.example:8443",
     MODULE_PATTERN: "the name of a Python module, e.g. my_package.my_controllers",
     NAME_PATTERN: "a name of letters, digits and underscores",
     PLUGIN_PATTERN: "package/Class, e.g. franka_hw/FrankaHW, or module:Class",

@@ -36,6 +36,7 @@ StationError
 ├── RecordingNotFoundError        there is no recording of that name (KeyError)
 ├── RecordingRefusedError         not possible in the recording's state (RuntimeError)
 ├── RecordingFileError            a recording cannot be read or written (OSError)
+│   └── RecordingDamagedError     it has damaged bytes, or lacks its end
 ├── StaleEpochError               the command belongs to an older epoch
 ├── StoppedError                  the latched stop is engaged; nothing may move
 ├── LoopError                     the control loop is not running or died (RuntimeError)
@@ -46,6 +47,7 @@ StationError
 
 import difflib
 from collections.abc import Iterable, Mapping
+from typing import NoReturn
 
 from typing_extensions import override
 
@@ -324,6 +326,29 @@ class RecordingFileError(StationError, OSError):
     """The file of a recording cannot be read or written, or is no recording."""
 
     code = "recording_file"
+
+
+class RecordingDamagedError(RecordingFileError):
+    """The file of a recording has damaged bytes, or lacks its end."""
+
+    code = "recording_damaged"
+
+
+def refuse_non_number(name: str, command: object) -> NoReturn:
+    """Refuse a command that is no number.
+
+    Args:
+        name: What is commanded, usually a joint.
+        command: The command.
+
+    Raises:
+        InvalidCommandError: Always.
+    """
+    raise InvalidCommandError(
+        f"The command for '{name}' is {show(command)}; it must be a number.",
+        remedy="Send one number per joint.",
+        details={"element": name},
+    )
 
 
 class StaleEpochError(StationError):

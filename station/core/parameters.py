@@ -1,16 +1,17 @@
 """A tree of parameters with namespaces, like that of rosparam.
 
 The tree holds the data of a YAML file: numbers, strings, booleans, lists and mappings.
-The parts of a path are separated by `/`. A `Parameters` object is a view on one
+The parts of a path are separated by `/`. A key that has a `/` itself, such as the name
+of a joint, is found by that path, too. A `Parameters` object is a view on one
 namespace. Its methods read a value of a given type, and raise an error with the full
 path if the value has another type.
 """
 
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from copy import deepcopy
 
-from station.core.errors import ParameterError, show
+from station.core.errors import ParameterError, show, suggest
 
 ParameterListener = Callable[[str, object], None]
 _MISSING = object()
@@ -18,6 +19,22 @@ _MISSING = object()
 
 def _split(path: str) -> list[str]:
     return [part for part in path.split("/") if part]
+
+
+def _locate(node: object, parts: list[str]) -> tuple[dict[str, object], str] | None:
+    """Return the mapping and the key of the value at a path; None without a value.
+
+    Where keys overlap the shortest one wins, e.g. `arm` before `arm/joint`.
+    """
+    if not isinstance(node, dict):
+        return None
+    for count in range(1, len(parts) + 1):
+        key, rest = "/".join(parts[:count]), parts[count:]
+        if key in node:
+            found = (node, key) if not rest else _locate(node[key], rest)
+            if found is not None:
+                return found
+    return None
 
 
 class ParameterTree:
@@ -37,12 +54,11 @@ class ParameterTree:
     def get(self, path: str, default: object = None) -> object:
         """Return a copy of the value at `path`, or `default` if there is none."""
         with self._lock:
-            node: object = self._root
-            for part in _split(path):
-                if not isinstance(node, dict) or part not in node:
-                    return default
-                node = node[part]
-            return deepcopy(node)
+            parts = _split(path)
+            if not parts:
+                return deepcopy(self._root)
+            place = _locate(self._root, parts)
+            return default if place is None else deepcopy(place[0][place[1]])
 
     def set(self, path: str, value: object) -> None:
         """Store a copy of `value` at `path` and notify the listeners.
@@ -70,12 +86,10 @@ class ParameterTree:
         """Remove the value at `path`, and return whether there was one."""
         parts = _split(path)
         with self._lock:
-            node: object = self._root
-            for part in parts[:-1]:
-                node = node.get(part) if isinstance(node, dict) else None
-            removed = bool(parts) and isinstance(node, dict) and parts[-1] in node
-            if removed and isinstance(node, dict):
-                del node[parts[-1]]
+            place = _locate(self._root, parts)
+            removed = place is not None
+            if place is not None:
+                del place[0][place[1]]
         if removed:
             self._notify("/".join(parts), None)
         return removed
@@ -99,10 +113,22 @@ class ParameterTree:
 
     def _store(self, parts: list[str], value: object) -> None:
         node = self._root
+        # A key with a `/` in it stays as it is; what is new goes below what is there.
+        for count in range(len(parts), 0, -1):
+            place = _locate(self._root, parts[:count])
+            if place is None:
+                continue
+            holder, key = place
+            parts = parts[count:]
+            if not parts:
+                holder[key] = value
+                return
+            child = holder[key]
+            node = child if isinstance(child, dict) else {}
+            holder[key] = node
+            break
         for part in parts[:-1]:
-            child = node.get(part)
-            if not isinstance(child, dict):
-                child = node[part] = {}
+            child = node[part] = {}
             node = child
         node[parts[-1]] = value
 
@@ -113,11 +139,19 @@ class Parameters:
     Args:
         tree: The tree; None makes an empty one.
         path: The namespace.
+        reads: Where the full path of everything is noted that is read through this view
+            and its namespaces; None to note nothing.
     """
 
-    def __init__(self, tree: ParameterTree | None = None, path: str = "") -> None:
+    def __init__(
+        self,
+        tree: ParameterTree | None = None,
+        path: str = "",
+        reads: set[str] | None = None,
+    ) -> None:
         self.tree = ParameterTree() if tree is None else tree
         self.path = "/".join(_split(path))
+        self._reads = reads
 
     def resolve(self, key: str) -> str:
         """Return the full path of `key` in this namespace."""
@@ -125,15 +159,17 @@ class Parameters:
 
     def namespace(self, key: str) -> "Parameters":
         """Return the view on the namespace `key` below this one."""
-        return Parameters(self.tree, self.resolve(key))
+        return Parameters(self.tree, self.resolve(key), self._reads)
 
     def get(self, key: str = "", default: object = None) -> object:
         """Return the value of `key`, of any type, or `default` if there is none."""
+        if self._reads is not None:
+            self._reads.add(self.resolve(key))
         return self.tree.get(self.resolve(key), default)
 
     def has(self, key: str) -> bool:
-        """Return whether `key` has a value."""
-        return self.get(key, _MISSING) is not _MISSING
+        """Return whether `key` has a value. To ask is not to read it."""
+        return self.tree.get(self.resolve(key), _MISSING) is not _MISSING
 
     def set(self, key: str, value: object) -> None:
         """Set `key` in this namespace."""
@@ -240,3 +276,42 @@ class Parameters:
             remedy="Correct the value and try again.",
             details={"parameter": self.resolve(key)},
         )
+
+
+def unknown_parameters(
+    params: Parameters, known: Collection[str]
+) -> list[tuple[str, str]]:
+    """Return the parameters of a namespace that nobody knows.
+
+    Args:
+        params: The namespace.
+        known: Full paths of the parameters that are known; what is below one is known.
+
+    Returns:
+        The path of each below the namespace, and a sentence about the names that may
+        have been meant. A namespace in which nothing is known counts as one parameter.
+    """
+    around: dict[str, None] = {}
+    for path in sorted(known):
+        parts = _split(path)
+        around |= dict.fromkeys("/".join(parts[:n]) for n in range(1, len(parts) + 1))
+    found: list[tuple[str, str]] = []
+
+    def look(node: object, path: str) -> None:
+        if path in known:
+            return
+        if path != params.path and path not in around:
+            place, _, name = path.rpartition("/")
+            others = [
+                other.rpartition("/")[2]
+                for other in around
+                if other.rpartition("/")[0] == place
+            ]
+            below = path.removeprefix(params.path).strip("/")
+            found.append((below, suggest(name, others)))
+        elif isinstance(node, dict):
+            for key, child in node.items():
+                look(child, "/".join(_split(f"{path}/{key}")))
+
+    look(params.tree.get(params.path), params.path)
+    return found

@@ -162,6 +162,15 @@ class Alarms:
         dead = self._station.dead()
         if dead is not None:
             yield Cause("loop", Severity.ERROR, dead, "Restart the station.")
+        unwatched = self._station.watchdog_failure
+        if unwatched is not None:
+            yield Cause(
+                "watchdog",
+                Severity.ERROR,
+                unwatched,
+                "The station starts it anew. Until then a loop that hangs is not "
+                "noticed: keep the emergency stop at hand.",
+            )
         latch = self._station.loop.stop_latch
         if latch.state is StopState.STOPPED:
             yield Cause(

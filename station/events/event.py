@@ -58,6 +58,8 @@ class EventKind(Enum):
     """Several cycles in a row came too late."""
     LOOP = "loop"
     """The control loop started, ended or died."""
+    WATCHDOG = "watchdog"
+    """The watchdog ended or does not look at the loop any more, or looks again."""
     RECORDING = "recording"
     """A recording began or ended."""
     INCIDENT = "incident"

@@ -10,6 +10,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from station.core.user_files import make_private_folder
 from station.events.event import (
     MAX_TEXT,
     STATION,
@@ -318,7 +319,7 @@ class EventLog:
     def _open(self, path: Path) -> EventFile | None:
         """Return the file; a file of something else is moved aside."""
         try:
-            path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+            make_private_folder(path.parent)
             return _open_or_replace(path)
         except (sqlite3.Error, OSError) as error:
             self._failure = f"{path} cannot be opened: {error}."

@@ -22,6 +22,16 @@ BURST = 5
 """So many deadlines missed without a quiet second between are told as a burst."""
 QUIET = 1.0
 """A burst is over when no deadline was missed for so long [s]."""
+FIRST_FOLD, LONGEST_FOLD = 60.0, 3600.0
+"""Bursts after one that was told are counted for so long and told together [s]; each
+time four times longer, since a machine that is too slow stays so."""
+CALM = 600.0
+"""After so long without a burst the next one is told at once [s]."""
+_ADVICE = (
+    " Something else takes this computer's processors, often a browser that draws the "
+    "3D view without a graphics processor: close it, or open the page on another "
+    "computer. `station doctor` says what else helps."
+)
 
 
 class StateWatcher:
@@ -47,11 +57,13 @@ class StateWatcher:
         self._arms = Arms(station.robots)
         self._stop = (StopState.ARMED, "")
         self._loop = station.loop.state
+        self._unwatched: str | None = None
         self._mode = ""
         self._controllers: dict[str, ControllerCondition] = {}
         self._bursts = _Bursts(log, station.loop.skipped)
         self._parts: dict[str, Callable[[], None]] = {
             "the control loop": self._look_at_loop,
+            "the watchdog": self._look_at_watchdog,
             "the stop": self._look_at_stop,
             "the robot's mode": self._look_at_mode,
             "the controllers": self._look_at_controllers,
@@ -78,6 +90,7 @@ class StateWatcher:
         self._end.set()
         if self._thread is not None:
             self._thread.join(timeout)
+        self._bursts.tell_folded(self._station.loop.clock.now())
 
     def look(self) -> None:
         """Record what has changed since the last look.
@@ -123,6 +136,19 @@ class StateWatcher:
             dead or f"The control loop is {state.value}.",
             severity=Severity.ERROR if failed else Severity.INFO,
             result=state.value,
+        )
+
+    def _look_at_watchdog(self) -> None:
+        failure = self._station.watchdog_failure
+        if failure == self._unwatched:
+            return
+        self._unwatched = failure
+        failed = failure is not None
+        self._log.record(
+            EventKind.WATCHDOG,
+            failure or "The watchdog looks at the control loop again.",
+            severity=Severity.ERROR if failed else Severity.INFO,
+            result="failed" if failed else "watching",
         )
 
     def _look_at_stop(self) -> None:
@@ -212,7 +238,10 @@ class StateWatcher:
 
 
 class _Bursts:
-    """Tells missed deadlines that come close to each other as one event."""
+    """Tells missed deadlines that come close to each other as one event.
+
+    The first burst says what to do. Those that follow are counted and told together.
+    """
 
     def __init__(self, log: EventLog, skipped: int) -> None:
         self._log = log
@@ -220,6 +249,11 @@ class _Bursts:
         self._count = 0
         self._first_cycle = 0
         self._last = 0.0
+        self._is_advised = False
+        self._told_at = float("-inf")
+        self._fold = FIRST_FOLD
+        self._folded: list[int] = []  # deadlines missed in each burst not told yet
+        self._ended_at = float("-inf")
 
     def look(self, skipped: int, cycle: int, now: float) -> None:
         """Count deadlines missed since the last look; tell a burst that is over."""
@@ -229,18 +263,44 @@ class _Bursts:
                 self._first_cycle = cycle
             self._count += new
             self._last = now
+        elif self._count and now - self._last >= QUIET:
+            self._end_burst(now)
+        if self._folded and now - self._told_at >= self._fold:
+            self._fold = min(4.0 * self._fold, LONGEST_FOLD)
+            self.tell_folded(now)
+
+    def _end_burst(self, now: float) -> None:
+        count, self._count = self._count, 0
+        if count < BURST:
             return
-        if not self._count or now - self._last < QUIET:
+        is_calm = now - self._ended_at >= CALM
+        self._ended_at = now
+        if is_calm and not self._folded:
+            self._fold = FIRST_FOLD
+            advice, self._is_advised = "" if self._is_advised else _ADVICE, True
+            self._tell(f"missed {count} deadlines in a burst.{advice}", [count], now)
+        else:
+            self._folded.append(count)
+
+    def tell_folded(self, now: float) -> None:
+        """Tell the bursts that were counted since the last one that was told."""
+        if not self._folded:
             return
-        if self._count >= BURST:
-            self._log.record(
-                EventKind.OVERRUN,
-                f"The control loop missed {self._count} deadlines in a burst.",
-                severity=Severity.WARNING,
-                result=str(self._count),
-                details={
-                    "missed": self._count,
-                    "seen_in_cycle": self._first_cycle,
-                },
-            )
-        self._count = 0
+        bursts, self._folded = self._folded, []
+        times = "once more" if len(bursts) == 1 else f"in {len(bursts)} more bursts"
+        since = f"within {now - self._told_at:.0f} s"
+        self._tell(f"missed {sum(bursts)} deadlines {times} {since}.", bursts, now)
+
+    def _tell(self, what: str, bursts: list[int], now: float) -> None:
+        self._told_at = now
+        self._log.record(
+            EventKind.OVERRUN,
+            f"The control loop {what}",
+            severity=Severity.WARNING,
+            result=str(sum(bursts)),
+            details={
+                "missed": sum(bursts),
+                "bursts": len(bursts),
+                "seen_in_cycle": self._first_cycle,
+            },
+        )

@@ -185,6 +185,20 @@ def carry_out(
         watch: Is told after every trial.
 
     Raises:
+        StationError: It cannot go on, or another process runs it; what has ended is
+            kept.
+        KeyboardInterrupt: It was interrupted before its first trial.
+    """
+    with results.running():
+        return _carry_out(experiment, results, executor, watch)
+
+
+def _carry_out(
+    experiment: Experiment, results: Results, executor: Executor, watch: Watcher
+) -> Progress:
+    """Run an experiment that no other process runs.
+
+    Raises:
         StationError: It cannot go on; what has ended is kept.
         KeyboardInterrupt: It was interrupted before its first trial.
     """

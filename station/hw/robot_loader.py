@@ -5,6 +5,7 @@ from importlib.metadata import entry_points
 
 from station.core.errors import StationError
 from station.core.hardware.robot_hw import RobotHW
+from station.core.installation import missing_extra
 from station.hw import HARDWARE
 
 ENTRY_POINTS = "station.hw"
@@ -24,6 +25,20 @@ def create_robot(robot_type: str) -> RobotHW:
             `station.hw`, or `module:Class`.
 
     Raises:
+        MissingExtraError: An extra of this distribution is not installed.
+        RobotTypeError: The type is unknown, cannot be imported, or is not a `RobotHW`.
+    """
+    return find_robot(robot_type)()
+
+
+def find_robot(robot_type: str) -> type[RobotHW]:
+    """Return the class of a type of robots; see `create_robot`.
+
+    Args:
+        robot_type: As for `create_robot`.
+
+    Raises:
+        MissingExtraError: An extra of this distribution is not installed.
         RobotTypeError: The type is unknown, cannot be imported, or is not a `RobotHW`.
     """
     installed = {entry.name: entry.value for entry in entry_points(group=ENTRY_POINTS)}
@@ -39,6 +54,9 @@ def create_robot(robot_type: str) -> RobotHW:
     try:
         found = getattr(importlib.import_module(module), name)
     except (ImportError, AttributeError) as error:
+        missing = missing_extra(error) if isinstance(error, ImportError) else None
+        if missing is not None:
+            raise missing from error
         raise RobotTypeError(
             f"robot.type '{robot_type}': {target} cannot be imported: {error}.",
             remedy="Correct the name, or install what is missing.",
@@ -48,4 +66,4 @@ def create_robot(robot_type: str) -> RobotHW:
             f"robot.type '{robot_type}': {target} is not a RobotHW.",
             remedy="Derive it from station.core.hardware.robot_hw.RobotHW.",
         )
-    return found()
+    return found

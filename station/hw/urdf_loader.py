@@ -36,9 +36,26 @@ def load_urdf(files: RobotFiles) -> Urdf:
         if problem is not None:
             raise RobotDescriptionError(
                 f"{files.urdf_path}: {problem}",
-                remedy=f"Correct the joint '{joint.name}' of the URDF.",
+                remedy=_find_remedy(urdf, joint),
             )
     return urdf
+
+
+def _find_remedy(urdf: Urdf, joint: Joint) -> str:
+    """Return what to do about a joint that cannot be simulated."""
+    kind = joint.type
+    if kind in _SIMULATED:
+        return f"Correct the joint '{joint.name}' of the URDF."
+    is_only = urdf.joints_below(urdf.root) == [joint]
+    if is_only and urdf.links[urdf.root].is_frame_only:
+        return (
+            f"Set robot.base to {kind.value} (on the command line: --base "
+            f"{kind.value}); it takes the place of the joint '{joint.name}'."
+        )
+    return (
+        f"Give the joint '{joint.name}' another type. Only a root link without mass "
+        f"and shapes may carry a robot by a {kind.value} joint, and nothing else."
+    )
 
 
 def _find_problem(joint: Joint) -> str | None:

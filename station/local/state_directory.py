@@ -12,6 +12,7 @@ from types import TracebackType
 from typing import Self
 
 from station.core.errors import StationError
+from station.core.user_files import make_private_folder
 
 MOST_STATIONS = 64
 """Most stations of a user at the same time."""
@@ -46,7 +47,7 @@ class StateDirectory:
         try:
             for number in range(MOST_STATIONS):
                 path = base / str(number)
-                path.mkdir(mode=0o700, parents=True, exist_ok=True)
+                make_private_folder(path)
                 lock = os.open(path / "lock", os.O_CREAT | os.O_RDWR, 0o600)
                 try:
                     fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)

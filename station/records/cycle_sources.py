@@ -58,7 +58,19 @@ class CycleSource(ABC, Generic[SampleT]):
     def open(self) -> None:
         """Sample from the next cycle on."""
         self._tap.open()
-        self._cycle = self._tap.newest_cycle()
+
+    def begin(self, cycle: int) -> None:
+        """Hand over no cycle before this one.
+
+        Args:
+            cycle: Number of the first cycle.
+        """
+        self._cycle = cycle - 1
+
+    @property
+    def newest(self) -> int:
+        """Number of the last cycle that was sampled."""
+        return self._tap.newest_cycle()
 
     def close(self) -> None:
         """Sample no more."""
@@ -70,23 +82,30 @@ class CycleSource(ABC, Generic[SampleT]):
         return self._tap.failure
 
     def take(
-        self, encoder: CycleMessages, log: Callable[[Message, float], None]
+        self,
+        encoder: CycleMessages,
+        log: Callable[[Message, float], None],
+        until: int,
     ) -> int:
         """Hand over the messages of the cycles since the last call.
 
         Args:
             encoder: Makes messages.
             log: Takes each message, and its station time [s].
+            until: Number of the last cycle that is wanted yet.
 
         Returns:
             How many cycles were lost.
         """
         taken, lost = self._tap.read_since(self._cycle)
+        if taken:
+            self._cycle = taken[0].cycle - 1
         for one in taken:
+            if one.cycle > until:
+                break
             for message in self.message(encoder, one.stamp, one.sample):
                 log(message, one.stamp)
-        if taken:
-            self._cycle = taken[-1].cycle
+            self._cycle = one.cycle
         return lost
 
 

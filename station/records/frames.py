@@ -25,14 +25,14 @@ def joint_pose(joint: Joint, position: float) -> Pose:
     return joint.origin
 
 
-def transforms(urdf: Urdf, positions: Mapping[str, float], stamp: float) -> Values:
+def transforms(urdf: Urdf, positions: Mapping[str, float], stamp: int) -> Values:
     """Return a `tf2_msgs/TFMessage` with a transform for every joint.
 
     Args:
         urdf: The robot.
         positions: Positions by joint [rad or m]; others are at zero, and those that
             mimic another joint follow it.
-        stamp: Time of the transforms [s].
+        stamp: Time of the transforms [ns].
     """
     return {
         "transforms": [
@@ -51,7 +51,7 @@ def _position(joint: Joint, positions: Mapping[str, float]) -> float:
     return mimic.multiplier * positions.get(mimic.joint, 0.0) + mimic.offset
 
 
-def _transform(joint: Joint, pose: Pose, stamp: float) -> Values:
+def _transform(joint: Joint, pose: Pose, stamp: int) -> Values:
     x, y, z = pose.xyz
     qw, qx, qy, qz = pose.quaternion
     return {

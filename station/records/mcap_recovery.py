@@ -1,41 +1,57 @@
-"""Make a whole MCAP file of one whose end is missing.
+"""Make a whole MCAP file of one whose end is missing, or that has damaged bytes.
 
 Whoever is killed while recording leaves a file without its index, and perhaps with half
-a record at its end. What is complete stays where it is; the half record is cut off, and
-the index is written again from the chunks.
-
-Source: MCAP format specification 1.0, https://mcap.dev/spec.
+a record at its end: that is cut off. Damaged bytes before the end are written over with
+a record that every reader skips, so that what is whole before and after them stays
+where it is. The index is written again from the chunks.
 """
 
+import fcntl
 import io
-import struct
-from dataclasses import dataclass, field
+import os
+import zlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import BinaryIO
 
-import lz4.frame
-from mcap.data_stream import ReadDataStream, RecordBuilder
+from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
 from mcap.records import (
     Channel,
-    Chunk,
-    ChunkIndex,
     DataEnd,
     Footer,
+    Header,
     MessageIndex,
-    Metadata,
-    MetadataIndex,
-    Schema,
     Statistics,
 )
 
-from station.core.errors import RecordingFileError
+from station.core.errors import RecordingFileError, RecordingRefusedError
+from station.core.user_files import open_regular
+from station.records.mcap_scan import HEAD, MAGIC, Chunk, Content, McapScan, Span
+from station.records.messages import CYCLE
 
-MAGIC = b"\x89MCAP0\r\n"
-_HEAD = struct.Struct("<BQ")
-_MESSAGE = struct.Struct("<HIQ")
-"""What a message begins with: channel, number, time."""
-_LARGEST = 2**31
+_SKIPPED = 0x80
+"""Opcode of a record that readers skip."""
+_CYCLES = "/cycles"
+_PROFILE = "ros2"
+_NEAR = 10_000_000_000
+"""Longest time between a chunk and the next one that is believed [ns]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Loss:
+    """A time of which messages are lost.
+
+    Attributes:
+        begin: Wall time of its beginning [ns since 1970]; None when that is the
+            beginning of the recording.
+        end: Wall time of its end; None when that is the end of the recording.
+    """
+
+    begin: int | None
+    end: int | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,55 +59,90 @@ class Recovered:
     """What a recovery found.
 
     Attributes:
-        is_changed: Whether the file was cut off; a whole file is left as it is.
+        is_changed: Whether the file was changed; a whole file is left as it is.
         messages: Number of messages in the file.
-        dropped: Bytes that were cut off.
+        dropped: Bytes that were not whole and are gone.
+        losses: The times of which messages are lost, besides the end of the file.
+        lost_messages: How many messages are lost there; None when nothing says so.
+        began: Wall time of the first message [ns since 1970]; 0 without one.
+        cycles: Number of cycles in the file.
+        first_cycle: Its first cycle; 0 without one.
+        last_cycle: Its last cycle; 0 without one.
+        duration: Station time from its first cycle to its last [s].
     """
 
     is_changed: bool
     messages: int
     dropped: int
+    losses: tuple[Loss, ...] = ()
+    lost_messages: int | None = 0
+    began: int = 0
+    cycles: int = 0
+    first_cycle: int = 0
+    last_cycle: int = 0
+    duration: float = 0.0
+
+    @property
+    def lost_cycles(self) -> int:
+        """How many cycles between its first and its last are not in the file."""
+        between = self.last_cycle - self.first_cycle + 1
+        return max(0, between - self.cycles) if self.cycles else 0
+
+    def text(self) -> str:
+        """Return what was lost, in sentences; empty if nothing was."""
+        sentences = []
+        if self.losses:
+            times = ", ".join(self._told(loss) for loss in self.losses)
+            if self.lost_messages is None:
+                count = "An unknown number of messages"
+            else:
+                count = f"{self.lost_messages} messages"
+            sentences.append(f"{count} are lost: {times}.")
+        if self.dropped:
+            dropped = f"{self.dropped} bytes were cut off, which were not whole."
+            sentences.append(dropped)
+        elif self.is_changed:
+            sentences.append("No message is lost; the index was written again.")
+        return " ".join(sentences)
+
+    def _told(self, loss: Loss) -> str:
+        def told(stamp: int) -> str:
+            at = datetime.fromtimestamp(stamp / 1e9, UTC)
+            return f"{(stamp - self.began) / 1e9:.3f} s ({at:%H:%M:%S.%f} UTC)"
+
+        if loss.begin is None and loss.end is None:
+            return "everything"
+        if loss.begin is None:
+            return f"all before {told(loss.end or 0)}"
+        if loss.end is None:
+            return f"all after {told(loss.begin)}"
+        return f"between {told(loss.begin)} and {told(loss.end)}"
 
 
-@dataclass
-class _Content:
-    """What the complete records of a file hold."""
-
-    end: int = len(MAGIC)
-    is_whole: bool = False
-    schemas: dict[int, Schema] = field(default_factory=dict)
-    channels: dict[int, Channel] = field(default_factory=dict)
-    chunks: list[ChunkIndex] = field(default_factory=list)
-    metadata: list[MetadataIndex] = field(default_factory=list)
-    counts: dict[int, int] = field(default_factory=dict)
-    # The messages of the last chunk, whose own indexes may be missing.
-    last_chunk_end: int | None = None
-    last_messages: dict[int, list[tuple[int, int]]] = field(default_factory=dict)
-
-
-def recover_file(path: Path) -> Recovered:
-    """Make a whole file of a truncated one, in its place.
+def recover_file(path: Path, pause: Callable[[], None] = lambda: None) -> Recovered:
+    """Make a whole file of a truncated or damaged one, in its place.
 
     Args:
         path: The file.
+        pause: Called between short pieces of work.
 
     Raises:
         RecordingFileError: It is no MCAP file, or cannot be read or written.
+        RecordingRefusedError: A station is writing it.
     """
     try:
-        with path.open("r+b") as file:
-            _check_magic(path, file)
+        with os.fdopen(open_regular(path, os.O_RDWR), "r+b") as file:
+            _lock(path, file)
+            has_magic = _check_magic(path, file)
+            content = McapScan(file, pause).run()
+            if content.is_whole and has_magic:
+                return _found(content, dropped=0, is_changed=False)
             size = file.seek(0, io.SEEK_END)
-            content = _read(file, size)
-            count = sum(content.counts.values())
-            if content.is_whole:
-                return Recovered(is_changed=False, messages=count, dropped=0)
-            dropped = size - content.end
-            ending = _indexes_of_last_chunk(content) + _ending(content)
-            file.truncate(content.last_chunk_end or content.end)
-            file.seek(0, io.SEEK_END)
-            file.write(ending)
-            return Recovered(is_changed=True, messages=count, dropped=dropped)
+            dropped = sum(span.end - span.begin for span in content.spans)
+            if not content.has_end:
+                dropped += size - content.end
+            _mend(file, content)
+            return _found(content, dropped, is_changed=True)
     except RecordingFileError:
         raise
     except OSError as error:
@@ -102,146 +153,207 @@ def recover_file(path: Path) -> Recovered:
         ) from error
 
 
-def _check_magic(path: Path, file: BinaryIO) -> None:
-    """Refuse a file that is no MCAP file.
+def _lock(path: Path, file: BinaryIO) -> None:
+    """Refuse a file that is being written.
+
+    Raises:
+        RecordingRefusedError: A station writes it.
+    """
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError as error:
+        raise RecordingRefusedError(
+            f"{path} is being recorded by a station.",
+            remedy="Stop the recording: its file is whole then.",
+        ) from error
+
+
+def _check_magic(path: Path, file: BinaryIO) -> bool:
+    """Refuse a file that is no MCAP file; return whether it begins as one does.
 
     Raises:
         RecordingFileError: It is none.
     """
-    if file.read(len(MAGIC)) != MAGIC:
-        raise RecordingFileError(
-            f"{path} is no recording: it does not begin as an MCAP file does.",
-            remedy="Name a file that ends in .mcap and that a station wrote.",
-        )
+    begin = file.read(len(MAGIC) + HEAD.size)
+    if begin.startswith(MAGIC):
+        return True
+    # One damaged byte leaves the rest, and behind it the header.
+    same = sum(one == other for one, other in zip(begin, MAGIC, strict=False))
+    if same >= len(MAGIC) - 1 and begin[len(MAGIC) :][:1] == bytes((Opcode.HEADER,)):
+        return False
+    raise RecordingFileError(
+        f"{path} is no recording: it does not begin as an MCAP file does.",
+        remedy="Name a file that ends in .mcap and that a station wrote.",
+    )
 
 
-def _read(file: BinaryIO, size: int) -> _Content:
-    """Read the complete records up to the first that is not, or to the end of data."""
-    content = _Content()
-    file.seek(content.end)
-    while True:
-        head = file.read(_HEAD.size)
-        if len(head) < _HEAD.size:
-            return content
-        opcode, length = _HEAD.unpack(head)
-        end = content.end + _HEAD.size + length
-        if opcode == Opcode.DATA_END:
-            file.seek(-len(MAGIC), io.SEEK_END)
-            content.is_whole = end < size and file.read() == MAGIC
-            return content
-        # A chunk is followed by its indexes; a limit keeps nonsense from being read.
-        if opcode == 0 or length > _LARGEST or end > size:
-            return content
-        _add(content, opcode, file.read(length))
-        content.end = end
-
-
-def _add(content: _Content, opcode: int, data: bytes) -> None:
-    stream = ReadDataStream(io.BytesIO(data))
-    length = _HEAD.size + len(data)
-    if opcode != Opcode.MESSAGE_INDEX:
-        content.last_chunk_end = None
-    if opcode == Opcode.CHUNK:
-        content.last_chunk_end = content.end + length
-        chunk = Chunk.read(stream)
-        _read_chunk(content, chunk)
-        content.chunks.append(
-            ChunkIndex(
-                chunk_length=length,
-                chunk_start_offset=content.end,
-                compression=chunk.compression,
-                compressed_size=len(chunk.data),
-                message_end_time=chunk.message_end_time,
-                message_index_length=0,
-                message_index_offsets={},
-                message_start_time=chunk.message_start_time,
-                uncompressed_size=chunk.uncompressed_size,
-            )
-        )
-    elif opcode == Opcode.MESSAGE_INDEX and content.chunks:
-        index = MessageIndex.read(stream)
-        content.chunks[-1].message_index_offsets[index.channel_id] = content.end
-        content.chunks[-1].message_index_length += length
-    elif opcode == Opcode.METADATA:
-        name = Metadata.read(stream).name
-        content.metadata.append(MetadataIndex(content.end, length, name))
-    else:
-        _add_description(content, opcode, data)
-
-
-def _add_description(content: _Content, opcode: int, data: bytes) -> None:
-    """Keep a schema or a channel."""
-    stream = ReadDataStream(io.BytesIO(data))
-    if opcode == Opcode.SCHEMA:
-        schema = Schema.read(stream)
-        content.schemas[schema.id] = schema
-    elif opcode == Opcode.CHANNEL:
-        channel = Channel.read(stream)
-        content.channels[channel.id] = channel
-
-
-def _read_chunk(content: _Content, chunk: Chunk) -> None:
-    data = chunk.data
-    if chunk.compression == "lz4":
-        data = lz4.frame.decompress(data)
-    content.last_messages = {}
-    at = 0
-    while at < len(data):
-        opcode, length = _HEAD.unpack_from(data, at)
-        begin, at = at, at + _HEAD.size
-        if opcode == Opcode.MESSAGE:
-            channel, _, stamp = _MESSAGE.unpack_from(data, at)
-            content.last_messages.setdefault(channel, []).append((stamp, begin))
-            content.counts[channel] = content.counts.get(channel, 0) + 1
+def _mend(file: BinaryIO, content: Content) -> None:
+    """Write over what is damaged, and write the end of the file anew."""
+    file.seek(0)
+    file.write(MAGIC)
+    for span in content.spans:
+        wanted = [_header()] if span.begin == len(MAGIC) else []
+        _fill(file, span.begin, span.end, [*wanted, *_descriptions(content)])
+    _name_channels(content)
+    tail = b""
+    for place, (begin, end) in content.missing_indexes.items():
+        chunk = content.chunks[place]
+        if begin == content.end:
+            tail = _indexes(chunk, begin)
         else:
-            _add_description(content, opcode, data[at : at + length])
-        at += length
+            room = end - begin
+            data = _indexes(chunk, begin)
+            _fill(file, begin, end, [data])
+            if not (len(data) == room or len(data) <= room - HEAD.size):
+                chunk.index.message_index_offsets.clear()
+                chunk.index.message_index_length = 0
+    file.truncate(content.end)
+    file.seek(0, io.SEEK_END)
+    file.write(tail)
+    file.write(_ending(content, content.end + len(tail)))
 
 
-def _indexes_of_last_chunk(content: _Content) -> bytes:
-    """Return the indexes that follow the last chunk, and note where they will be."""
-    if content.last_chunk_end is None:
-        return b""
-    data, last = b"", content.chunks[-1]
-    last.message_index_offsets.clear()
-    for channel, entries in content.last_messages.items():
+def _fill(file: BinaryIO, begin: int, end: int, wanted: list[bytes]) -> None:
+    """Write whole records over some bytes: as many of these as fit, and one to skip."""
+    data = b""
+    for record in wanted:
+        left = end - begin - len(data) - len(record)
+        if left == 0 or left >= HEAD.size:
+            data += record
+    left = end - begin - len(data)
+    if left:
+        data += HEAD.pack(_SKIPPED, left - HEAD.size) + bytes(left - HEAD.size)
+    file.seek(begin)
+    file.write(data)
+
+
+def _header() -> bytes:
+    builder = RecordBuilder()
+    Header(profile=_PROFILE, library="").write(builder)
+    return _bytes(builder)
+
+
+def _descriptions(content: Content) -> list[bytes]:
+    """Return schemas and channels: those that a damaged chunk had may be missing."""
+    found = []
+    for record in (*content.schemas.values(), *content.channels.values()):
+        builder = RecordBuilder()
+        record.write(builder)
+        found.append(_bytes(builder))
+    return found
+
+
+def _name_channels(content: Content) -> None:
+    """Give a name to channels whose own description, or whose schema, is lost."""
+    for number in {*content.counts, *content.channels}:
+        known = content.channels.get(number)
+        if known is None or known.schema_id not in {0, *content.schemas}:
+            content.channels[number] = Channel(
+                id=number,
+                topic=known.topic if known else f"/unknown/{number}",
+                message_encoding="" if known is None else known.message_encoding,
+                metadata={},
+                schema_id=0,
+            )
+
+
+def _indexes(chunk: Chunk, begin: int) -> bytes:
+    """Return the indexes that follow a chunk, and note where they will be."""
+    data = b""
+    for channel, entries in chunk.entries.items():
         builder = RecordBuilder()
         MessageIndex(channel_id=channel, records=entries).write(builder)
-        last.message_index_offsets[channel] = content.last_chunk_end + len(data)
+        chunk.index.message_index_offsets[channel] = begin + len(data)
         data += _bytes(builder)
-    last.message_index_length = len(data)
-    content.end = content.last_chunk_end + len(data)
+    chunk.index.message_index_length = len(data)
     return data
 
 
-def _ending(content: _Content) -> bytes:
+def _ending(content: Content, begin: int) -> bytes:
     """Return the end of the data, the index of the file, and the footer."""
     builder = RecordBuilder()
     DataEnd(0).write(builder)
-    summary = content.end + builder.count
-    for schema in content.schemas.values():
-        schema.write(builder)
-    for channel in content.channels.values():
-        channel.write(builder)
-    for chunk in content.chunks:
-        chunk.write(builder)
-    for metadata in content.metadata:
-        metadata.write(builder)
+    data_end = _bytes(builder)
+    summary = begin + len(data_end)
+    builder = RecordBuilder()
+    for record in (*content.schemas.values(), *content.channels.values()):
+        record.write(builder)
+    indexes = [chunk.index for chunk in content.chunks]
+    for index in (*indexes, *content.metadata):
+        index.write(builder)
     Statistics(
         attachment_count=0,
         channel_count=len(content.channels),
         channel_message_counts=content.counts,
-        chunk_count=len(content.chunks),
+        chunk_count=len(indexes),
         message_count=sum(content.counts.values()),
-        message_end_time=max((c.message_end_time for c in content.chunks), default=0),
-        message_start_time=min(
-            (c.message_start_time for c in content.chunks), default=0
-        ),
+        message_end_time=max((one.message_end_time for one in indexes), default=0),
+        message_start_time=min((one.message_start_time for one in indexes), default=0),
         metadata_count=len(content.metadata),
         schema_count=len(content.schemas),
     ).write(builder)
+    body = _bytes(builder)
+    builder = RecordBuilder()
     Footer(summary_crc=0, summary_offset_start=0, summary_start=summary).write(builder)
-    return _bytes(builder) + MAGIC
+    footer = _bytes(builder)[:-4]
+    checksum = zlib.crc32(body + footer).to_bytes(4, "little")
+    return data_end + body + footer + checksum + MAGIC
+
+
+def _found(content: Content, dropped: int, *, is_changed: bool) -> Recovered:
+    """Return what there is to tell of a file."""
+    spans = [span for span in content.spans if span.has_messages]
+    cycles = next(
+        (n for n, one in content.channels.items() if one.topic == _CYCLES), None
+    )
+    count = 0 if cycles is None else content.counts.get(cycles, 0)
+    first = last = {"cycle": 0, "time": 0.0}
+    if cycles is not None and count:
+        first = CYCLE.decode(content.first_of[cycles])
+        last = CYCLE.decode(content.last_of[cycles])
+    return Recovered(
+        is_changed=is_changed,
+        messages=sum(content.counts.values()),
+        dropped=dropped,
+        losses=tuple(_loss(content, span) for span in spans),
+        lost_messages=_lost_messages(content, spans),
+        began=min((c.index.message_start_time for c in content.chunks), default=0),
+        cycles=count,
+        first_cycle=first["cycle"],
+        last_cycle=last["cycle"],
+        duration=last["time"] - first["time"],
+    )
+
+
+def _loss(content: Content, span: Span) -> Loss:
+    after = [c for c in content.chunks if c.index.chunk_start_offset >= span.end]
+    begin = span.before.index.message_end_time if span.before else None
+    end = after[0].index.message_start_time if after else None
+    near = begin or end
+    if span.times is not None and near is not None:
+        first, last = span.times
+        # Nothing checks what a damaged chunk says of itself.
+        if first <= last and max(abs(first - near), abs(last - near)) < _NEAR:
+            return Loss(first, last)
+    if begin is not None and end is not None:
+        # Chunks overlap: commands come later than the cycles that they belong to.
+        return Loss(min(begin, end), max(begin, end))
+    return Loss(begin, end)
+
+
+def _lost_messages(content: Content, spans: list[Span]) -> int | None:
+    """Return how many messages were in damaged chunks; None when nothing says so."""
+    if not spans:
+        return 0
+    kept = sum(content.counts.values())
+    if content.statistics is not None:
+        return max(0, content.statistics.message_count - kept)
+    # The messages of a channel are numbered from 1.
+    missing = sum(
+        max(0, content.numbers[channel] - count)
+        for channel, count in content.counts.items()
+    )
+    return max(missing, sum(span.count for span in spans)) or None
 
 
 def _bytes(builder: RecordBuilder) -> bytes:

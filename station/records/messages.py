@@ -164,13 +164,12 @@ def error_places() -> tuple[int, ...]:
     return tuple(ERROR_INDEX[name] for name in _ERRORS)
 
 
-def ros_time(stamp: float) -> tuple[int, int]:
-    """Return station time [s] as whole seconds and nanoseconds."""
-    nanoseconds = round(stamp * 1e9)
-    return nanoseconds // 1_000_000_000, nanoseconds % 1_000_000_000
+def header(stamp: int, frame_id: str = "") -> dict[str, object]:
+    """Return a `std_msgs/Header`.
 
-
-def header(stamp: float, frame_id: str = "") -> dict[str, object]:
-    """Return a `std_msgs/Header` at a station time [s]."""
-    seconds, rest = ros_time(stamp)
+    Args:
+        stamp: Time [ns]; as seconds of a float it would lose 240 ns since 1970.
+        frame_id: Its frame.
+    """
+    seconds, rest = divmod(stamp, 1_000_000_000)
     return {"stamp": {"sec": seconds, "nanosec": rest}, "frame_id": frame_id}

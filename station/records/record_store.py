@@ -1,17 +1,20 @@
 """The folder of the recordings: files, what is known of each, and a quota.
 
 Beside every `ID.mcap` lies `ID.json` with what a list shows, so that no file needs to
-be opened for it. A description that says `recording` at the start of a station belongs
-to one that was killed; its file is recovered then.
+be opened for it. A file is locked while it is written. A description that says
+`recording`, beside a file that nobody has locked, belongs to a station that was killed;
+the file is recovered when the next station starts.
 """
 
 import json
 import os
 import re
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from station.core.errors import (
     RecordingFileError,
@@ -19,11 +22,27 @@ from station.core.errors import (
     RecordingRefusedError,
     suggest,
 )
+from station.core.user_files import (
+    is_locked,
+    make_private_folder,
+    open_regular,
+    read_regular,
+    try_lock,
+    user_folder,
+)
+
+if TYPE_CHECKING:
+    from station.records.mcap_recovery import Recovered
 
 NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,79}")
 """Names of recordings; they become part of the name of a file."""
 _MOST_NAMED = 5
 """So many candidates are named when several recordings have a name, the newest."""
+_LARGEST = 65_536
+"""Largest description that is read [bytes]."""
+_MOST_ATTEMPTS = 1000
+KILLED = "The station that recorded it was killed; a station recovers it at its start."
+"""Why a recording failed that is not recovered yet."""
 RECORDING, STOPPED, FAILED, RECOVERED = "recording", "stopped", "failed", "recovered"
 
 
@@ -75,6 +94,13 @@ class Quota:
     count: int = 1000
 
 
+class _File(Protocol):
+    def close(self) -> None: ...
+
+
+FileT = TypeVar("FileT", bound=_File)
+
+
 class RecordStore:
     """The recordings in a folder. Any thread.
 
@@ -95,13 +121,24 @@ class RecordStore:
         self._now = now
 
     def begin(
-        self, name: str = "", note: str = "", causes: tuple[str, ...] = ()
-    ) -> tuple[RecordingInfo, Path]:
-        """Describe a new recording; return it and the path of its file to be.
+        self,
+        open_file: Callable[[Path], FileT],
+        name: str = "",
+        note: str = "",
+        causes: tuple[str, ...] = (),
+    ) -> tuple[RecordingInfo, FileT]:
+        """Make the file of a new recording and describe it.
+
+        Args:
+            open_file: Makes a file that is not there yet, and locks it.
+            name: What the user calls the recording.
+            note: What the user says about it.
+            causes: Why an incident is kept.
 
         Raises:
             RecordingRefusedError: The name is not allowed.
             RecordingFileError: The folder cannot be written to.
+            OSError: Never: it becomes a `RecordingFileError`.
         """
         if name and not NAME.fullmatch(name):
             raise RecordingRefusedError(
@@ -113,21 +150,44 @@ class RecordStore:
         thousandths = int(now % 1.0 * 1000.0)
         stamp = time.strftime("%Y%m%dT%H%M%S", time.gmtime(now)) + f"{thousandths:03d}"
         base = f"{stamp}-{name}" if name else stamp
-        identifier, number = base, 1
-        while self._description(identifier).exists():
-            number += 1
-            identifier = f"{base}-{number}"
         started = time.strftime("%Y-%m-%dT%H:%M:%S+00:00", time.gmtime(now))
-        info = RecordingInfo(identifier, name, note, started_at=started, causes=causes)
+        info = RecordingInfo(base, name, note, started_at=started, causes=causes)
         try:
-            self.folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-            self._write(info)
+            make_private_folder(self.folder)
+            # First the file, which is locked from the beginning, then what says that it
+            # is being recorded: no other station finds one without the other.
+            identifier, file = self._open_free(base, open_file)
+            info = replace(info, identifier=identifier)
+            failure = self.keep(info)
+            if failure is not None:
+                file.close()
+                self.file(identifier).unlink(missing_ok=True)
+                raise failure
         except OSError as error:
+            self.keep(replace(info, state=FAILED, error=str(error)))
             raise RecordingFileError(
                 f"Nothing can be recorded in {self.folder}: {error}.",
                 remedy="Make room, or configure another folder.",
             ) from error
-        return info, self.file(identifier)
+        return info, file
+
+    def _open_free(
+        self, base: str, open_file: Callable[[Path], FileT]
+    ) -> tuple[str, FileT]:
+        """Return an identifier that nobody has, and its new file.
+
+        Raises:
+            FileExistsError: All names are taken.
+            OSError: The file cannot be made.
+        """
+        for number in range(1, _MOST_ATTEMPTS):
+            identifier = base if number == 1 else f"{base}-{number}"
+            if self._description(identifier).exists():
+                continue
+            # Another station may have taken the name meanwhile.
+            with suppress(FileExistsError):
+                return identifier, open_file(self.file(identifier))
+        raise FileExistsError(f"{base} and {_MOST_ATTEMPTS} other names are taken")
 
     def keep(self, info: RecordingInfo) -> OSError | None:
         """Write the description of a recording; return why it cannot be written.
@@ -141,10 +201,21 @@ class RecordStore:
         return None
 
     def infos(self) -> list[RecordingInfo]:
-        """Return all recordings, the oldest first."""
-        paths = sorted(self.folder.glob("*.json"), key=lambda path: path.stem)
-        found = (self._read(path) for path in paths)
+        """Return all recordings, the oldest first; bad descriptions are left out."""
+        found = (self._presented(path) for path in self._descriptions())
         return [info for info in found if info is not None]
+
+    def skipped(self) -> list[str]:
+        """Return which descriptions in the folder cannot be used, and why."""
+        found = []
+        for path in self._descriptions():
+            try:
+                self._read(path)
+            except FileNotFoundError:
+                continue  # deleted since
+            except (OSError, ValueError) as error:
+                found.append(f"{path.name}: {error}")
+        return found
 
     def info(self, identifier: str) -> RecordingInfo:
         """Return one recording.
@@ -157,8 +228,9 @@ class RecordStore:
             RecordingRefusedError: Several have that name.
         """
         path = self._description(identifier)
-        found = self._read(path) if NAME.fullmatch(identifier[:80]) else None
-        if found is not None and "/" not in identifier:
+        is_segment = NAME.fullmatch(identifier[:80]) and "/" not in identifier
+        found = self._presented(path) if is_segment else None
+        if found is not None:
             return found
         infos = self.infos()
         named = [one for one in infos if identifier and one.name == identifier]
@@ -187,14 +259,29 @@ class RecordStore:
         Raises:
             RecordingNotFoundError: There is none of that name.
             RecordingRefusedError: It is being recorded, or several have that name.
+            RecordingFileError: The folder cannot be written to.
         """
         info = self.info(identifier)
-        if info.state == RECORDING:
+        path = self.file(info.identifier)
+        # Locked until it is gone: nobody begins to recover it meanwhile.
+        descriptor = _locked(path)
+        if descriptor is None or info.state == RECORDING:
+            _close(descriptor)
             raise RecordingRefusedError(
-                f"'{info.identifier}' is being recorded.", remedy="Stop it first."
+                f"'{info.identifier}' is being recorded, by this station or another.",
+                remedy="Stop it first.",
+                details={"id": info.identifier},
             )
-        self.file(info.identifier).unlink(missing_ok=True)
-        self._description(info.identifier).unlink(missing_ok=True)
+        try:
+            path.unlink(missing_ok=True)
+            self._description(info.identifier).unlink(missing_ok=True)
+        except OSError as error:
+            raise RecordingFileError(
+                f"'{info.identifier}' cannot be deleted: {error.strerror}.",
+                remedy=f"See who may write to {self.folder}.",
+            ) from error
+        finally:
+            _close(descriptor)
         return info
 
     def usage(self) -> int:
@@ -216,35 +303,95 @@ class RecordStore:
                 details={"count": count, "bytes": used},
             )
 
-    def recover(self) -> list[RecordingInfo]:
-        """Recover what a killed station left; return the recordings it was about."""
+    def interrupted(self) -> list[str]:
+        """Return which recordings a killed station has left, by identifier."""
+        found = []
+        for path in self._descriptions():
+            with suppress(OSError, ValueError):
+                info = self._read(path)
+                if info.state == RECORDING and not is_locked(self.file(path.stem)):
+                    found.append(info.identifier)
+        return found
+
+    def recover(
+        self,
+        pause: Callable[[], None] = lambda: None,
+        tell: Callable[[RecordingInfo], None] = lambda _: None,
+    ) -> list[RecordingInfo]:
+        """Recover what a killed station left; return the recordings it was about.
+
+        Args:
+            pause: Called between short pieces of work.
+            tell: Takes each recording when its file is done with.
+        """
+        found = []
+        for identifier in self.interrupted():
+            info = self.recover_one(identifier, pause)
+            if info is not None:
+                found.append(info)
+                tell(info)
+        return found
+
+    def recover_one(
+        self, identifier: str, pause: Callable[[], None] = lambda: None
+    ) -> RecordingInfo | None:
+        """Recover one recording; None when another station has it.
+
+        Args:
+            identifier: Which one; it has a description.
+            pause: Called between short pieces of work.
+        """
         # Imported late: a list of recordings needs no reader of MCAP.
         from station.records.mcap_recovery import recover_file
 
-        found = []
-        for info in self.infos():
-            if info.state != RECORDING:
-                continue
-            path = self.file(info.identifier)
-            changed = replace(info, state=RECOVERED, size=_size(path))
-            try:
-                recovered = recover_file(path)
-            except RecordingFileError as error:
-                changed = replace(info, state=FAILED, error=error.message)
-            else:
-                note = (
-                    f"The station was killed; {recovered.dropped} bytes were cut off."
-                )
-                changed = replace(info, state=RECOVERED, error=note, size=_size(path))
-            self.keep(changed)
-            found.append(changed)
-        return found
+        try:
+            info = self._read(self._description(identifier))
+            recovered = recover_file(self.file(identifier), pause)
+        except RecordingFileError as error:
+            info = replace(info, state=FAILED, error=error.message)
+            self.keep(info)
+            return info
+        except (OSError, ValueError, RecordingRefusedError):
+            return None  # deleted meanwhile, or another station has it
+        return self.note_recovery(identifier, recovered)
+
+    def note_recovery(
+        self, identifier: str, recovered: "Recovered"
+    ) -> RecordingInfo | None:
+        """Write down what a recovery found; None when there is no description.
+
+        Args:
+            identifier: The recording.
+            recovered: What was found in its file.
+        """
+        try:
+            info = self._read(self._description(identifier))
+        except (OSError, ValueError):
+            return None
+        was_killed = info.state == RECORDING
+        if not was_killed and not recovered.is_changed:
+            return info
+        why = "The station was killed. " if was_killed else ""
+        info = replace(
+            info,
+            state=RECOVERED,
+            error=f"{why}{recovered.text()}".strip(),
+            size=_size(self.file(identifier)),
+            cycles=recovered.cycles,
+            first_cycle=recovered.first_cycle,
+            last_cycle=recovered.last_cycle,
+            lost=max(info.lost, recovered.lost_cycles),
+            duration=recovered.duration,
+        )
+        self.keep(info)
+        return info
 
     def drop_oldest(self, count: int) -> None:
         """Delete the oldest recordings, so that at most `count` are left."""
         infos = self.infos()
         for info in infos[: max(0, len(infos) - count)]:
-            if info.state != RECORDING:
+            # Another station may write it still, or have deleted it.
+            with suppress(RecordingRefusedError, RecordingNotFoundError):
                 self.delete(info.identifier)
 
     def _description(self, identifier: str) -> Path:
@@ -256,22 +403,81 @@ class RecordStore:
         draft.write_text(json.dumps(asdict(info)), encoding="utf-8")
         draft.replace(path)
 
-    def _read(self, path: Path) -> RecordingInfo | None:
-        """Return a description; None when it is no longer there, or is not one."""
+    def _descriptions(self) -> list[Path]:
+        return sorted(self.folder.glob("*.json"), key=lambda path: path.stem)
+
+    def _presented(self, path: Path) -> RecordingInfo | None:
+        """Return a description as it holds now; None when there is none to be used."""
         try:
-            values = json.loads(path.read_text(encoding="utf-8"))
-            names = {one.name for one in fields(RecordingInfo)}
-            known = {key: values[key] for key in names & values.keys()}
-            known["causes"] = tuple(known.get("causes", ()))
-            return RecordingInfo(**known)
-        except (OSError, ValueError, TypeError, AttributeError):
+            info = self._read(path)
+        except (OSError, ValueError):
             return None
+        if info.state == RECORDING and not is_locked(self.file(info.identifier)):
+            return replace(info, state=FAILED, error=KILLED)
+        return info
+
+    def _read(self, path: Path) -> RecordingInfo:
+        """Return a description.
+
+        Raises:
+            OSError: It cannot be read.
+            ValueError: It is not one, or another file's.
+        """
+        values = json.loads(read_regular(path, _LARGEST))
+        if not isinstance(values, dict):
+            raise ValueError("it has no mapping")  # noqa: TRY004 - of a file
+        # Whatever it says becomes part of a path.
+        if values.get("identifier") != path.stem or not NAME.match(path.stem):
+            raise ValueError("it is the description of another file")
+        return _checked(values)
 
 
 def default_folder() -> Path:
     """Return the user's own folder of recordings."""
-    data = os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"
-    return Path(data) / "control-station" / "recordings"
+    return user_folder("recordings")
+
+
+def _checked(values: Mapping[str, object]) -> RecordingInfo:
+    """Return what a description says.
+
+    Raises:
+        ValueError: A value is of another type than it should be.
+    """
+    info = RecordingInfo(str(values["identifier"]))
+    for one in fields(RecordingInfo):
+        value = values.get(one.name, getattr(info, one.name))
+        if one.name == "causes":
+            is_good = isinstance(value, list | tuple)
+            value = tuple(map(str, value)) if isinstance(value, list | tuple) else ()
+        elif one.name == "error":
+            is_good = value is None or isinstance(value, str)
+        elif one.name == "duration":
+            is_good = isinstance(value, int | float) and not isinstance(value, bool)
+        else:
+            is_good = type(value) is type(getattr(info, one.name))
+        if not is_good:
+            raise ValueError(f"its '{one.name}' is {value!r}")
+        info = replace(info, **{one.name: value})
+    if info.state not in {RECORDING, STOPPED, FAILED, RECOVERED}:
+        raise ValueError(f"its 'state' is {info.state!r}")
+    return info
+
+
+def _locked(path: Path) -> int | None:
+    """Return a descriptor that locks a file, -1 without a file; None if it is taken."""
+    try:
+        descriptor = open_regular(path)
+    except OSError:
+        return -1
+    if try_lock(descriptor):
+        return descriptor
+    os.close(descriptor)
+    return None
+
+
+def _close(descriptor: int | None) -> None:
+    if descriptor is not None and descriptor >= 0:
+        os.close(descriptor)
 
 
 def _size(path: Path) -> int:

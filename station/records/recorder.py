@@ -152,6 +152,7 @@ class Recorder:
             recording.open_sources()
             # Cycles that ran meanwhile are not of the recording, but their inputs are.
             self._first = self._station.loop.cycle + 1
+            recording.begin(self._first)
             self._gains = ""
             self._recording = recording
             self._note(recording.info)
@@ -221,7 +222,11 @@ class Recorder:
 
     def infos(self) -> list[RecordingInfo]:
         """Return all recordings, the oldest first."""
-        return [self.info(one.identifier) for one in self.store.infos()]
+        last = self.last
+        return [
+            last if last is not None and last.identifier == one.identifier else one
+            for one in self.store.infos()
+        ]
 
     def drain(self) -> None:
         """Take what the cycles since the last call have left."""
@@ -240,32 +245,37 @@ class Recorder:
         self.failure = f"The recorder ended: {why}."
         last = self.last
         if self._recording is not None and last is not None:
+            self._recording.give_up()
             self.store.keep(self._note(replace(last, state=FAILED, error=self.failure)))
             self._recording = None
 
     def _drain(self) -> None:
+        recording = self._recording
+        # Looked at before the rows, which a cycle leaves first: each cycle has all of
+        # its messages in the recording, or none.
+        until = None if recording is None else recording.newest_sampled()
         rows = self._station.snapshots.rows_since(self._cycle)
         self._inputs.take(self._cycle)
-        recording = self._recording
         if rows.lost:
             self._inputs.lose("what was asked while cycles were lost", self._cycle)
         for index in range(len(rows)):
             self._station.loop.right_of_way.give()
             packed = self._packer.pack(rows.record(index))
-            self._rows.append(packed)
             row = self._packer.unpack(packed)
+            if until is not None and row.cycle > until:
+                break
+            self._rows.append(packed)
             if recording is not None and row.cycle >= self._first:
                 recording.add_row(row)
             periods = round(row.period / self._station.loop.period)
             self._inputs.note_periods(row.cycle, periods)
             self._note_causes(self._watch.look(row), row.time)
+            self._cycle = row.cycle
         if len(rows):
-            self._cycle = rows.newest
             stop = self._station.loop.stop_latch.cycle
             self._note_causes(self._watch.look_at_stop(), rows.time_of(stop))
         if recording is not None:
-            recording.add_lost(rows.lost)
-            recording.add_samples()
+            recording.add_samples(self._cycle, rows.lost)
             self._add_texts(recording)
             self._write_out(recording)
         if self._causes and self._station.loop.time >= self._incident_end:
@@ -308,15 +318,8 @@ class Recorder:
         note: str,
         causes: tuple[str, ...] = (),
     ) -> Recording:
-        info, path = store.begin(name, note, causes)
-        try:
-            file = McapFile(self._open_file(path))
-        except OSError as error:
-            store.keep(replace(info, state=FAILED, error=str(error)))
-            raise RecordingFileError(
-                f"{path} cannot be made: {error}.",
-                remedy="Make room, or configure another folder.",
-            ) from error
+        info, disk = store.begin(self._open_file, name, note, causes)
+        file = McapFile(disk)
         sources = [] if causes else sources_of(self._station)
         recording = Recording(info, store, file, self._encoder, sources)
         recording.add_facts(self._station, self._texts)

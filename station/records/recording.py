@@ -54,6 +54,19 @@ class Recording:
         for source in self._sources:
             source.open()
 
+    def begin(self, cycle: int) -> None:
+        """Take no samples of cycles before this one.
+
+        Args:
+            cycle: Number of the first cycle of the recording.
+        """
+        for source in self._sources:
+            source.begin(cycle)
+
+    def newest_sampled(self) -> int | None:
+        """Return the last cycle that all sources have sampled; None without sources."""
+        return min((source.newest for source in self._sources), default=None)
+
     def add_facts(self, station: Station, texts: dict[str, str]) -> None:
         """Add what a reader needs to know about the whole.
 
@@ -86,7 +99,7 @@ class Recording:
     ) -> None:
         """Add an event at a station time [s]; its details are JSON."""
         event = messages.EVENT.encode({
-            "header": messages.header(self._encoder.stamp(stamp) / 1e9),
+            "header": messages.header(self._encoder.stamp(stamp)),
             "kind": kind,
             "severity": severity,
             "text": text,
@@ -103,14 +116,16 @@ class Recording:
         self._last = row
         self._count += 1
 
-    def add_samples(self) -> None:
-        """Add what the sources have sampled since the last call."""
-        for source in self._sources:
-            self.add_lost(source.take(self._encoder, self._log))
+    def add_samples(self, until: int, lost: int = 0) -> None:
+        """Add what the sources have sampled since the last call.
 
-    def add_lost(self, count: int) -> None:
-        """Count cycles that were lost."""
-        self._lost += count
+        Args:
+            until: Number of the last cycle that is in the recording.
+            lost: How many cycles were lost otherwise.
+        """
+        # A cycle that several channels lack is one cycle that is lost.
+        losses = [s.take(self._encoder, self._log, until) for s in self._sources]
+        self._lost += max(lost, *losses, 0)
 
     def write_out(self, *, end_chunk: bool) -> str | None:
         """Write to the disk; return why the recording cannot go on, None if it can.
@@ -154,6 +169,12 @@ class Recording:
             error = text if error is None else f"{error} {text}"
             self.info = replace(self.info, state=FAILED, error=error)
         return self.info
+
+    def give_up(self) -> None:
+        """Let go of the file as it is: a recovery makes it whole."""
+        for source in self._sources:
+            source.close()
+        self._file.give_up()
 
     def _describe(self) -> None:
         """Bring `info` up to date."""

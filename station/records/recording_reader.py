@@ -1,19 +1,22 @@
 """Read recordings: their messages, their cycles as arrays, and what they are about."""
 
 import json
+import os
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
-from mcap.exceptions import McapError
 from mcap.reader import McapReader, make_reader
 from numpy.typing import NDArray
 
-from station.core.errors import RecordingFileError
+from station.core.errors import RecordingDamagedError, RecordingFileError
+from station.core.user_files import open_regular
 from station.records.cdr import Values
 from station.records.cycle_messages import CYCLES, JOINT_STATES
+from station.records.mcap_scan import DAMAGE
 from station.records.messages import TYPES
 
 
@@ -67,12 +70,30 @@ def _opened(path: Path) -> BinaryIO:
         RecordingFileError: It is not there, or must not be read.
     """
     try:
-        return path.open("rb")
+        return os.fdopen(open_regular(path), "rb")
     except OSError as error:
         raise RecordingFileError(
-            f"{path} cannot be read: {error.strerror}.",
+            f"{path} cannot be read: {error.strerror or error}.",
             remedy="Give the path of an MCAP file of a station.",
         ) from error
+
+
+@contextmanager
+def _reading(path: Path) -> Iterator[BinaryIO]:
+    """Open a recording to be read in the body of a `with`.
+
+    Raises:
+        RecordingFileError: It is not there, or must not be read.
+        RecordingDamagedError: It is no whole recording.
+    """
+    with _opened(path) as file:
+        try:
+            yield file
+        except DAMAGE as error:
+            raise RecordingDamagedError(
+                f"{path} is damaged: {error!r:.200}.",
+                remedy="`station recover-file` keeps what is whole of it.",
+            ) from error
 
 
 def read_messages(
@@ -88,18 +109,12 @@ def read_messages(
         RecordingFileError: The file is no whole recording.
     """
     chosen = None if topics is None else list(topics)
-    with _opened(path) as file:
-        try:
-            reader: McapReader = make_reader(file)
-            for schema, channel, message in reader.iter_messages(topics=chosen):
-                kind = None if schema is None else TYPES.get(schema.name)
-                if kind is not None:
-                    yield channel.topic, kind.decode(message.data)
-        except McapError as error:
-            raise RecordingFileError(
-                f"{path} cannot be read: {error!r}.",
-                remedy="`station recover-file` mends a file whose end is missing.",
-            ) from error
+    with _reading(path) as file:
+        reader: McapReader = make_reader(file, validate_crcs=True)
+        for schema, channel, message in reader.iter_messages(topics=chosen):
+            kind = None if schema is None else TYPES.get(schema.name)
+            if kind is not None:
+                yield channel.topic, kind.decode(message.data)
 
 
 def read_facts(path: Path) -> Mapping[str, str]:
@@ -108,16 +123,10 @@ def read_facts(path: Path) -> Mapping[str, str]:
     Raises:
         RecordingFileError: The file is no whole recording.
     """
-    with _opened(path) as file:
-        try:
-            for record in make_reader(file).iter_metadata():
-                if record.name == "control_station":
-                    return dict(record.metadata)
-        except McapError as error:
-            raise RecordingFileError(
-                f"{path} cannot be read: {error!r}.",
-                remedy="`station recover-file` mends a file whose end is missing.",
-            ) from error
+    with _reading(path) as file:
+        for record in make_reader(file).iter_metadata():
+            if record.name == "control_station":
+                return dict(record.metadata)
     raise RecordingFileError(
         f"{path} is no recording of a station.", remedy="Record one with the station."
     )

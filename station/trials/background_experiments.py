@@ -13,6 +13,7 @@ from station.trials.results import (
     Results,
     default_folder,
     file_of,
+    is_written,
     name_of_now,
     names,
 )
@@ -173,14 +174,14 @@ class BackgroundExperiments:
 
         Raises:
             ExperimentNotFoundError: There is none of that name.
-            ExperimentRunningError: It runs.
+            ExperimentRunningError: It runs, in this station or another.
+            ExperimentError: The file cannot be deleted.
         """
-        if self._runs(name):
+        if self._runs(name) or is_written(file_of(name)):
             raise ExperimentRunningError(
                 f"The experiment '{name}' runs.", remedy="Cancel it first."
             )
-        Results.open(file_of(name)).close()
-        file_of(name).unlink(missing_ok=True)
+        Results.open(file_of(name)).delete()
 
     def close(self) -> None:
         """End the process, if one runs; what has ended is kept."""

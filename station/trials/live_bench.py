@@ -2,7 +2,8 @@
 
 The set-points go through the running controller like those of a person, inside an
 envelope that is small enough for an arm on a table: `LARGEST`, `FASTEST`, and the
-limits of the joint.
+limits of the joint. A joint may answer faster than it is asked, e.g. near a resonance
+of its loop: the measured speeds are watched as well, `SPEED_SHARE`.
 """
 
 import math
@@ -36,6 +37,9 @@ FASTEST = {"rad": 1.0, "m": 0.1}
 """Largest rate of an excitation that has no jumps [per s]."""
 MARGIN = {"rad": 0.05, "m": 0.002}
 """How far the set-point stays away from the limits of the joint."""
+SPEED_SHARE = 0.8
+"""Share of a joint's velocity limit at which a measurement is ended: an arm stops
+itself at the limit, and a relay of 0.3 rad gains the fifth below it in some 10 ms."""
 _BEYOND = {"rad": 0.2, "m": 0.02}
 """How far the joint may go beyond the excitation before the measurement is ended."""
 _STILL = 0.05
@@ -83,8 +87,8 @@ class LiveBench:
                 move the robot any more.
 
         Raises:
-            BenchRefusedError: Another measurement runs, a joint moves, or the joint
-                left the envelope meanwhile.
+            BenchRefusedError: Another measurement runs, a joint moves, or a joint
+                left the envelope or came near its velocity limit meanwhile.
             ImpossibleRangeError: The excitation would leave the envelope.
             UnknownParameterError: The controller has no such joint.
             StationError: The controller takes no positions or does not run, the
@@ -118,6 +122,7 @@ class LiveBench:
         joint = names.index(excitation.joint)
         start = self._station.latest().position[joint]
         allowed = abs(excitation.amplitude) + _BEYOND[unit]
+        fastest = self._fastest()
         first = self._station.loop.cycle
         cycles = max(1, round(request.duration / self._station.loop.period))
         deadline = self._now() + _PATIENCE + _SLOWEST * request.duration
@@ -131,8 +136,10 @@ class LiveBench:
                 self._sleep(_TICK)
                 recorder.take()
                 cycle = self._station.loop.cycle - first
+                self._check_speeds(fastest)
                 self._check_on_the_way(joint, start, allowed, deadline)
         except BenchRefusedError:
+            self._brake(controller, begin, admit)
             self._go_back(controller, begin, admit)
             raise
         self._go_back(controller, begin, admit)
@@ -267,6 +274,35 @@ class LiveBench:
                     high = min(high, limits.max_position)
         return low + MARGIN[element.unit], high - MARGIN[element.unit]
 
+    def _fastest(self) -> list[float]:
+        """Return the speed of each joint that ends a measurement [rad/s or m/s]."""
+        limits = {
+            r.joint: r.limits.max_velocity for r in self._station.loop.hw.joint_limits()
+        }
+        return [
+            math.inf if limits.get(name) is None else SPEED_SHARE * limits[name]
+            for name in self._station.joint_names
+        ]
+
+    def _check_speeds(self, fastest: list[float]) -> None:
+        """End a measurement in which a joint comes near its velocity limit.
+
+        Raises:
+            BenchRefusedError: It does.
+        """
+        station = self._station
+        speeds = station.latest().velocity
+        for name, speed, most in zip(station.joint_names, speeds, fastest, strict=True):
+            if abs(speed) > most:
+                raise BenchRefusedError(
+                    f"The measurement was ended: '{name}' moved with {abs(speed):.3g} "
+                    f"rad/s or m/s; allowed are {most:.3g}, {SPEED_SHARE:.0%} of its "
+                    "velocity limit.",
+                    remedy="Choose a smaller amplitude, lower frequencies, or gains "
+                    "that damp more.",
+                    details={"joint": name, "speed": abs(speed)},
+                )
+
     def _check_on_the_way(
         self, joint: int, start: float, allowed: float, deadline: float
     ) -> None:
@@ -290,6 +326,21 @@ class LiveBench:
                 "The measurement was ended: the cycles are too slow.",
                 remedy="Resume a paused simulation, and let it run at full speed.",
             )
+
+    def _brake(
+        self, controller: str, begin: list[float], admit: Callable[[], None]
+    ) -> None:
+        """Let the joints stay where they are: what they were told is further away."""
+        station = self._station
+        if station.manager.get_controller(controller).trajectories is None:
+            here = dict(
+                zip(station.joint_names, station.latest().position, strict=True)
+            )
+            names = [element.name for element in self._elements(controller)]
+            pairs = zip(names, begin, strict=True)
+            admit()
+            station.motion.set_command(controller, [here.get(n, b) for n, b in pairs])
+            self._settle()
 
     def _go_back(
         self, controller: str, begin: list[float], admit: Callable[[], None]

@@ -9,7 +9,7 @@ import numpy as np
 
 from station.trials.analysis import best_of, cost_of, first_of, ranked
 from station.trials.background_experiments import RUNNING, RunState
-from station.trials.results import Results, Row
+from station.trials.results import Results, Row, is_written
 from station.trials.trace import Trace
 from station.trials.trial import Trial
 from station.wire.experiments import (
@@ -94,7 +94,7 @@ def _summary(results: Results, state: RunState | None) -> dict[str, object]:
     noted, reason = results.outcome()
     total = results.plan.get("trials", 0)
     if noted == RUNNING or not noted:
-        noted = "unfinished"
+        noted = RUNNING if is_written(results.path) else "unfinished"
     if state is not None and _is_of(results, state):
         noted, reason, total = state.state, state.reason, state.total
     return {

@@ -15,6 +15,13 @@ from types import TracebackType
 from typing import Self
 
 from station.core.errors import show, suggest
+from station.core.user_files import (
+    is_locked,
+    make_private_folder,
+    open_regular,
+    try_lock,
+    user_folder,
+)
 from station.trials.errors import ExperimentError, ExperimentNotFoundError
 from station.trials.setup import Setup, canonical
 from station.trials.trace import Trace
@@ -61,14 +68,13 @@ class Row:
 
 def default_folder() -> Path:
     """Return where the experiments of this user are kept."""
-    data = os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"
-    return Path(data) / "control-station" / "experiments"
+    return user_folder("experiments")
 
 
 def names(folder: Path | None = None) -> list[str]:
     """Return the names of all experiments in a folder, the user's own when None."""
     found = (folder or default_folder()).glob(f"*{_SUFFIX}")
-    return sorted(path.stem for path in found if _NAME.fullmatch(path.stem))
+    return sorted(p.stem for p in found if _NAME.fullmatch(p.stem) and p.is_file())
 
 
 def name_of_now(kind: str) -> str:
@@ -92,6 +98,16 @@ def file_of(name: str, folder: Path | None = None) -> Path:
             remedy="Use letters, digits, '_', '.' and '-', 100 at most.",
         )
     return (folder or default_folder()) / f"{name}{_SUFFIX}"
+
+
+def is_written(path: Path) -> bool:
+    """Return whether a process of any station runs the experiment of a file."""
+    return is_locked(_lock_of(path))
+
+
+def _lock_of(path: Path) -> Path:
+    # A file of its own: SQLite loses its locks when the program closes its file.
+    return path.with_suffix(".lock")
 
 
 class Results:
@@ -145,7 +161,7 @@ class Results:
                 f"{path}.",
             )
         try:
-            path.parent.mkdir(parents=True, exist_ok=True)
+            make_private_folder(path.parent)
             # Under another name first: nobody finds a file without its tables.
             part = path.with_suffix(f".{os.getpid()}.part")
             part.unlink(missing_ok=True)
@@ -174,7 +190,7 @@ class Results:
             ExperimentNotFoundError: There is no such file.
             ExperimentError: It is no file of an experiment.
         """
-        if not path.exists():
+        if not path.is_file():
             raise ExperimentNotFoundError(
                 f"There is no experiment '{path.stem}'.",
                 remedy=suggest(path.stem, names(path.parent)),
@@ -212,6 +228,37 @@ class Results:
     def close(self) -> None:
         """Close the file."""
         self._connection.close()
+
+    @contextmanager
+    def running(self) -> Iterator[None]:
+        """Keep other processes from running or deleting it in the body of a `with`.
+
+        Raises:
+            ExperimentError: Another process runs it.
+        """
+        lock = _locked(self.path)
+        try:
+            yield
+        finally:
+            os.close(lock)
+
+    def delete(self) -> None:
+        """Close the file and delete it.
+
+        Raises:
+            ExperimentError: A process writes it, or it cannot be deleted.
+        """
+        self.close()
+        lock = _locked(self.path)
+        try:
+            self.path.unlink(missing_ok=True)
+            _lock_of(self.path).unlink(missing_ok=True)
+        except OSError as error:
+            raise ExperimentError(
+                _unusable(self.path, error), remedy="See who may write there."
+            ) from error
+        finally:
+            os.close(lock)
 
     def add(self, trial: Trial, result: TrialResult) -> bool:
         """Keep what came out of a trial; return whether it was not there before.
@@ -381,6 +428,27 @@ class Results:
                 data["seed"],
                 TrialResult(name, known, reason, json.loads(metrics), seconds, worker),
             )
+
+
+def _locked(path: Path) -> int:
+    """Return a descriptor that keeps other processes from writing a file.
+
+    Raises:
+        ExperimentError: Another process writes it, or the folder cannot be used.
+    """
+    try:
+        flags = os.O_CREAT | os.O_RDWR | os.O_NOFOLLOW
+        descriptor = open_regular(_lock_of(path), flags)
+    except OSError as error:
+        raise ExperimentError(_unusable(path, error), remedy=_REMEDY) from error
+    if try_lock(descriptor):
+        return descriptor
+    os.close(descriptor)
+    raise ExperimentError(
+        f"The experiment '{path.stem}' runs in another process.",
+        remedy="Wait for its end, or choose another name.",
+        details={"experiment": path.stem},
+    )
 
 
 def _unusable(path: Path, why: object) -> str:

@@ -17,10 +17,11 @@ commands name the same joint.
 from pathlib import Path
 from typing import Annotated
 
-import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from station.core.config_error import ConfigError
 from station.core.errors import show
+from station.core.yaml_reader import read_yaml
 from station.trials.errors import ExperimentError
 from station.wire.excitations import Command, Motion, Push
 
@@ -87,7 +88,7 @@ def read_script(path: Path) -> Script:
         ExperimentError: The file cannot be read or holds no script.
     """
     try:
-        data = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise ExperimentError(f"The script {path} cannot be read: {error}.") from error
+        data = read_yaml(path).values
+    except ConfigError as error:
+        raise ExperimentError(error.message, remedy=error.remedy) from error
     return parse_script(data, str(path))

@@ -121,7 +121,9 @@ class ApiRelay:
         is_end = request.method == "DELETE" and _ENDS_MOTION.fullmatch(path)
         if request.method != "GET" and not is_end:
             kept |= self._access.promptness.headers()
-        return {**kept, **self._access.headers_of(session)}
+        # The station is on this machine: compressing would cost both of them time.
+        own = {"accept-encoding": "identity"}
+        return {**kept, **own, **self._access.headers_of(session)}
 
     async def socket(
         self,

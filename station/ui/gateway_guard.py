@@ -19,8 +19,8 @@ MAX_BODY_BYTES = 4096
 MAX_API_BODY_BYTES = 256 * 1024
 """Largest body of a request that is forwarded, or of a text to load: the station's."""
 _LARGE_BODIES = ("/api/v1/", "/workspace/")
-_TOO_MUCH = HTTPException(413, headers={"connection": "close"})
 _SAFE_METHODS = frozenset({"GET", "HEAD"})
+_TOO_MUCH = HTTPException(413, headers={"connection": "close"})
 _PAGE_POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
     "connect-src 'self'; frame-src 'self'; form-action 'self'; base-uri 'none'; "
@@ -81,8 +81,11 @@ class GatewayGuard:
         host = headers.get("host", "")
         if not self._origins.allows_host(host):
             return f"This dashboard does not answer to the host {host!r}."
+        origin = headers.get("origin")
         changes = scope["type"] == "websocket" or scope["method"] not in _SAFE_METHODS
-        if changes and not self._origins.allows_origin(headers.get("origin"), host):
+        # Browsers name no Origin when a page reads from its own server.
+        is_asked = changes or origin is not None
+        if is_asked and not self._origins.allows_origin(origin, host):
             return "Only the dashboard's own pages may do this."
         return ""
 

@@ -13,6 +13,7 @@ class BarState:
     Attributes:
         link: `live`, `stale` (data too old to trust) or `lost` (no answer).
         age: How old the newest data is [s]; None before the first.
+        robot: `SIMULATION` or `REAL ARM` with its address; empty while unknown.
         mode: What the robot says it does, and its errors if it has some.
         stop_state: `armed`, `stopped` or `released`; empty while unknown.
         stop_reason: Why the stop was engaged last.
@@ -27,6 +28,7 @@ class BarState:
 
     link: str
     age: float | None = None
+    robot: str = ""
     mode: str = ""
     stop_state: str = ""
     stop_reason: str = ""
@@ -54,6 +56,7 @@ def bar_state(view: StationView, message: str) -> BarState:
     return BarState(
         link=view.link,
         age=view.age,
+        robot=status.robot_label,
         mode=_mode(status),
         stop_state=status.stop_state,
         stop_reason=status.stop_reason,

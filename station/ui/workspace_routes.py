@@ -1,16 +1,19 @@
 """Requests of the page that the gateway answers itself: docks, examples, the desk."""
 
 import asyncio
-import json
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
+import anyio
+import anyio.to_thread
 import yaml
 from pydantic import BaseModel, JsonValue, ValidationError
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route, WebSocketRoute
 
+from station.core.config_error import ConfigError
+from station.core.yaml_reader import FORM, parse_yaml
 from station.ui.control_routes import ControlRoutes, refused
 from station.ui.desk_socket import DeskSocket
 from station.ui.load_examples import example_parameters, suggested_name
@@ -25,6 +28,7 @@ if TYPE_CHECKING:
     from starlette.routing import BaseRoute
     from starlette.websockets import WebSocket
 
+_T = TypeVar("_T")
 _NOT_LOGGED_IN = 4401
 _FORBIDDEN = 4403
 
@@ -76,6 +80,7 @@ class WorkspaceRoutes:
         self._sessions = sessions
         self._find = find
         self._control = ControlRoutes(parts.access, find)
+        self._one_text = anyio.CapacityLimiter(1)
 
     def routes(self) -> "list[BaseRoute]":
         """Return the routes."""
@@ -105,36 +110,57 @@ class WorkspaceRoutes:
         return JSONResponse({
             "name": suggested_name(kind, (c.name for c in view.controllers)),
             "yaml": text,
-            "params": yaml.safe_load(text) or {},
+            "params": parse_yaml(text, "Example", FORM).values,
         })
 
     async def _read_yaml(self, request: "Request") -> Response:
         """Answer the parameters that a text in YAML means, or where it is wrong."""
-        if self._find(request) is None:
-            return _no_session()
+        refusal = self._refusal(request)
+        if refusal is not None:
+            return refusal
         text = (await request.body()).decode("utf-8", errors="replace")
         try:
-            params = yaml.safe_load(text) or {}
-            json.dumps(params, allow_nan=False)
-        except (yaml.YAMLError, TypeError, ValueError) as error:
-            return refused(422, "invalid_yaml", f"The parameters are no YAML: {error}")
-        if not isinstance(params, dict):
-            detail = "The parameters must be keys with values, e.g. `joints: [a, b]`."
+            read = await self._aside(lambda: parse_yaml(text, "Parameters", FORM))
+        except ConfigError as error:
+            return refused(422, "invalid_yaml", error.message, error.remedy)
+        try:
+            return JSONResponse({"params": read.values})
+        except ValueError:
+            detail = "A number is infinite or none; JSON has finite numbers alone."
             return refused(422, "invalid_yaml", detail)
-        return JSONResponse({"params": params})
 
     async def _write_yaml(self, request: "Request") -> Response:
         """Answer parameters, the JSON under `params`, as a text in YAML."""
-        if self._find(request) is None:
-            return _no_session()
+        refusal = self._refusal(request)
+        if refusal is not None:
+            return refusal
+        body = await request.body()
+        if len(body) > FORM.characters:
+            detail = f"The parameters have more than {FORM.characters} characters."
+            return refused(413, "body_too_large", detail, "Shorten them.")
         try:
-            params = _Parameters.model_validate_json(await request.body()).params
+            params = _Parameters.model_validate_json(body).params
         except ValidationError:
             return refused(422, "invalid_request", "The body must be `{params: {…}}`.")
-        text = yaml.safe_dump(
-            params, allow_unicode=True, default_flow_style=None, sort_keys=False
-        )
+        text = await self._aside(lambda: _written(params))
         return JSONResponse({"yaml": text if params else ""})
+
+    def _refusal(self, request: "Request") -> Response | None:
+        """Return the refusal of who is no operator; only operators load controllers."""
+        session = self._find(request)
+        if session is None:
+            return _no_session()
+        if session.role is not Role.OPERATOR:
+            return refused(403, "forbidden", "Viewers only watch.")
+        return None
+
+    async def _aside(self, read: Callable[[], _T]) -> _T:
+        """Call `read` beside the event loop, which answers STOP: YAML is slow.
+
+        One at a time: more threads would share the same interpreter, and so slow down
+        the answer to a stop.
+        """
+        return await anyio.to_thread.run_sync(read, limiter=self._one_text)
 
     async def _desk(self, socket: "WebSocket") -> None:
         session = self._find(socket)
@@ -159,6 +185,12 @@ class WorkspaceRoutes:
             finally:
                 keeping.cancel()
                 await asyncio.wait([keeping])
+
+
+def _written(params: dict[str, JsonValue]) -> str:
+    return yaml.safe_dump(
+        params, allow_unicode=True, default_flow_style=None, sort_keys=False
+    )
 
 
 def _no_session() -> Response:

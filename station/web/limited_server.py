@@ -9,12 +9,18 @@ for its request. A stop sends its request at once and so is never that one.
 """
 
 import asyncio
+import errno
+import logging
 import os
 import resource
 import socket
+from collections.abc import Iterable
 from enum import Enum
+from typing import Any
 
 import uvicorn
+from starlette.responses import PlainTextResponse
+from starlette.types import Receive, Scope, Send
 from typing_extensions import override
 from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.protocols.websockets.websockets_sansio_impl import (
@@ -29,10 +35,16 @@ EXTRA_CONNECTIONS = 16
 """How many more are taken when every connection is at work, so that a stop gets in."""
 ACCEPTED_AT_ONCE = 8
 """Connections accepted in one turn of the event loop; counted only after the turn."""
+LEAST_CONNECTIONS = 4
+"""Most connections of a process that may hardly open any file."""
 WAITING_CONNECTIONS = 1024
 """Connections that the system keeps until they are accepted."""
 LOOK_PERIOD = 0.5
 """How often a connection is looked at [s]."""
+
+
+_OUT_OF_FILES = frozenset({errno.EMFILE, errno.ENFILE})
+_log = logging.getLogger(__name__)
 
 
 class Phase(Enum):
@@ -88,29 +100,9 @@ class LimitedProtocol(H11Protocol):
         return Phase.ANSWER if self.flow.write_paused else Phase.WORK
 
     def _make_room(self) -> None:
-        """End the connection that has kept the server waiting longest."""
-        # Where the transport is closing, the place is given away already.
-        others = [
-            one
-            for one in self.connections
-            if one is not self and not one.transport.is_closing()
-        ]
-        waiting = [
-            one
-            for one in others
-            if isinstance(one, LimitedProtocol)
-            and one.present_phase() is not Phase.WORK
-        ]
-        closed = [
-            one
-            for one in others
-            if isinstance(one, WebSocketsSansIOProtocol) and one.close_sent
-        ]
-        if closed:  # the client does not answer the close frame
-            closed[0].transport.abort()
-        elif waiting:
-            min(waiting, key=lambda one: one.since).transport.abort()
-        elif len(self.connections) > self.most + EXTRA_CONNECTIONS:
+        """End the connection that has kept the server waiting longest, or this one."""
+        is_crowded = len(self.connections) > self.most + EXTRA_CONNECTIONS
+        if not make_room(self.connections - {self}) and is_crowded:
             self.transport.abort()
 
     def _look(self) -> None:
@@ -123,6 +115,50 @@ class LimitedProtocol(H11Protocol):
             self.transport.abort()
             return
         self.loop.call_later(LOOK_PERIOD, self._look)
+
+
+def make_room(connections: Iterable[asyncio.Protocol]) -> bool:
+    """End the connection that has kept its server waiting longest.
+
+    Args:
+        connections: The connections of the server.
+
+    Returns:
+        Whether there was one; those at work are not ended.
+    """
+    # Where the transport is closing, the place is given away already.
+    waiting: list[LimitedProtocol] = []
+    for one in connections:
+        if isinstance(one, WebSocketsSansIOProtocol):
+            if one.close_sent and not one.transport.is_closing():
+                one.transport.abort()  # the client does not answer the close frame
+                return True
+        elif (
+            isinstance(one, LimitedProtocol)
+            and not one.transport.is_closing()
+            and one.present_phase() is not Phase.WORK
+        ):
+            waiting.append(one)
+    if waiting:
+        min(waiting, key=lambda one: one.since).transport.abort()
+    return bool(waiting)
+
+
+_TWO_LENGTHS = PlainTextResponse(
+    "A request has Content-Length or Transfer-Encoding, not both. Nothing was done.\n",
+    400,
+    {"connection": "close"},
+)
+"""A proxy before the server may believe the other one, and so take a part of the body
+for the next request of somebody else (RFC 9112, 6.3). So the connection ends, too."""
+
+
+def _has_two_lengths(scope: Scope) -> bool:
+    """Return whether a request announces the length of its body in two ways."""
+    if scope["type"] != "http":
+        return False
+    names = {name for name, _ in scope["headers"]}
+    return {b"content-length", b"transfer-encoding"} <= names
 
 
 class LimitedServer(uvicorn.Server):
@@ -140,6 +176,13 @@ class LimitedServer(uvicorn.Server):
         class Protocol(LimitedProtocol):
             most = most_connections or connection_share()
 
+        app = config.app
+
+        async def refusing(scope: Scope, receive: Receive, send: Send) -> None:
+            answer = _TWO_LENGTHS if _has_two_lengths(scope) else app
+            await answer(scope, receive, send)
+
+        config.app = refusing
         config.http = Protocol
         config.backlog = ACCEPTED_AT_ONCE
         super().__init__(config)
@@ -147,9 +190,28 @@ class LimitedServer(uvicorn.Server):
     @override
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Listen; the system may keep more connections than are accepted at once."""
+        asyncio.get_running_loop().set_exception_handler(self._on_trouble)
         await super().startup(sockets)
         for listener in sockets or []:
             listener.listen(WAITING_CONNECTIONS)
+
+    def _on_trouble(
+        self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]
+    ) -> None:
+        """Make room when the process has no descriptor left for a connection.
+
+        The event loop tries again to accept one after a second.
+        """
+        error = context.get("exception")
+        if isinstance(error, OSError) and error.errno in _OUT_OF_FILES:
+            for _ in range(ACCEPTED_AT_ONCE):
+                make_room(self.server_state.connections)
+            _log.warning(
+                "No file can be opened any more, so the connections that have waited "
+                "longest were ended: raise the limit (`ulimit -n`)."
+            )
+            return
+        loop.default_exception_handler(context)
 
 
 def connection_share(descriptors: int = 1) -> int:
@@ -161,5 +223,7 @@ def connection_share(descriptors: int = 1) -> int:
     limit, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
     if limit == resource.RLIM_INFINITY:
         return MOST_CONNECTIONS
-    free = limit - len(os.listdir("/dev/fd")) - RESERVED_DESCRIPTORS
-    return max(ACCEPTED_AT_ONCE, min(MOST_CONNECTIONS, free // descriptors))
+    # What is accepted beyond the share, before one is ended for it, counts, too.
+    beyond = EXTRA_CONNECTIONS + ACCEPTED_AT_ONCE
+    free = limit - len(os.listdir("/dev/fd")) - RESERVED_DESCRIPTORS - beyond
+    return max(LEAST_CONNECTIONS, min(MOST_CONNECTIONS, free // descriptors))

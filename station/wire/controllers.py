@@ -71,6 +71,7 @@ class ControllerState(ResponseModel):
         traceback: Traceback that belongs to `fault`; null if there is none.
         fallback: Names of the controllers that take over when it fails.
         time: How long its update takes [s].
+        notes: What its user may not expect, such as a parameter that has no effect.
     """
 
     name: str
@@ -81,6 +82,7 @@ class ControllerState(ResponseModel):
     traceback: str | None
     fallback: Items[str]
     time: Percentiles
+    notes: Items[str] = Field(default_factory=list)
 
 
 class Controllers(ResponseModel):
@@ -102,6 +104,9 @@ class LoadRequest(RequestModel):
         params: Its parameters as in a ros_control YAML; may be left out when the
             configuration has them.
         timeout: How long its import, constructor and init may take [s of wall time].
+        unknown_params: What becomes of a parameter in `params` that its type does not
+            know: `refuse`, or `tell` in the notes of the controller, for parameters
+            written for ROS.
     """
 
     model_config = ConfigDict(
@@ -123,6 +128,7 @@ class LoadRequest(RequestModel):
     type: str | None = Field(default=None, min_length=1, max_length=256)
     params: ParameterValues | None = None
     timeout: float = Field(default=LOAD_TIMEOUT, gt=0.0, le=3600.0)
+    unknown_params: Literal["refuse", "tell"] = "refuse"
 
 
 class SwitchRequest(RequestModel):
@@ -266,12 +272,14 @@ class GainsChange(ResponseModel):
         previous: All values before.
         revision: Their revision.
         cycle: First cycle with the new values.
+        notes: A sentence about each value that has no effect.
     """
 
     values: dict[str, float]
     previous: dict[str, float]
     revision: int
     cycle: int
+    notes: Items[str] = Field(default_factory=list)
 
 
 class CommandElement(ResponseModel):

@@ -22,6 +22,7 @@ EventKindName = Literal[
     "robot_mode",
     "overrun",
     "loop",
+    "watchdog",
     "recording",
     "incident",
     "experiment",
@@ -41,8 +42,9 @@ class Event(ResponseModel):
         kind: What the event is about: `request` (a change that somebody asked for),
             `login`, `login_failed`, `token`, `control`, `command_stream`, `stop`,
             `switch`, `controller` (its state), `fault` (of a controller),
-            `robot_mode`, `overrun`, `loop`, `recording`, `incident`, `experiment` (its
-            progress), `alarm` (acknowledged), `station`, and `events` (the log itself).
+            `robot_mode`, `overrun`, `loop`, `watchdog` (it ended or hangs),
+            `recording`, `incident`, `experiment` (its progress), `alarm`
+            (acknowledged), `station`, and `events` (the log itself).
         severity: `info`; `warning`: refused, stopped or too late; `error`: failed.
         who: Name of the token or person; empty for the station itself.
         where: Address that the request came from; empty for the station itself.

@@ -22,6 +22,10 @@ RepairKindName = Literal[
     "transmission",
     "self_collision",
     "start_pose",
+    "base",
+    "name",
+    "armature",
+    "gravity",
 ]
 
 

@@ -78,6 +78,8 @@ class ArmReport(ResponseModel):
         connected: Whether the station is connected to the arm.
         errors: What its present errors, or else the last motion's, came from.
         remedy: What to do so that it can move; empty when it can.
+        caution: Which estimates of external forces are near a collision's threshold,
+            and what to do; empty when none is.
     """
 
     arm_id: str
@@ -85,6 +87,7 @@ class ArmReport(ResponseModel):
     connected: bool = Field(validation_alias=AliasChoices("connected", "is_connected"))
     errors: Items[ArmError]
     remedy: Reason
+    caution: Reason = ""
 
 
 class ServiceInfo(ResponseModel):

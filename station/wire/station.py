@@ -116,6 +116,8 @@ class Status(ResponseModel):
         time: Station time [s].
         cycle: Number of the last cycle.
         robot_type: Which RobotHW it runs.
+        robot_label: `SIMULATION`, or `REAL ARM` with its address, or `REAL ROBOT` of a
+            robot that tells none; empty from a station that does not tell.
         robot_mode: Mode of the robot in one word.
         stop_state: State of the latched stop.
         stop_reason: Why it was engaged last.
@@ -140,6 +142,7 @@ class Status(ResponseModel):
     time: float
     cycle: int
     robot_type: str
+    robot_label: str = ""
     robot_mode: str
     stop_state: StopStateName
     stop_reason: Reason

@@ -32,7 +32,7 @@ class AppTransport(httpx.BaseTransport):
             request.method, request.url, headers=request.headers, content=content
         )
         answer = await self._inner.handle_async_request(request)
-        content = await answer.aread()
+        content = b"".join([part async for part in answer.aiter_raw()])
         return httpx.Response(
             answer.status_code, headers=answer.headers, content=content
         )

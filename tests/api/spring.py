@@ -5,6 +5,7 @@ from station.core.control.controller import Controller, ControllerSample
 from station.core.control.controller_loader import ClassLoader, TableLoader
 from station.core.control.controller_manager import ControllerManager
 from station.core.control.tunables import Tunable, Tunables
+from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.facade.station import Station
 from station.core.hardware.interfaces import (
     EffortJointInterface,
@@ -47,6 +48,22 @@ class Spring(Controller[EffortJointInterface]):
         self.joint.set_command(effort)
         self.sample = ControllerSample(
             time, [self.target], [position], [self.target - position], [effort]
+        )
+
+
+class PickySpring(Spring):
+    """Declares what it reads, so that nothing else is taken."""
+
+    @classmethod
+    def declared_parameters(cls):
+        """Return the joint and the stiffness."""
+        return (
+            DeclaredParameter(
+                name="joint", type=ParameterType.STRING, description="the joint"
+            ),
+            DeclaredParameter(
+                name="k", type=ParameterType.NUMBER, default=1.0, description="pull"
+            ),
         )
 
 

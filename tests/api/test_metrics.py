@@ -1,5 +1,7 @@
 """Prometheus' figures: there, right, and never going back."""
 
+import re
+
 import pytest
 from prometheus_client.parser import text_string_to_metric_families
 
@@ -40,8 +42,8 @@ def test_figures_are_those_of_the_station(figures, station):
     assert found["station_controller_updates_total", "spring"] >= 11
     assert found["station_controller_faulty", "spring"] == 0
     assert found["station_stopped",] == 0
-    assert ("station_controller_update_seconds", "0.99", "spring") in found
-    assert ("station_loop_phase_seconds", "0.5", "read") in found
+    assert ("station_controller_update_seconds", "p99", "spring") in found
+    assert ("station_loop_phase_seconds", "p50", "read") in found
     assert ("process_resident_memory_bytes",) in found
 
 
@@ -76,3 +78,25 @@ def test_a_stop_and_a_fault_are_told(figures, station):
     assert found["station_controller_running", "spring"] == 0
     assert found["station_stopped",] == 1
     assert found["station_epochs_total",] == station.epoch
+
+
+OF_KIND = {"le": "histogram", "quantile": "summary"}
+SUFFIXES = ("_count", "_sum", "_bucket")
+
+
+def test_figures_follow_the_rules_that_promtool_checks(operator):
+    text = operator.get("/metrics").text
+    families = list(text_string_to_metric_families(text))
+
+    assert len(families) > 20
+    for family in families:
+        assert family.documentation, family.name
+        assert re.fullmatch(r"[a-z][a-z0-9_]*[a-z0-9]", family.name)
+        assert "total" not in family.name
+        for sample in family.samples:
+            is_counter = sample.name.endswith("_total")
+            assert is_counter == (family.type == "counter"), sample.name
+            assert not sample.name.endswith(SUFFIXES)
+            kinds = {OF_KIND.get(name, family.type) for name in sample.labels}
+            assert kinds <= {family.type}, sample.name
+            assert "__" not in "".join(sample.labels)

@@ -2,10 +2,12 @@
 
 import json
 import re
+import threading
 from importlib import import_module
 from pkgutil import iter_modules
 
 import pytest
+from jsonschema import Draft202012Validator
 
 from station import wire
 from station.api.app import create_app
@@ -144,3 +146,71 @@ def test_headers_of_answers_are_declared(operator, client):
 
 def test_the_document_needs_no_token(http):
     assert http.get("/api/v1/openapi.json").json()["info"] == DOCUMENT["info"]
+
+
+def parts_of(node, path=""):
+    """Return every object of the document, with its place."""
+    if isinstance(node, dict):
+        yield path, node
+    pairs = node.items() if isinstance(node, dict) else enumerate(node)
+    for key, value in pairs if isinstance(node, (dict, list)) else ():
+        if isinstance(value, (dict, list)):
+            yield from parts_of(value, f"{path}/{key}")
+
+
+def examples():
+    """Return place, schema and value of every example and default."""
+    for path, part in parts_of(DOCUMENT):
+        if path.endswith("/properties"):
+            continue
+        if isinstance(part.get("schema"), dict) and "example" in part:
+            yield path, part["schema"], part["example"]
+        if part.keys() & {"type", "$ref", "anyOf", "oneOf"}:
+            for value in part.get("examples", ()):
+                yield path, part, value
+            if "default" in part:
+                yield path, part, part["default"]
+
+
+def test_every_example_fits_its_schema():
+    found = list(examples())
+    wrong = []
+    for path, schema, value in found:
+        whole = {**schema, "components": DOCUMENT["components"]}
+        errors = Draft202012Validator(whole).iter_errors(value)
+        wrong += [f"{path}: {error.message}" for error in errors]
+
+    assert wrong == []
+    assert len(found) > 200
+
+
+def test_members_of_a_union_are_told_apart_by_a_tag_they_must_have():
+    unions = [part for _, part in parts_of(DOCUMENT) if "oneOf" in part]
+
+    assert unions
+    for union in unions:
+        tag = union["discriminator"]["propertyName"]
+        for reference in union["discriminator"]["mapping"].values():
+            assert tag in SCHEMAS[reference.rpartition("/")[2]]["required"]
+
+
+def test_the_document_says_where_the_server_is_and_what_needs_a_token():
+    without = {name for name, operation in OPERATIONS if operation["security"] == []}
+
+    assert DOCUMENT["servers"]
+    assert without == {
+        "GET /api/v1/health",
+        "GET /api/v1/ready",
+        "POST /api/v1/login",
+        "POST /api/v1/logout",
+    }
+
+
+def test_the_document_is_made_beside_the_event_loop(http, app, monkeypatch):
+    threads = []
+    monkeypatch.setattr(app, "openapi", lambda: threads.append(threading.get_ident()))
+    http.get("/api/v1/openapi.json")
+    http.get("/api/v1/openapi.json")
+
+    assert len(threads) == 1
+    assert threads[0] != threading.get_ident()

@@ -8,16 +8,18 @@ ANNOUNCEMENT = Announcement(
     token="a+b/c",
     runtime_file="/run/station/1.json",
     scheduler="SCHED_FIFO 50",
+    robot="REAL ARM 172.16.0.2",
     kernel="interpreted: There is no compiled kernel.",
 )
 
 
 def test_api_and_token_have_a_line_each():
-    api, token, _ = ANNOUNCEMENT.lines()
+    api, token, robot, _ = ANNOUNCEMENT.lines()
 
     assert "http://127.0.0.1:8000/docs" in api
     assert "a+b/c" in token
     assert "/run/station/1.json" in token
+    assert robot.split(maxsplit=1) == ["Robot", "REAL ARM 172.16.0.2"]
 
 
 def test_user_is_told_which_kernel_runs_and_why():

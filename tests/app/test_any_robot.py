@@ -42,8 +42,9 @@ def test_robot_without_motors_gets_its_joint_states() -> None:
 
 
 def test_doctor_tells_what_a_robot_needs() -> None:
-    assert examine_robot("example-robot-data:so100") == ()
-    (pairs,) = examine_robot("example-robot-data:ur3")
+    added = examine_robot("example-robot-data:so100")
+    assert [repair.kind for repair in added] == ["armature", "gravity"]
+    pairs, *_ = examine_robot("example-robot-data:ur3")
     assert pairs.kind == "self_collision"
     with pytest.raises(RobotDescriptionError, match="no robot 'nobody'"):
         examine_robot("example-robot-data:nobody")
@@ -64,3 +65,26 @@ def test_list_of_moveit_that_names_unknown_joints_is_refused_in_words(tmp_path) 
     assert "has no joint 'wrist_9_joint'" in composed.not_loaded["arm"].message
     names = [controller.name for controller in composed.station.controllers()]
     assert "joint_trajectory_controller" in names
+
+
+LEGGED = """<robot name="r"><link name="base"/><link name="trunk">{mass}</link>
+  <joint name="root" type="floating"><parent link="base"/><child link="trunk"/></joint>
+  <link name="leg">{mass}</link><joint name="hip" type="revolute">
+  <parent link="trunk"/><child link="leg"/>
+  <limit lower="-1" upper="1" effort="5" velocity="2"/></joint></robot>"""
+MASS = (
+    '<inertial><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" '
+    'iyz="0"/></inertial>'
+)
+
+
+def test_robot_with_a_floating_root_joint_needs_a_floating_base(tmp_path) -> None:
+    path = tmp_path / "legged.urdf"
+    path.write_text(LEGGED.format(mass=MASS), encoding="utf-8")
+    with pytest.raises(RobotDescriptionError) as refused:
+        configure_robot(str(path))
+    assert "--base floating" in refused.value.remedy
+    assert (
+        "joint_trajectory_controller" in configure_robot(str(path), "floating")["start"]
+    )
+    assert "base" in [one.kind for one in examine_robot(str(path), "floating")]

@@ -77,6 +77,23 @@ def test_controller_that_cannot_be_loaded_is_left_out(tmp_path):
     assert "no/Such" in str(composition.not_loaded["odd"])
 
 
+def test_unknown_parameters_are_refused_or_in_files_of_ros_told(tmp_path):
+    arm = f"{{type: {GROUP}, joints: [joint1], comand_timeout: 1}}"
+    ros = tmp_path / "ros.yaml"
+    ros.write_text(f"told: {arm}")
+    own = tmp_path / "own.yaml"
+    own.write_text(f"robot: {{type: {TYPE}}}\ncontrollers: {{refused: {arm}}}")
+
+    composition = compose(load_config(own, controller_files=[ros]), ManualClock())
+
+    refused, told = composition.warnings()
+    assert refused.startswith("Controller 'refused' is not loaded")
+    assert told.startswith(
+        "Controller 'told': The parameter 'comand_timeout' is unknown"
+    )
+    assert [c.name for c in composition.station.controllers()] == ["told"]
+
+
 def test_controller_to_be_started_must_load(tmp_path):
     config = configure(tmp_path, "odd: {type: no/Such}", start="[odd]")
 

@@ -12,7 +12,7 @@ import pytest
 
 from station.api.server import ApiServer
 from station.app import lifecycle
-from station.app.lifecycle import StationRun
+from station.app.lifecycle import UI_RESTARTS, StationRun
 from station.app.ui_process import UiOptions
 from station.client import StationClient
 from station.config import load_config
@@ -216,11 +216,43 @@ def test_dashboard_is_told_when_it_answers(config_with_ui, monkeypatch):
 def test_end_of_the_dashboard_is_told(config_with_ui, monkeypatch):
     fail = [sys.executable, "-c", "import sys; sys.exit(3)"]
     monkeypatch.setattr(UiOptions, "command", lambda _: fail)
-    listener = Listener(until="The dashboard ended (exit code 3)")
+    listener = Listener(until="station ui --connect")
 
     listener.run(config_with_ui)
 
-    assert "station ui --connect" in listener.warnings[-1]
+    again = [w for w in listener.warnings if "it is started again" in w]
+    assert len(again) == UI_RESTARTS
+    assert "The dashboard ended (exit code 3)" in listener.warnings[-1]
+
+
+def test_a_killed_dashboard_is_started_again_at_its_port(
+    config_with_ui, monkeypatch, tmp_path
+):
+    was_there = tmp_path / "was-there"
+    die_once = (
+        "import os, pathlib, runpy, sys\n"
+        f"was_there = pathlib.Path({str(was_there)!r})\n"
+        "if was_there.exists():\n"
+        "    runpy.run_module('http.server', run_name='__main__')\n"
+        "was_there.touch()\n"
+        "os.kill(os.getpid(), 9)\n"
+    )
+    ports = []
+
+    def command(options):
+        ports.append(options.port)
+        serve = [sys.executable, "-c", die_once, "--bind", "127.0.0.1"]
+        return [*serve, str(options.port)]
+
+    monkeypatch.setattr(UiOptions, "command", command)
+    listener = Listener(until="station ui --connect")
+    listener.tell_dashboard = lambda _: os.kill(os.getpid(), signal.SIGTERM)
+
+    listener.run(config_with_ui)
+
+    (warning,) = [w for w in listener.warnings if "dashboard" in w]
+    assert "(exit code -9); it is started again at the same address" in warning
+    assert listener.announcements[0].ui_url.endswith(f":{ports[0]}")
 
 
 def with_tls(config, certificate, key):

@@ -2,12 +2,22 @@
 
 import importlib.util
 import json
+import threading
 
 import pytest
 
+from station.api.app import create_app
+from station.api.auth import Authenticator
+from station.api.host_policy import HostPolicy
 from station.app.composition import compose
-from station.app.recording_start import describe, make_recorder
+from station.app.recording_start import (
+    describe,
+    make_foxglove,
+    make_recorder,
+    recover_all,
+)
 from station.config import load_config
+from station.records.record_store import RecordStore
 
 
 @pytest.fixture
@@ -53,15 +63,64 @@ def test_missing_packages_are_told(build, monkeypatch):
     assert "mcap is not installed" in build.warnings[0]
 
 
-def test_the_recordings_of_a_killed_station_are_recovered_and_told(build):
+def test_the_recordings_of_a_killed_station_are_recovered_and_told(build, tmp_path):
     _, station, recorder = build()
     recorder.start("cut")
     station.loop.step(10)
     recorder.drain()
-    build()
+    assert recorder.store.recover() == []
+    recorder._recording.give_up()  # as the system does with a process that is killed
+    (tmp_path / "bad.json").write_text("{}")
 
-    (told,) = build.warnings
+    recover_all([recorder.store], station, build.warnings.append)
+
+    skipped, told = build.warnings
+    assert "bad.json: it is the description of another file" in skipped
     assert "is recovered" in told
+    (info,) = recorder.store.infos()
+    assert (info.cycles, info.first_cycle, info.last_cycle) == (10, 1, 10)
+    assert info.duration == pytest.approx(0.009)
+
+
+def test_a_long_recovery_does_not_hold_the_start_up(build, monkeypatch):
+    go_on = threading.Event()
+    recover = RecordStore.recover
+    monkeypatch.setattr(
+        RecordStore, "recover", lambda *args: go_on.wait(10.0) and recover(*args)
+    )
+
+    assert build()[2] is not None
+
+    (thread,) = [t for t in threading.enumerate() if t.name == "recovery"]
+    assert thread.is_alive()
+    go_on.set()
+    thread.join(10.0)
+
+
+@pytest.mark.parametrize(
+    ("host", "anonymous"), [("127.0.0.1", True), ("192.0.2.7", False)]
+)
+def test_foxglove_is_served_as_configured(build, host, anonymous):
+    config, station, _ = build()
+    policy = HostPolicy(origins=["https://mine.example"])
+    app = create_app(station, Authenticator(), policy)
+    assert make_foxglove(app, station, config, policy) is None
+    section = config.foxglove.model_copy(
+        update={
+            "enabled": True,
+            "host": host,
+            "port": 9,
+            "origins": ["https://app.foxglove.dev"],
+        }
+    )
+    config = config.model_copy(update={"foxglove": section})
+
+    found = make_foxglove(app, station, config, policy)
+
+    assert (found.host, found.port) == (host, 9)
+    assert found._anonymous is anonymous
+    allowed = found._guarded._policy
+    assert allowed.origins == {"https://mine.example", "https://app.foxglove.dev"}
 
 
 def test_a_recording_says_how_its_station_was_configured(build):

@@ -26,6 +26,8 @@ class FakeProcess:
     def __init__(self):
         self.settings, self.statuses, self.codes = [], [], []
         self.tokens = []
+        self.last_look = None
+        self.kills = 0
 
     def start(self, settings):
         self.settings.append(settings)
@@ -37,6 +39,13 @@ class FakeProcess:
 
     def tell_token(self, token):
         self.tokens.append((token["role"], token["expires"]))
+
+    def age(self, now):
+        return 0.0 if self.last_look is None else now - self.last_look
+
+    def kill(self):
+        self.kills += 1
+        self.codes.append(-9)
 
     def start_again_if_ended(self):
         return self.codes.pop(0) if self.codes else None
@@ -117,6 +126,48 @@ def test_an_ended_watchdog_makes_the_station_not_ready_until_it_runs_again(
 
     assert station.watchdog_failure is None
     assert warnings == ["The watchdog ended (exit code -9). It is started again."]
+
+
+def test_a_suspended_watchdog_makes_the_station_not_ready_and_is_replaced(
+    watchdog, warnings
+):
+    station = make_station()
+    station.loop.step()
+    clock, process = station.loop.clock, watchdog._process
+    process.last_look = clock.now()
+
+    clock.advance(0.9)
+    watchdog.look(station)
+    assert station.watchdog_failure is None
+    clock.advance(0.2)
+    watchdog.look(station)
+    assert "suspended or hangs" in station.watchdog_failure
+    assert process.kills == 0
+    clock.advance(2.0)
+    watchdog.look(station)
+    watchdog.look(station)
+    assert process.kills == 1
+    assert station.watchdog_failure == "The watchdog ended (exit code -9)."
+    process.last_look = clock.now() + 5.0  # it starts
+    clock.advance(1.1)
+    watchdog.look(station)
+
+    assert station.watchdog_failure is None
+    assert len(warnings) == 2
+
+
+def test_a_watchdog_that_looks_again_is_left_alone(watchdog):
+    station = make_station()
+    station.loop.step()
+    clock, process = station.loop.clock, watchdog._process
+    process.last_look = clock.now()
+    clock.advance(2.0)
+    watchdog.look(station)
+    process.last_look = clock.now()
+    watchdog.look(station)
+
+    assert station.watchdog_failure is None
+    assert process.kills == 0
 
 
 def test_a_station_that_the_watchdog_ended_says_so(watchdog):

@@ -79,6 +79,22 @@ def test_a_watchdog_that_does_not_read_keeps_nobody_waiting(watchdog):
     assert ready(watchdog.url) == 200
 
 
+def test_a_suspended_watchdog_looks_no_more_until_it_goes_on(watchdog):
+    assert watchdog.age(time.monotonic()) < 0.0  # it starts
+    assert ready(watchdog.url) == 200
+    os.kill(watchdog.pid, signal.SIGSTOP)
+    wait_until(lambda: watchdog.age(time.monotonic()) > 0.5)
+    os.kill(watchdog.pid, signal.SIGCONT)
+    wait_until(lambda: watchdog.age(time.monotonic()) < 0.3)
+
+
+def wait_until(holds):
+    deadline = time.monotonic() + 20.0
+    while not holds():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
 def test_a_long_status_is_cut_off(watchdog):
     watchdog.tell({"running": "x" * 100_000})
 

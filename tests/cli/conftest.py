@@ -210,9 +210,17 @@ class FakeStation:
     def cancel_goal(self, name, goal_id):
         self._record("cancel_goal", name, goal_id)
 
-    def load_controller(self, name, type=None, params=None, *, timeout=None):  # noqa: A002
+    def load_controller(
+        self,
+        name,
+        type=None,  # noqa: A002
+        params=None,
+        *,
+        timeout=None,
+        unknown_params="refuse",
+    ):
         self._record("load", name, type, params)
-        self.load_timeout = timeout
+        self.load_timeout, self.unknown_params = timeout, unknown_params
         self.states[name] = "initialized"
         return self.controller(name)
 
@@ -300,7 +308,12 @@ class FakeStation:
 
 def _report(arm_id):
     return ArmReport(
-        arm_id=arm_id, robot_mode="idle", connected=True, errors=[], remedy=""
+        arm_id=arm_id,
+        robot_mode="idle",
+        connected=True,
+        errors=[],
+        remedy="",
+        caution="It is touched." if arm_id == "left" else "",
     )
 
 

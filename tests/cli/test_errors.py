@@ -1,14 +1,13 @@
 """Whatever goes wrong is worded for people and for programs."""
 
-import tomllib
 from pathlib import Path
 
 import pytest
-from packaging.requirements import Requirement
 from pydantic import ValidationError
 
-from station.cli.errors import EXTRAS, UsageError, failure_of
+from station.cli.errors import UsageError, failure_of
 from station.client import ApiError, StationUnreachableError
+from station.core.installation import install_command
 from station.local.station_locator import NoStationError
 from station.wire import CommandRequest, FieldError, StopState
 
@@ -73,25 +72,8 @@ def test_missing_package_is_told_with_the_extra_that_brings_it():
     failure = failure_of(ModuleNotFoundError("No module", name="mujoco.viewer"))
 
     assert failure.detail.startswith("The package 'mujoco' is not installed")
-    assert "pip install 'control-station[sim]'" in failure.remedy
+    assert failure.remedy.startswith(f"Install it: {install_command('sim')}")
 
 
 def test_missing_module_of_the_program_itself_is_a_defect():
     assert failure_of(ModuleNotFoundError("No module", name="station.nothing")) is None
-
-
-def test_extras_bring_the_packages_that_are_said_to_be_theirs():
-    settings = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    extras = {
-        # foxglove-sdk brings the package foxglove.
-        extra: {
-            Requirement(line).name.removesuffix("-sdk").replace("-", "_")
-            for line in lines
-        }
-        for extra, lines in settings["optional-dependencies"].items()
-    }
-    known = set(EXTRAS)
-    parts = {"lxml", "networkx", "prometheus_client", "pycollada", "control_station"}
-
-    assert all(p in extras[e] for p, names in EXTRAS.items() for e in names)
-    assert set().union(*extras.values()) - known - parts == {"example_robot_data"}

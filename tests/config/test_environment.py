@@ -3,7 +3,7 @@
 import pytest
 
 from station.config.environment import read_environment
-from station.config.errors import ConfigError
+from station.core.config_error import ConfigError
 
 
 @pytest.mark.parametrize(

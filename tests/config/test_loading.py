@@ -2,8 +2,8 @@
 
 import pytest
 
-from station.config.errors import ConfigError
 from station.config.loading import load_config
+from station.core.config_error import ConfigError
 
 
 @pytest.fixture
@@ -80,6 +80,47 @@ def test_controller_files_of_ros_are_added(write):
     }
     assert "joint_state_controller" in config.controllers
     assert config.parameters == {"joint_limits": {"panda_joint1": {"max_velocity": 1}}}
+
+
+def test_files_of_ros_are_merged_as_rosparam_does(write):
+    left = write(
+        "arm: {type: a/B, joints: [l], gains: {l: {p: 1, d: 1}}}\n"
+        "joint_limits: {l: {max_velocity: 1}}",
+        "left.yaml",
+    )
+    right = write(
+        "arm: {type: a/B, gains: {l: {p: 2}}}\njoint_limits: {r: {max_velocity: 2}}",
+        "right.yaml",
+    )
+
+    config = load_config(controller_files=[left, right])
+
+    assert config.controller_parameters()["arm"] == {
+        "type": "a/B",
+        "joints": ["l"],
+        "gains": {"l": {"p": 2, "d": 1}},
+    }
+    limits = {"l": {"max_velocity": 1}, "r": {"max_velocity": 2}}
+    assert config.parameters == {"joint_limits": limits}
+    assert config.ros_controllers == {"arm"}
+
+
+@pytest.mark.parametrize("what", ["arm: {type: a/B}", "joint_limits: {j: {}}"])
+def test_a_name_in_two_namespaces_of_two_files_is_refused(write, what):
+    others = "x: {type: a/B}"
+    files = [
+        write(f"{side}: {{{what}, {side}_{others}}}", f"{side}.yaml")
+        for side in ("left", "right")
+    ]
+    name = what.partition(":")[0]
+    with pytest.raises(ConfigError, match=f"/right/{name} has .* /left/{name}"):
+        load_config(controller_files=files)
+
+
+@pytest.mark.parametrize("section", ["parameters", "ros_controllers"])
+def test_sections_of_the_inside_are_refused(write, section):
+    with pytest.raises(ConfigError, match=f"{section} is unknown"):
+        load_config(write(f"{section}: []"))
 
 
 def test_namespace_in_the_controllers_section_is_taken_off(write):

@@ -2,9 +2,9 @@
 
 import pytest
 
-from station.config.errors import ConfigError
 from station.config.moveit_controllers import controllers_of_list
 from station.config.ros_parameters import split_ros_parameters
+from station.core.config_error import ConfigError
 
 JOINTS = ["a", "b"]
 ARM = {"name": "arm", "action_ns": "follow_joint_trajectory", "joints": JOINTS}

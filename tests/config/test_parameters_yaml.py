@@ -7,12 +7,12 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from station.config.errors import ConfigError
 from station.config.parameters_yaml import (
     dump_parameters,
     load_parameters,
     load_parameters_text,
 )
+from station.core.config_error import ConfigError
 from station.core.parameters import Parameters
 
 TEXT = """

@@ -2,8 +2,8 @@
 
 import pytest
 
-from station.config.errors import ConfigError
 from station.config.ros_parameters import split_ros_parameters, substitute
+from station.core.config_error import ConfigError
 
 ARM = {"type": "effort_controllers/JointTrajectoryController", "joints": ["j1"]}
 

@@ -4,9 +4,9 @@ from math import inf
 
 import pytest
 
-from station.config.errors import ConfigError
 from station.config.loading import load_config
 from station.config.validation import validate
+from station.core.config_error import ConfigError
 
 MINIMAL = {
     "station": {
@@ -71,8 +71,14 @@ def test_modules_of_configured_controllers_may_be_loaded_besides_the_listed_ones
         ),
         (
             "api",
+            {"host": "h", "port": 0, "token": None, "allowed_origins": ["*"]},
+            "allowed_origins[0] is '*'; it must be scheme, host and port of a page",
+        ),
+        (
+            "api",
             {"host": "h", "port": 0, "token": None, "prot": 1},
-            "<api/prot>: api.prot is unknown; allowed are host, port, token, tls.",
+            "<api/prot>: api.prot is unknown; allowed are host, port, token, tls, "
+            "allowed_origins.",
         ),
         (
             "station",

@@ -3,7 +3,7 @@
 import pytest
 
 from station.core.errors import ParameterError
-from station.core.parameters import Parameters, ParameterTree
+from station.core.parameters import Parameters, ParameterTree, unknown_parameters
 
 
 @pytest.fixture
@@ -159,3 +159,55 @@ def test_a_list_may_need_a_length():
 )
 def test_defaults_are_for_what_is_missing(method, default):
     assert getattr(Parameters(), method)("missing", default) == default
+
+
+def test_what_nobody_read_or_knows_is_found_with_the_nearest_name():
+    reads = set()
+    tree = ParameterTree({
+        "arm": {
+            "joint": "j",
+            "constrains": {"goal_time": 1.0, "j": {"goal": 0.1}},
+            "constraints": {"goal_time": 1.0, "j": {"gaol": 0.1}},
+            "whole": {"any": {"key": 1}},
+            "empty": {},
+        },
+        "joint": "of somebody else",
+    })
+    arm = Parameters(tree, "arm", reads)
+    constraints = arm.namespace("constraints")
+    assert arm.get_str("joint") == "j"
+    assert constraints.get_float("goal_time", 0.0) == 1.0
+    assert constraints.namespace("j").get_float("goal", 0.5) == 0.5
+    assert arm.get("whole") == {"any": {"key": 1}}
+    assert arm.has("empty")  # to ask is not to read
+
+    found = dict(unknown_parameters(arm, reads))
+
+    assert list(found) == ["constrains", "constraints/j/gaol", "empty"]
+    assert found["constrains"].startswith("Did you mean 'constraints'?")
+    assert "goal" in found["constraints/j/gaol"]
+    assert unknown_parameters(arm, reads | {"arm"}) == []
+    assert unknown_parameters(Parameters(tree, "nothing"), reads) == []
+
+
+@pytest.mark.parametrize(
+    "gains",
+    [
+        {"arm/j": {"pid": {"p": 1.0}}},
+        {"arm/j/pid": {"p": 1.0}},
+        {"arm": {"j/pid": {"p": 1.0}}},
+        {"arm": {"j": {"pid": {"p": 1.0}}}},
+        {"arm": {"k": {"p": 2.0}}, "arm/j": {"pid": {"p": 1.0}}},
+    ],
+)
+def test_a_key_with_a_slash_is_found_by_its_path(gains):
+    """Joints of ROS robots have names such as `arm/j`."""
+    params = Parameters(ParameterTree({"gains": gains}), "gains/arm/j")
+    params.set("pid/i", 3.0)
+    params.set("pid/p", 4.0)
+
+    assert params.get("pid") == {"p": 4.0, "i": 3.0}
+    assert params.tree.delete("gains/arm/j/pid/p")
+    assert not params.has("pid/p")
+    assert not params.tree.delete("gains/arm/j/pid/p")
+    assert Parameters(params.tree, "gains").keys() == list(gains)

@@ -11,6 +11,7 @@ from station.api.app import create_app
 from station.api.auth import Authenticator
 from station.api.server import ApiServer
 from station.app.composition import compose
+from station.client import StationClient
 from station.config import load_config
 
 ROOT = Path(__file__).parents[2]
@@ -29,6 +30,17 @@ def client_page(monkeypatch):
 def test_reference_is_that_of_the_docstrings(client_page):
     assert client_page["page"]() == PAGE, "run make client"
     assert "| `collect(seconds, topic='joint_states', *, rate='full')` |" in PAGE
+
+
+def test_reference_has_every_part_of_the_client():
+    """No reader looks for `client.recordings` in the source."""
+    client = StationClient("http://nowhere", "token")
+    for name, part in vars(client).items():
+        if not name.startswith("_"):
+            section = PAGE.partition(f"### {type(part).__name__}\n")[2]
+            section = section.partition("\n### ")[0]
+            assert f"`client.{name}`" in section
+            assert "| Name | |" in section
 
 
 @pytest.mark.slow

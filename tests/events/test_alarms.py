@@ -93,3 +93,12 @@ def test_a_faulty_controller_alarms_until_it_is_unloaded(station, alarms, break_
     assert "a broken spring" in alarm.cause.text
     station.unload_controller("spring")
     assert alarms.all()[0].cleared_at is not None
+
+
+def test_a_watchdog_that_does_not_look_alarms(station, alarms):
+    station.watchdog_failure = "It is suspended."
+    (alarm,) = alarms.all()
+    station.watchdog_failure = None
+
+    assert (alarm.cause.subject, alarm.cause.text) == ("watchdog", "It is suspended.")
+    assert alarms.all()[0].cleared_at is not None

@@ -7,7 +7,7 @@ from station.core.franka import RobotMode
 from station.core.franka.arms import ArmReport
 from station.events.event import EventKind, Severity
 from station.events.event_log import EventLog
-from station.events.state_watcher import QUIET, StateWatcher
+from station.events.state_watcher import CALM, QUIET, StateWatcher
 
 
 @pytest.fixture
@@ -94,6 +94,34 @@ def test_missed_deadlines_close_to_each_other_are_one_event(station, log, watche
 
     (event,) = log.since(kinds=[EventKind.OVERRUN])
     assert event.details["missed"] == 7
+    assert "station doctor" in event.text
+
+
+def test_bursts_that_go_on_are_told_seldom_with_all_they_missed(station, log, watcher):
+    clock, meter = station.loop.clock, station.loop._meter
+
+    def miss(seconds):
+        for _ in range(seconds // 3):
+            meter.woke(0.0, 10)
+            watcher.look()
+            clock.advance(3.0)
+            watcher.look()
+
+    miss(3600)
+    events = log.since(kinds=[EventKind.OVERRUN])
+    assert len(events) == 4  # at once, after 1, 5 and 21 minutes
+    assert sum("station doctor" in event.text for event in events) == 1
+    assert events[1].text.startswith(
+        "The control loop missed 200 deadlines in 20 more bursts within 60 s."
+    )
+    watcher.stop()
+    events = log.since(kinds=[EventKind.OVERRUN])
+    assert sum(event.details["missed"] for event in events) == 12000
+
+    clock.advance(CALM)
+    miss(3)
+    last = log.since(kinds=[EventKind.OVERRUN])[-1]
+    assert last.text == "The control loop missed 10 deadlines in a burst."
 
 
 def test_a_look_that_fails_is_told_once_and_the_others_go_on(
@@ -146,3 +174,13 @@ def test_mode_in_which_an_arm_cannot_move_is_an_error_with_its_remedy(
     event = log.since(kinds=[EventKind.ROBOT_MODE])[-1]
     assert event.severity is Severity.ERROR
     assert event.details["remedies"] == [f"left: {todo}"]
+
+
+def test_the_end_and_the_return_of_the_watchdog_are_recorded(station, log, watcher):
+    for failure in ("It is suspended.", None):
+        station.watchdog_failure = failure
+        watcher.look()
+        watcher.look()
+
+    found = told(log, EventKind.WATCHDOG)
+    assert [result for _, result in found] == ["failed", "watching"]

@@ -37,7 +37,7 @@ def test_a_layout_is_what_an_independent_decoder_reads(names):
 def test_the_general_encoder_is_what_an_independent_decoder_reads(mode):
     kind = messages.CYCLE
     message = {
-        "header": messages.header(1.5),
+        "header": messages.header(1_500_000_000),
         "cycle": 2**40,
         "epoch": 3,
         "time": 1.5,

@@ -16,6 +16,7 @@ from station.core.errors import RecordingRefusedError
 from station.records.mcap_file import DiskFile
 from station.records.record_store import FAILED, Quota, RecordStore
 from station.records.recorder import Recorder
+from station.records.recording import Recording
 from station.records.recording_reader import (
     read_inputs,
     read_messages,
@@ -273,3 +274,41 @@ def test_late_cycles_while_a_recording_begins_are_inputs_but_not_rows(station, s
     assert read_trajectory(path).cycle.tolist() == [6, 7]
     late = [one for one in read_inputs(path) if one["kind"] == "late"]
     assert late == [{"after": 3, "kind": "late", "periods": 5}]
+
+
+def test_each_cycle_has_all_its_messages_or_none(station, recorder, store, monkeypatch):
+    opened, read = Recording.open_sources, station.snapshots.rows_since
+
+    def open_late(recording):
+        opened(recording)
+        station.loop.step(2)  # sampled, but before the first cycle of the recording
+
+    def read_early(cycle):
+        rows = read(cycle)
+        station.loop.step(2)  # the loop goes on before the samples are read
+        return rows
+
+    monkeypatch.setattr(Recording, "open_sources", open_late)
+    identifier = recorder.start().identifier
+    monkeypatch.setattr(station.snapshots, "rows_since", read_early)
+    for _ in range(20):
+        station.loop.step(3)
+        recorder.drain()
+    stopped = recorder.stop()
+
+    found = {}
+    for topic, message in read_messages(store.file(identifier)):
+        if "header" in message:
+            stamp = message["header"]["stamp"]
+            found.setdefault(topic, []).append((stamp["sec"], stamp["nanosec"]))
+    assert found["/commands/effort"] == found["/cycles"] == found["/joint_states"]
+    assert len(found["/cycles"]) == stopped.cycles > 80
+    assert stopped.lost == 0
+
+
+def test_a_cycle_that_several_channels_lack_is_lost_once(station, recorder):
+    recorder.start()
+    station.loop.step(5000)
+    stopped = recorder.stop()
+
+    assert (stopped.cycles, stopped.lost) == (4096, 5000 - 4096)

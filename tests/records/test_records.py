@@ -1,5 +1,7 @@
 """Rows, messages and the reader of recordings, in small."""
 
+import os
+import stat
 from array import array
 from dataclasses import fields, replace
 
@@ -18,7 +20,15 @@ from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.records import messages
 from station.records.cycle_messages import CycleMessages
 from station.records.cycle_row import RowPacker
-from station.records.record_store import STOPPED
+from station.records.mcap_file import DiskFile
+from station.records.mcap_recovery import recover_file
+from station.records.record_store import (
+    FAILED,
+    KILLED,
+    RECORDING,
+    STOPPED,
+    RecordStore,
+)
 from station.records.recording_reader import Trajectory, read_trajectory
 
 
@@ -100,7 +110,7 @@ def test_a_trajectory_is_decimated_by_station_time():
 def test_what_is_no_recording_cannot_be_read(tmp_path):
     path = tmp_path / "x.mcap"
     path.write_bytes(b"nothing of the kind, but long enough for a magic number")
-    with pytest.raises(RecordingFileError, match="cannot be read"):
+    with pytest.raises(RecordingFileError, match="is damaged"):
         read_trajectory(path)
 
 
@@ -110,13 +120,28 @@ def test_an_unknown_recording_is_refused(store, identifier):
         store.info(identifier)
 
 
-def test_a_recording_is_found_by_its_name_while_no_other_has_it(store):
-    pick, _ = store.begin("pick")
-    store.begin("my-pick")
-    store.begin()
+@pytest.fixture
+def begin(store):
+    """Return what begins a recording in the store, and keeps its file open."""
+    files = []
+
+    def begin(*about):
+        info, file = store.begin(DiskFile, *about)
+        files.append(file)
+        return info
+
+    yield begin
+    for file in files:
+        file.close()
+
+
+def test_a_recording_is_found_by_its_name_while_no_other_has_it(store, begin):
+    pick = begin("pick")
+    begin("my-pick")
+    begin()
 
     assert store.info("pick") == store.info(pick.identifier) == pick
-    other, _ = store.begin("pick")
+    other = begin("pick")
     with pytest.raises(
         RecordingRefusedError, match="2 recordings are called 'pick'"
     ) as e:
@@ -127,19 +152,114 @@ def test_a_recording_is_found_by_its_name_while_no_other_has_it(store):
         store.info("")
 
 
-def test_a_recording_that_has_the_name_as_its_id_is_meant(store):
-    first, _ = store.begin("pick")
-    store.begin(first.identifier)
+def test_a_recording_that_has_the_name_as_its_id_is_meant(store, begin):
+    first = begin("pick")
+    begin(first.identifier)
 
     assert store.info(first.identifier) == first
 
 
 def test_a_recording_is_deleted_by_its_name(store):
-    info, path = store.begin("pick")
+    info, file = store.begin(DiskFile, "pick")
+    file.close()
     store.keep(replace(info, state=STOPPED))
-    path.touch()
 
     store.delete("pick")
 
-    assert not path.exists()
-    assert store.infos() == []
+    assert list(store.folder.iterdir()) == []
+
+
+def test_two_stations_in_the_same_instant_get_files_of_their_own(tmp_path):
+    stores = [RecordStore(tmp_path, now=lambda: 1e9) for _ in range(2)]
+    begun = [store.begin(DiskFile, "pick") for store in stores]
+
+    assert [info.identifier for info, _ in begun] == [
+        "20010909T014640000-pick",
+        "20010909T014640000-pick-2",
+    ]
+    for _, file in begun:
+        file.close()
+
+
+def test_what_another_station_records_is_neither_deleted_nor_recovered(tmp_path):
+    mine, other = RecordStore(tmp_path), RecordStore(tmp_path)
+    info, file = mine.begin(DiskFile, "pick")
+    file.write(b"\x89MCAP0\r\n")
+
+    assert other.recover() == []
+    assert other.info("pick").state == RECORDING
+    with pytest.raises(RecordingRefusedError, match="is being recorded"):
+        other.delete("pick")
+    with pytest.raises(RecordingRefusedError, match="is being recorded"):
+        recover_file(other.file(info.identifier))
+    # A description that came too early does not help either.
+    mine.keep(replace(info, state=STOPPED))
+    other.drop_oldest(0)
+    assert other.file(info.identifier).exists()
+
+    file.close()
+    other.drop_oldest(0)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_recording_whose_station_is_gone_is_no_longer_being_recorded(store):
+    info, file = store.begin(DiskFile, "pick")
+    file.close()
+
+    found = store.info(info.identifier)
+
+    assert (found.state, found.error) == (FAILED, KILLED)
+    assert store.interrupted() == [info.identifier]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        '{"identifier": "../../x", "state": "stopped"}',
+        '{"identifier": "other", "state": "recording"}',
+        '{"identifier": "bad", "cycles": "many"}',
+        '{"identifier": "bad", "state": "asleep"}',
+        '{"identifier": "bad", "error": 3}',
+        "[1, 2]",
+        "no JSON",
+        "\xff" * 100_000,
+    ],
+)
+def test_a_bad_description_is_skipped_and_told(store, begin, text):
+    good = begin("good")
+    (store.folder / "bad.json").write_text(text, encoding="latin-1")
+    (store.folder / "bad.mcap").write_bytes(b"untouched")
+
+    assert store.infos() == [good]
+    assert store.recover() == []
+    (told,) = store.skipped()
+    assert told.startswith("bad.json: ")
+    assert (store.folder / "bad.mcap").read_bytes() == b"untouched"
+    with pytest.raises(RecordingNotFoundError):
+        store.info("bad")
+
+
+def test_a_pipe_among_the_recordings_holds_nobody_up(store, begin):
+    good = begin("good")
+    os.mkfifo(store.folder / "pipe.json")
+    os.mkfifo(store.folder / "pipe.mcap")
+
+    assert store.infos() == [good]
+    assert store.skipped() == ["pipe.json: pipe.json is no regular file"]
+    with pytest.raises(RecordingFileError, match="no regular file"):
+        read_trajectory(store.file("pipe"))
+    with pytest.raises(RecordingFileError, match="no regular file"):
+        recover_file(store.file("pipe"))
+
+
+def test_all_folders_are_private(tmp_path):
+    folder = tmp_path / "share" / "control-station" / "recordings" / "incidents"
+    old_mask = os.umask(0o022)
+    try:
+        _, file = RecordStore(folder).begin(DiskFile)
+    finally:
+        os.umask(old_mask)
+    file.close()
+
+    for one in (folder, folder.parent, folder.parent.parent):
+        assert stat.S_IMODE(one.stat().st_mode) == 0o700

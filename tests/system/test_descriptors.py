@@ -15,13 +15,14 @@ from tests.system.station_process import StationProcess
 pytestmark = pytest.mark.slow
 
 DESCRIPTORS = 128
+FEW = 48
 
 
 @pytest.fixture
-def station(tmp_path):
-    """A station whose process may open 128 files."""
+def station(tmp_path, request):
+    """A station whose process may open 128 files, or as many as the test says."""
     station = StationProcess(tmp_path, "--no-ui")
-    limit = (DESCRIPTORS, DESCRIPTORS)
+    limit = (getattr(request, "param", DESCRIPTORS),) * 2
     resource.prlimit(station.process.pid, resource.RLIMIT_NOFILE, limit)
     yield station
     station.clean_up()
@@ -51,6 +52,20 @@ def test_the_stop_works_while_strangers_eat_descriptors(station):
                 assert stop(url, token) < 1.0
 
     assert "out of system resource" not in station.errors
+
+
+@pytest.mark.parametrize("station", [FEW], indirect=True)
+def test_the_stop_gets_in_where_hardly_a_file_can_be_opened(station):
+    access = station.access()
+    url, token = access["url"], access["token"]
+    address = (urlsplit(url).hostname, urlsplit(url).port)
+
+    with ExitStack() as stack:
+        for _ in range(2 * FEW):
+            stack.enter_context(socket.create_connection(address))
+        assert stop(url, token) < 4.0
+
+    assert f"may open {FEW} files only" in station.errors
 
 
 def test_the_stop_works_while_viewers_open_all_the_streams_they_can(station):

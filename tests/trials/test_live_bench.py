@@ -3,9 +3,13 @@
 The robot is the simulated Panda; waiting steps its loop.
 """
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+import station.ui
 from station.app.composition import compose
 from station.config import load_config
 from station.core.control.switching import SwitchRequest
@@ -28,6 +32,16 @@ GROUP = "effort_group_position_controller"
 TRAJECTORY = "effort_joint_trajectory_controller"
 JOINT = "panda_joint7"
 STEP = Step(joint=JOINT, amplitude=0.1, at=0.05)
+
+
+PAGE = Path(station.ui.__file__).parent / "static" / "panels" / "tuning.js"
+DEFAULTS = {
+    name: float(value)
+    for name, value in re.findall(
+        r"(\w+): field\(\"[^\"]+\", \"([\d.]+)\"", PAGE.read_text("utf-8")
+    )
+}
+"""What stands in the fields of the dock Tuning before anybody types."""
 
 
 @pytest.fixture(scope="module")
@@ -211,6 +225,73 @@ def test_a_joint_that_runs_away_is_led_back(station):
     with pytest.raises(BenchRefusedError, match=r"'panda_joint7' was .* away"):
         bench.measure(GROUP, ask(STEP), free)
     assert station.motion.set_point(GROUP).values[6] == pytest.approx(before, abs=1e-6)
+
+
+@pytest.fixture(scope="module")
+def typical():
+    """A station whose arm measures and rubs as a real one does."""
+    return compose(load_config()).station
+
+
+def default(kind, joint):
+    """Return what the dock asks for while nothing was typed."""
+    fields = {"step": (), "relay": ("hysteresis",)} | {
+        "sine": ("frequency",),
+        "chirp": ("first", "last"),
+    }
+    kinds = {"step": Step, "sine": Sine, "chirp": Chirp, "relay": Relay}
+    given = {name: DEFAULTS[name] for name in ("amplitude", *fields[kind])}
+    return BenchRequest(
+        excitation=kinds[kind](joint=joint, **given), duration=DEFAULTS["duration"]
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["step", "sine", "chirp", "relay"])
+@pytest.mark.parametrize(
+    "controller",
+    [
+        GROUP,
+        "position_group_controller",
+        "position_streaming_controller",
+        TRAJECTORY,
+        "position_joint_trajectory_controller",
+    ],
+)
+def test_the_defaults_of_the_page_trip_no_joint(typical, controller, kind):
+    if "trajectory" in controller and kind in {"step", "relay"}:
+        pytest.skip("A trajectory has no jumps: it is refused before anything moves.")
+    bench = LiveBench(typical, sleep=lambda _: typical.loop.step(4), now=lambda: 0.0)
+    for number in range(1, 8):
+        typical.simulation.reset()
+        typical.loop.step(100)
+        use(typical, controller)
+        bench.measure(controller, default(kind, f"panda_joint{number}"), free)
+        typical.loop.step(100)
+        assert typical.latest().mode == "move"
+
+
+@pytest.mark.parametrize("cycles", [2, 10])
+@pytest.mark.parametrize("controller", [GROUP, "position_group_controller"])
+def test_a_joint_that_answers_too_fast_is_braked_before_the_arm_trips(
+    station, controller, cycles
+):
+    use(station, controller)
+    before = station.latest().position[0]
+    fastest = []
+
+    def wait(_):
+        station.loop.step(cycles)
+        fastest.append(abs(station.latest().velocity[0]))
+
+    bench = LiveBench(station, sleep=wait, now=lambda: 0.0)
+    relay = Relay(joint="panda_joint1", amplitude=0.3, hysteresis=0.005)
+    with pytest.raises(BenchRefusedError, match=r"moved with .* 80% of its velocity"):
+        bench.measure(controller, ask(relay, 2.0), free)
+    assert max(fastest) < 2.175
+    station.loop.step(500)
+    assert station.latest().mode == "move"
+    assert station.latest().position[0] == pytest.approx(before, abs=0.01)
 
 
 def test_time_that_does_not_pass_ends_the_measurement(station):

@@ -15,6 +15,7 @@ from station.trials.results import (
     Results,
     default_folder,
     file_of,
+    is_written,
     name_of_now,
     names,
 )
@@ -169,3 +170,25 @@ def test_trials_that_ended_together_are_kept_together_or_not_at_all(results, ste
     with pytest.raises(ExperimentError, match="Nothing more can be kept"):
         results.add_all([(other, result_of(other)), (heavy, broken)])
     assert results.find(other.hash) is None
+
+
+def test_an_experiment_that_runs_is_neither_run_again_nor_deleted(results, panda):
+    with (
+        Results.create(results.path, "sweep", panda, {"seed": 1}) as again,
+        results.running(),
+    ):
+        assert is_written(results.path)
+        with pytest.raises(ExperimentError, match="runs in another process"):
+            again.delete()
+        with pytest.raises(ExperimentError, match="runs in another process"):
+            again.running().__enter__()
+    assert not is_written(results.path)
+    results.delete()
+    assert list(results.path.parent.iterdir()) == []
+
+
+def test_a_pipe_among_the_experiments_holds_nobody_up(tmp_path):
+    os.mkfifo(tmp_path / "pipe.sqlite")
+    assert names(tmp_path) == []
+    with pytest.raises(ExperimentNotFoundError):
+        Results.open(tmp_path / "pipe.sqlite")

@@ -72,5 +72,5 @@ def test_impossible_script_is_refused_by_name(change, reason):
 
 
 def test_missing_file_is_refused_by_name(tmp_path):
-    with pytest.raises(ExperimentError, match=r"nothing\.yaml cannot be read"):
+    with pytest.raises(ExperimentError, match=r"nothing\.yaml: The file cannot"):
         read_script(tmp_path / "nothing.yaml")

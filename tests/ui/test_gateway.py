@@ -298,6 +298,9 @@ def test_foreign_pages_get_no_socket(browser):
 
 def test_a_rebound_host_is_not_answered(browser):
     assert browser.get("/login", headers={"Host": "evil.example"}).status_code == 403
+    assert (
+        browser.get("/", headers={"Origin": "http://evil.example"}).status_code == 403
+    )
 
 
 def test_close_codes_reach_the_browser(browser):

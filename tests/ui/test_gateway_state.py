@@ -38,6 +38,7 @@ def test_bar_shows_mode_loop_epoch_and_stop():
         "stopped",
         1,
     )
+    assert bar.robot == "SIMULATION"
     assert (bar.rate_hz, bar.lateness_p99) == (999.5, 1.5e-4)
 
 

@@ -1,6 +1,7 @@
 """Requests that the gateway answers itself, and the desk of one browser."""
 
 import json
+import threading
 
 import httpx
 import pytest
@@ -8,6 +9,8 @@ from starlette.applications import Starlette
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
+from station.core.config_error import ConfigError
+from station.ui import workspace_routes
 from station.ui.sessions import Role, Sessions
 from station.ui.workspace_routes import WorkspaceParts, WorkspaceRoutes
 from tests.ui.served import Served
@@ -122,6 +125,65 @@ def test_nothing_is_told_without_a_session(browser, bench, path):
 
 
 @pytest.mark.parametrize("path", ["/parameters", "/yaml"])
+def test_a_viewer_reads_and_writes_no_yaml(browser, bench, path):
+    bench.session = bench.sessions.open(Role.VIEWER, "token")
+
+    assert browser.post(path, content=b"a: 1").status_code == 403
+
+
+def bomb():
+    """Return 470 bytes that mean 10 million values."""
+    lines = ["a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]"]
+    lines += [f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 10)}]" for i in range(1, 7)]
+    return "\n".join(lines).encode()
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        (bomb(), "makes more than 5000 values, with every alias written out"),
+        (b"a: " + b"[" * 100 + b"]" * 100, "nested deeper than 64 levels"),
+        (b"a: 1\n" * 50_000, "longer than the 32768 characters allowed"),
+        (b"a: .inf", "JSON has finite numbers alone"),
+        (b"a: 1\na: 2", "has the key 'a' twice"),
+    ],
+    ids=["aliases", "nesting", "length", "infinity", "twice"],
+)
+def test_a_text_that_would_cost_too_much_is_refused(browser, text, why):
+    answer = browser.post("/parameters", content=text)
+
+    assert (answer.status_code, answer.json()["code"]) == (422, "invalid_yaml")
+    assert why in answer.json()["detail"]
+
+
+@pytest.mark.parametrize(
+    ("path", "body"), [("/parameters", b"a: 1"), ("/yaml", b'{"params": {"a": 1}}')]
+)
+def test_the_gateway_answers_while_yaml_is_read_or_written(
+    browser, monkeypatch, path, body
+):
+    is_at_work, may_end = threading.Event(), threading.Event()
+
+    def wait(*_args, **_kinds):
+        is_at_work.set()
+        assert may_end.wait(_PATIENCE)
+        raise ConfigError(["a is 1."], remedy="")
+
+    monkeypatch.setattr(workspace_routes, "parse_yaml", wait)
+    monkeypatch.setattr(workspace_routes, "_written", wait)
+    asking = threading.Thread(
+        target=lambda: httpx.post(f"{browser.base_url}{path[1:]}", content=body)
+    )
+    asking.start()
+    assert is_at_work.wait(_PATIENCE)
+    try:
+        assert browser.get("/state").status_code == 200
+    finally:
+        may_end.set()
+        asking.join()
+
+
+@pytest.mark.parametrize("path", ["/parameters", "/yaml"])
 def test_nothing_is_done_without_a_session(browser, bench, path):
     bench.session = None
     assert browser.post(path).status_code == 401
@@ -157,7 +219,7 @@ def test_what_are_no_parameters_has_no_yaml(browser, body):
     assert browser.post("/yaml", json=body).status_code == 422
 
 
-@pytest.mark.parametrize("text", ["a: [", "- 1", "a: .nan", "a: 2026-11-22"])
+@pytest.mark.parametrize("text", ["a: [", "- 1", "a: .nan", "1: a"])
 def test_parameters_that_are_none_are_refused(browser, text):
     answer = browser.post("/parameters", content=text.encode())
     assert (answer.status_code, answer.json()["code"]) == (422, "invalid_yaml")

@@ -51,6 +51,7 @@ def status(stop_state="armed", epoch=1, robots=()):
         time=1.0,
         cycle=10,
         robot_type="franka_hw/FrankaHW",
+        robot_label="SIMULATION",
         robot_mode="idle",
         stop_state=stop_state,
         stop_reason="",

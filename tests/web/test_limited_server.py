@@ -1,5 +1,7 @@
 """Clients that say nothing, send slowly, do not read, or come in crowds."""
 
+import asyncio
+import errno
 import socket
 import threading
 import time
@@ -35,31 +37,44 @@ class Serving:
 
     def __init__(self, most):
         config = uvicorn.Config(app, log_level="error", lifespan="off")
-        self._server = LimitedServer(config, most)
-        self._thread = threading.Thread(
-            target=lambda: self._server.run(sockets=[self._listener])
-        )
+        self.server = LimitedServer(config, most)
+        self._thread = threading.Thread(target=self._run)
         self._listener = socket.create_server(("127.0.0.1", 0))
+
+    def _run(self):
+        async def serve():
+            self.loop = asyncio.get_running_loop()
+            await self.server.serve(sockets=[self._listener])
+
+        asyncio.run(serve())
 
     def __enter__(self):
         self._thread.start()
-        while not self._server.started:
+        while not self.server.started:
             time.sleep(0.002)
         return self
 
     def __exit__(self, *_):
-        self._server.should_exit = self._server.force_exit = True
+        self.server.should_exit = self.server.force_exit = True
         self._thread.join(5.0)
 
     def wait_until_alone(self):
         """Wait until the server has a connection no more, after it had one."""
-        connections = self._server.server_state.connections
+        connections = self.server.server_state.connections
         deadline = time.monotonic() + 10.0
         while not connections and time.monotonic() < deadline:
             time.sleep(0.002)
         while connections and time.monotonic() < deadline:
             time.sleep(0.002)
         assert not connections
+
+    def wait_for(self, count):
+        """Wait until the server has that many connections."""
+        connections = self.server.server_state.connections
+        deadline = time.monotonic() + 10.0
+        while len(connections) < count:
+            assert time.monotonic() < deadline
+            time.sleep(0.002)
 
     def connect(self, sent=b""):
         """Return a connection on which that was sent."""
@@ -134,9 +149,44 @@ def test_a_newcomer_takes_the_place_of_who_has_waited_longest():
 def test_connections_leave_descriptors_to_the_process(monkeypatch):
     assert connection_share() <= MOST_CONNECTIONS
     monkeypatch.setattr(limited_server.resource, "getrlimit", lambda _: (128, 128))
-    assert 8 <= connection_share() <= 128 - 40
-    assert 8 <= connection_share(3) <= (128 - 40) // 3
+    assert 4 <= connection_share() <= 128 - 40 - 24
+    assert 4 <= connection_share(3) <= (128 - 40 - 24) // 3
     monkeypatch.setattr(limited_server.resource, "getrlimit", lambda _: (16, 16))
-    assert connection_share() == 8
+    assert connection_share() == 4
     monkeypatch.setattr(limited_server.resource, "getrlimit", lambda _: (-1, -1))
     assert connection_share() == MOST_CONNECTIONS
+
+
+@pytest.mark.parametrize("coding", [b"chunked", b"Chunked"])
+def test_a_request_with_two_lengths_is_refused_and_its_connection_ends(coding):
+    request = (
+        b"POST / HTTP/1.1\r\nHost: a\r\nContent-Length: 4\r\nTransfer-Encoding: "
+        + coding
+        + b"\r\n\r\n0\r\n\r\nGET /smuggled HTTP/1.1\r\nHost: a\r\n\r\n"
+    )
+    with Serving(4) as server, server.connect(request) as raw:
+        answers = answer(raw)  # until the server ends the connection
+
+    assert answers.startswith(b"HTTP/1.1 400")
+    assert answers.count(b"HTTP/1.1") == 1
+    assert b"connection: close" in answers.lower()
+
+
+def test_who_has_waited_longest_gives_way_when_no_file_can_be_opened(caplog):
+    with Serving(8) as server, ExitStack() as stack:
+        silent = [stack.enter_context(server.connect()) for _ in range(3)]
+        server.wait_for(3)
+        trouble = {"exception": OSError(errno.EMFILE, "Too many open files")}
+        server.loop.call_soon_threadsafe(
+            server.server._on_trouble, server.loop, trouble
+        )
+        assert [answer(raw) for raw in silent] == [b""] * 3
+
+    assert "ulimit -n" in caplog.text
+
+
+def test_other_troubles_are_told_as_ever(caplog):
+    with Serving(8) as server:
+        server.server._on_trouble(server.loop, {"message": "something else"})
+
+    assert "something else" in caplog.text

@@ -1,5 +1,7 @@
 """Controllers: list, load, unload, switch."""
 
+import logging
+
 from fastapi import APIRouter, Request, Response
 
 from station.api import answers
@@ -21,6 +23,7 @@ from station.wire import (
     SwitchResult,
 )
 
+_LOGGER = logging.getLogger(__name__)
 router = APIRouter(
     tags=["controllers"], dependencies=[Viewer], route_class=IdempotentRoute
 )
@@ -47,11 +50,16 @@ def load_controller(
     """Load a controller; loading the same one again changes nothing and answers 200."""
     if _is_loaded(station, request.name):
         response.status_code = 200
-    return ControllerState.model_validate(
-        station.load_controller(
-            request.name, request.type, request.params, timeout=request.timeout
-        )
+    status = station.load_controller(
+        request.name,
+        request.type,
+        request.params,
+        timeout=request.timeout,
+        strict=request.params is not None and request.unknown_params == "refuse",
     )
+    for note in status.notes:
+        _LOGGER.warning("Controller '%s': %s", status.name, note)
+    return ControllerState.model_validate(status)
 
 
 def _is_loaded(station: Station, name: str) -> bool:

@@ -35,7 +35,9 @@ Since = Annotated[
 ]
 Kinds = Annotated[
     list[EventKindName] | None,
-    Query(description="Only events of this kind; may be repeated.", examples=["stop"]),
+    Query(
+        description="Only events of this kind; may be repeated.", examples=[["stop"]]
+    ),
 ]
 LeastSeverity = Annotated[
     SeverityName,

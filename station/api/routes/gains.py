@@ -57,6 +57,7 @@ def patch_gains(
         previous=change.previous,
         revision=change.revision,
         cycle=change.cycle,
+        notes=list(change.notes),
     )
 
 

@@ -62,6 +62,7 @@ def main(page: int, listener: int, stacks: int) -> int:
         lines = station.lines() if ready else []
         now = time.monotonic()
         watch.look(now)
+        watch.heartbeat.watchdog_beats[0] = now
         door.serve(now)
     door.close()
     return 0

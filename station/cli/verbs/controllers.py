@@ -33,6 +33,9 @@ def list_controllers(options: Namespace) -> int:
         headers.append("fault")
     rows = [_row(c, headers) for c in controllers]
     say_table(headers, rows)
+    for controller in controllers:
+        for note in controller.notes:
+            say(f"{controller.name}: {note}")
     return 0
 
 
@@ -123,12 +126,18 @@ def load_controller(options: Namespace) -> int:
         params = _parameters_of(options.name, options.param_file)
     with open_client(options) as client:
         state = client.load_controller(
-            options.name, options.type, params, timeout=options.load_timeout
+            options.name,
+            options.type,
+            params,
+            timeout=options.load_timeout,
+            unknown_params="tell",
         )
     if options.json:
         say_model(state)
     else:
         say(f"Loaded {state.name} ({state.type}); it is {state.state}.")
+        for note in state.notes:
+            say(f"Note: {note}")
     return 0
 
 
@@ -139,7 +148,7 @@ def _parameters_of(name: str, path: Path) -> dict[str, Any]:
         UsageError: It has none for that name.
     """
     from station.config.ros_parameters import split_ros_parameters
-    from station.config.yaml_reader import read_yaml
+    from station.core.yaml_reader import read_yaml
 
     found = split_ros_parameters(read_yaml(path).values, str(path))
     params = found.controllers.get(name) or found.others.get(name)

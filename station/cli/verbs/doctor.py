@@ -4,7 +4,7 @@ from argparse import Namespace
 from dataclasses import asdict
 
 from station.cli.machine_checks import CHECKS
-from station.cli.output import say, say_json, say_table
+from station.cli.output import say, say_json, say_progress, say_table
 
 
 def doctor(options: Namespace) -> int:
@@ -32,8 +32,10 @@ def _examine(options: Namespace) -> int:
         RobotDescriptionError: The robot is unknown or cannot be simulated.
     """
     from station.app.any_robot import examine_robot
+    from station.app.panda_fetch import fetch_what_is_missing
 
-    repairs = examine_robot(options.robot)
+    fetch_what_is_missing({"robot_description": options.robot}, say_progress)
+    repairs = examine_robot(options.robot, options.base)
     if options.json:
         say_json([asdict(repair) for repair in repairs])
     elif repairs:

@@ -67,6 +67,8 @@ def _set(client: "StationClient", options: Namespace) -> int:
         for name in options.changes
     ]
     say_table(["gain", "before", "now"], rows)
+    for note in change.notes:
+        say(f"Note: {note}")
     return 0
 
 

@@ -106,6 +106,8 @@ def recover(options: Namespace) -> int:
         return 0
     for arm in arms:
         say(f"{arm.arm_id} is {arm.robot_mode}.")
+        if arm.caution:
+            say(f"Caution: {arm.caution}")
     say(f"Started again: {', '.join(recovered.restarted) or 'nothing'}.")
     return 0
 

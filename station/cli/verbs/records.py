@@ -2,6 +2,7 @@
 
 import tempfile
 from argparse import Namespace
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -68,21 +69,22 @@ def incidents(options: Namespace) -> int:
 
 
 def recover_file(options: Namespace) -> int:
-    """Mend a file whose end is missing."""
+    """Mend a file whose end is missing, or that has damaged bytes."""
     from station.records.mcap_recovery import recover_file as recover
+    from station.records.record_store import RecordStore
 
     found = recover(options.file)
+    RecordStore(options.file.parent).note_recovery(options.file.stem, found)
     if options.json:
         say_json({
             "changed": found.is_changed,
             "messages": found.messages,
             "dropped": found.dropped,
+            "lost_messages": found.lost_messages,
+            "losses": [asdict(one) for one in found.losses],
         })
     elif found.is_changed:
-        say(
-            f"Recovered {found.messages} messages; {found.dropped} bytes at the end "
-            "were not complete and were cut off."
-        )
+        say(f"Recovered {found.messages} messages. {found.text()}")
     else:
         say(f"The file is whole: {found.messages} messages. Nothing was changed.")
     return 0

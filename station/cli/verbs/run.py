@@ -21,6 +21,7 @@ _FLAGS = {
     "host": "api.host",
     "port": "api.port",
     "token": "api.token",
+    "allowed_origins": "api.allowed_origins",
     "tls_cert": "api.tls.certificate",
     "tls_key": "api.tls.key",
     "ui_port": "ui.port",
@@ -38,6 +39,7 @@ def run(options: Namespace) -> int:
     from station.app.panda_fetch import fetch_what_is_missing
     from station.app.station_watchdog import EndedByWatchdogError
     from station.config import load_config
+    from station.hw.robot_loader import find_robot
 
     set_up_log(options.log_format)
     flags = {
@@ -54,6 +56,7 @@ def run(options: Namespace) -> int:
         controller_files=options.controllers,
         flags=flags,
     )
+    find_robot(config.robot.type)  # before a download that would be of no use
     fetch_what_is_missing(config.robot_parameters(), say_progress)
 
     station = StationRun(

@@ -1,29 +1,25 @@
 """Verb `validate`: does a robot do what its description says?"""
 
 from argparse import Namespace
-from typing import TYPE_CHECKING
+from pathlib import Path
 
-from station.cli.output import say_json, say_table
+from station.cli.output import say_json, say_progress, say_table
+from station.core.description.robot_files import PACKAGE_SCHEME
 from station.experiments.validation import validate as check_robot
 from station.trials.setup import Setup
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from pathlib import Path
+CONFIGURATIONS = frozenset({".yaml", ".yml"})
+"""Endings of files that configure a station; everything else names a robot."""
 
 
 def validate(options: Namespace) -> int:
     """Check a robot and its controllers."""
-    robot: Path = options.robot
-    config: Path | Mapping[str, object] = robot
-    if robot.suffix in {".urdf", ".xacro"}:
-        config = {
-            "robot": {
-                "type": "mujoco_hw/MujocoRobotHW",
-                "robot_description": str(robot.resolve()),
-            }
-        }
-    card = check_robot(Setup.load(config, controllers=options.controllers), robot.name)
+    config = Path(options.robot)
+    if config.suffix in CONFIGURATIONS:
+        setup = Setup.load(config, controllers=options.controllers)
+    else:
+        setup = Setup.load(_robot_of(options), controllers=options.controllers)
+    card = check_robot(setup, config.name)
     if options.page is not None:
         options.page.write_text(card.to_html(), encoding="utf-8")
     if options.json:
@@ -35,3 +31,22 @@ def validate(options: Namespace) -> int:
         rows = [[check.name, check.outcome, check.detail] for check in card.checks]
         say_table(["check", "outcome", "what was seen"], rows)
     return 0 if card.is_good else 1
+
+
+def _robot_of(options: Namespace) -> dict[str, object]:
+    """Return the configuration of a robot of which only the URDF is known.
+
+    Its controllers are those of `run --robot`, unless files of controllers are given.
+
+    Raises:
+        RobotDescriptionError: The robot is unknown or cannot be simulated.
+    """
+    from station.app.any_robot import configure_robot
+    from station.app.panda_fetch import fetch_what_is_missing
+
+    reference = options.robot
+    if not reference.startswith(PACKAGE_SCHEME):
+        reference = str(Path(reference).resolve())
+    fetch_what_is_missing({"robot_description": reference}, say_progress)
+    found = configure_robot(reference, options.base)
+    return {"robot": found["robot"]} if options.controllers else found

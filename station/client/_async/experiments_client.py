@@ -4,9 +4,8 @@ import asyncio
 from collections.abc import Callable, Mapping
 
 from station.client._async.connection import AsyncConnection
-from station.client.routes import controller_path, segment
+from station.client.routes import segment
 from station.wire import ExperimentRequest, GainsChange, GainsChanges
-from station.wire.bench import BenchRequest, BenchResponse
 from station.wire.experiments import (
     Experiment,
     ExperimentApplyRequest,
@@ -54,7 +53,7 @@ class AsyncExperimentsClient:
         return await self._connection.get(_path(name), Experiment)
 
     async def wait(
-        self, name: str, watch: Callable[[Experiment], None] = lambda _: None
+        self, name: str, watch: Callable[[Experiment], None] | None = None
     ) -> Experiment:
         """Wait until an experiment does not run any more; return it.
 
@@ -64,10 +63,12 @@ class AsyncExperimentsClient:
         """
         found = await self.get(name)
         while found.state == "running":
-            watch(found)
+            if watch is not None:
+                watch(found)
             await asyncio.sleep(_PERIOD)
             found = await self.get(name)
-        watch(found)
+        if watch is not None:
+            watch(found)
         return found
 
     async def cancel(self, name: str) -> Experiment:
@@ -143,21 +144,6 @@ class AsyncExperimentsClient:
         path = f"{_path(name)}/apply"
         answer = await self._connection.send("POST", path, GainsChanges, request)
         return answer.changes
-
-    async def measure(self, controller: str, request: BenchRequest) -> BenchResponse:
-        """Excite one joint of the robot itself, and return how it follows.
-
-        The joint comes back to where it began. What is too large, too fast or too near
-        a limit is refused before anything moves.
-
-        Args:
-            controller: A running controller that takes positions of joints.
-            request: What the joint is asked to do, and for how long.
-        """
-        path, patience = controller_path(controller, "bench"), 5.0 * request.duration
-        return await self._connection.send(
-            "POST", path, BenchResponse, request, patience=patience
-        )
 
     async def list(self) -> list[ExperimentSummary]:
         """Return the experiments, sorted by name."""

@@ -5,7 +5,7 @@ from station.client._async.connection import AsyncConnection
 
 
 class AsyncLeaseClient:
-    """Takes control of the station, keeps it, hands it over and gives it back.
+    """Control of the station, taken and given back call by call: `client.lease`.
 
     `AsyncStationClient.control` does this for the length of a `with` block, with
     heartbeats; here the caller sends them.

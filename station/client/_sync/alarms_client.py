@@ -5,7 +5,7 @@ from station import wire
 from station.client._sync.connection import Connection
 
 
-class SyncAlarmsClient:
+class AlarmsClient:
     """What asks for a person: `client.alarms`.
 
     Args:

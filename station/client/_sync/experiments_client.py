@@ -5,9 +5,8 @@ import time
 from collections.abc import Callable, Mapping
 
 from station.client._sync.connection import Connection
-from station.client.routes import controller_path, segment
+from station.client.routes import segment
 from station.wire import ExperimentRequest, GainsChange, GainsChanges
-from station.wire.bench import BenchRequest, BenchResponse
 from station.wire.experiments import (
     Experiment,
     ExperimentApplyRequest,
@@ -55,7 +54,7 @@ class ExperimentsClient:
         return self._connection.get(_path(name), Experiment)
 
     def wait(
-        self, name: str, watch: Callable[[Experiment], None] = lambda _: None
+        self, name: str, watch: Callable[[Experiment], None] | None = None
     ) -> Experiment:
         """Wait until an experiment does not run any more; return it.
 
@@ -65,10 +64,12 @@ class ExperimentsClient:
         """
         found = self.get(name)
         while found.state == "running":
-            watch(found)
+            if watch is not None:
+                watch(found)
             time.sleep(_PERIOD)
             found = self.get(name)
-        watch(found)
+        if watch is not None:
+            watch(found)
         return found
 
     def cancel(self, name: str) -> Experiment:
@@ -144,21 +145,6 @@ class ExperimentsClient:
         path = f"{_path(name)}/apply"
         answer = self._connection.send("POST", path, GainsChanges, request)
         return answer.changes
-
-    def measure(self, controller: str, request: BenchRequest) -> BenchResponse:
-        """Excite one joint of the robot itself, and return how it follows.
-
-        The joint comes back to where it began. What is too large, too fast or too near
-        a limit is refused before anything moves.
-
-        Args:
-            controller: A running controller that takes positions of joints.
-            request: What the joint is asked to do, and for how long.
-        """
-        path, patience = controller_path(controller, "bench"), 5.0 * request.duration
-        return self._connection.send(
-            "POST", path, BenchResponse, request, patience=patience
-        )
 
     def list(self) -> list[ExperimentSummary]:
         """Return the experiments, sorted by name."""

@@ -3,11 +3,11 @@
 
 from pathlib import Path
 
-from station.client._sync.alarms_client import SyncAlarmsClient
+from station.client._sync.alarms_client import AlarmsClient
 from station.client._sync.connection import Connection
 from station.client._sync.experiments_client import ExperimentsClient
 from station.client._sync.gain_sets_client import GainSetsClient
-from station.client._sync.waypoint_paths_client import SyncWaypointPathsClient
+from station.client._sync.waypoint_paths_client import WaypointPathsClient
 from station.client.routes import segment
 from station.wire import Recording, RecordingRequest, Recordings, Trajectory
 
@@ -124,8 +124,8 @@ def kept_by_station(
     RecordingsClient,
     IncidentsClient,
     ExperimentsClient,
-    SyncWaypointPathsClient,
-    SyncAlarmsClient,
+    WaypointPathsClient,
+    AlarmsClient,
 ]:
     """Return the clients of what a station keeps, on its disk or while it runs.
 
@@ -137,6 +137,6 @@ def kept_by_station(
         RecordingsClient(connection),
         IncidentsClient(connection),
         ExperimentsClient(connection),
-        SyncWaypointPathsClient(connection),
-        SyncAlarmsClient(connection),
+        WaypointPathsClient(connection),
+        AlarmsClient(connection),
     )

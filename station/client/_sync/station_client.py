@@ -4,7 +4,7 @@
 import ssl
 from collections.abc import Mapping, Sequence
 from types import TracebackType
-from typing import Self
+from typing import Literal, Self
 
 import httpx
 from pydantic import JsonValue
@@ -39,6 +39,7 @@ from station.client.stream import Stream
 from station.client.stream_options import Rate
 from station.local.station_locator import locate
 from station.local.tls import trust
+from station.wire.bench import BenchRequest, BenchResponse, Excitation
 from station.wire.controllers import SWITCH_BOUND
 
 
@@ -198,6 +199,7 @@ class StationClient:
         params: Mapping[str, JsonValue] | None = None,
         *,
         timeout: float | None = None,
+        unknown_params: Literal["refuse", "tell"] = "refuse",
         idempotency_key: str | None = None,
     ) -> wire.ControllerState:
         """Load a controller; loading the same one again changes nothing.
@@ -208,11 +210,13 @@ class StationClient:
             params: Its parameters; None when the station's configuration has them.
             timeout: How long its import, constructor and init may take [s]; None for
                 the station's default.
+            unknown_params: Whether parameters that its type does not know are refused,
+                or told in its `notes`, as is right for files written for ROS.
             idempotency_key: Random name of the request, 1 to 200 visible ASCII
                 characters: sent again with the same key within 10 minutes, e.g. after a
                 lost connection, it is carried out once.
         """
-        request = load_request(name, type, params, timeout)
+        request = load_request(name, type, params, timeout, unknown_params)
         return load(self._connection, request, idempotency_key)
 
     def unload_controller(
@@ -322,6 +326,35 @@ class StationClient:
         """Return what a controller did in the last cycle."""
         path = controller_path(name, "state")
         return self._connection.get(path, wire.ControllerSample)
+
+    def bench(
+        self,
+        name: str,
+        excitation: Excitation,
+        *,
+        duration: float = 2.0,
+        settling_band: float = 0.02,
+    ) -> BenchResponse:
+        """Excite one joint through a running controller, and return how it follows.
+
+        The answer comes when the joint is back where it began. What is too large, too
+        fast or too near a limit is refused before anything moves.
+
+        Args:
+            name: A running controller that takes set-points of joints.
+            excitation: What the joint is asked to do, e.g. a
+                `station.wire.excitations.Step` with the joint and an amplitude.
+            duration: How long the response is measured [s], above 0, at most 10.
+            settling_band: Half-width of the band of the settling time, as a share of
+                the step, above 0 and below 1.
+        """
+        request = BenchRequest(
+            excitation=excitation, duration=duration, settling_band=settling_band
+        )
+        path, patience = controller_path(name, "bench"), 5.0 * request.duration
+        return self._connection.send(
+            "POST", path, BenchResponse, request, patience=patience
+        )
 
     def command_stream(self, controller: str, *, timeout: float = 0.2) -> CommandStream:
         """Return a stream of set-points for a `with` block (`async with`).

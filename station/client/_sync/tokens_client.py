@@ -7,7 +7,7 @@ from station.client.routes import segment
 
 
 class TokensClient:
-    """Makes, lists and revokes named tokens; the station's own operator token may.
+    """Named tokens, made, listed and revoked by an operator: `client.tokens`.
 
     Args:
         connection: The client's connection.

@@ -21,7 +21,7 @@ from station.wire import (
 _PATH, _PLAYBACK = "/waypoint-paths", "/playback"
 
 
-class SyncWaypointPathsClient:
+class WaypointPathsClient:
     """Waypoint paths on the station's disk, and their playing: `client.waypoint_paths`.
 
     Every method raises what the station client's own methods raise.

@@ -68,6 +68,14 @@ _STALL_TIMEOUT = DeclaredParameter(
     default=1.0,
     description="a goal is aborted when the joint stands still elsewhere for this time",
 )
+_LARGEST_YIELD = 0.5
+"""Least share of its distance from the joint that a command keeps in one cycle."""
+_ENOUGH = 0.9
+"""Share of the largest effort with which the joint presses steadily."""
+_LEAST_REACH = 1e-6
+"""Least distance of a command from the joint that presses too strongly [m or rad]."""
+_REACH_GROWTH = 10.0
+"""Rate at which that distance grows while the effort is small enough [1/s]."""
 
 
 class GripperActionController(Controller[CommandInterfaceT]):
@@ -91,6 +99,7 @@ class GripperActionController(Controller[CommandInterfaceT]):
         beyond the joint's limits is refused.
     """
 
+    accepted_parameters: ClassVar[tuple[str, ...]] = ("action_monitor_rate",)
     joint: JointDescription
     _handle: JointHandle
     _port: GripperGoalPort
@@ -271,16 +280,45 @@ class GripperActionController(Controller[CommandInterfaceT]):
 
 
 class PositionGripperActionController(GripperActionController[PositionJointInterface]):
-    """Commands the position of the goal; the hardware determines the effort."""
+    """Commands the position of the goal, or one nearer to the joint.
+
+    The effort that presses on an object grows with the distance of the command from the
+    joint. While the measured effort is larger than that of the goal, the command comes
+    closer to the joint.
+
+    Source:
+        HardwareInterfaceAdapter of the position interface; differs: the original
+        ignores `max_effort`. A robot that measures no effort presses as it likes.
+    """
 
     hardware_interface: ClassVar[type] = PositionJointInterface
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._reach = inf
+        self._reach_of: GripperTarget | None = None
 
     @override
     def command(
         self, handle: JointHandle, target: GripperTarget, period: float
     ) -> float:
-        handle.set_command(target.position)
-        return target.position
+        if target is not self._reach_of:
+            self._reach, self._reach_of = inf, target
+        position, effort = handle.get_position(), handle.get_effort()
+        way = target.position - position
+        pressing = abs(effort) if effort * way > 0.0 else 0.0
+        if pressing > target.max_effort:
+            share = max(target.max_effort / pressing, _LARGEST_YIELD)
+            self._reach = max(min(self._reach, abs(way)) * share, _LEAST_REACH)
+        elif pressing < _ENOUGH * target.max_effort:
+            # It grows slowly: the effort may follow the command with a delay.
+            self._reach *= 1.0 + _REACH_GROWTH * period
+        if abs(way) <= self._reach:
+            command = target.position
+        else:
+            command = position + (self._reach if way > 0.0 else -self._reach)
+        handle.set_command(command)
+        return command
 
 
 class EffortGripperActionController(GripperActionController[EffortJointInterface]):

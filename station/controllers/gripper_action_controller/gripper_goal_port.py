@@ -14,6 +14,7 @@ from station.core.description.robot_description import JointDescription
 from station.core.errors import InvalidCommandError
 from station.core.ports.goal import Goal, GoalPort
 from station.core.ports.receipt import Receipt
+from station.core.ports.set_point import RANGE_TOLERANCE
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +89,8 @@ class GripperGoalPort(GoalPort):
             raise _malformed(f"The command has the unknown fields {sorted(unknown)}.")
         joint = self._joint
         position = _number(message, "position", None)
-        if not joint.lower <= position <= joint.upper:
+        inside = min(max(position, joint.lower), joint.upper)
+        if abs(position - inside) > RANGE_TOLERANCE:
             raise InvalidCommandError(
                 f"The position for '{joint.name}' is {position}; allowed is "
                 f"{joint.lower} to {joint.upper}.",
@@ -96,7 +98,7 @@ class GripperGoalPort(GoalPort):
                 details={"joint": joint.name, "reason": "limits"},
             )
         effort = _number(message, "max_effort", self._max_effort)
-        return GripperTarget(position, abs(effort))
+        return GripperTarget(inside, abs(effort))
 
 
 def _number(message: Mapping[str, object], key: str, default: float | None) -> float:

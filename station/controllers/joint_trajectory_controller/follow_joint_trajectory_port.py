@@ -96,4 +96,4 @@ class FollowJointTrajectoryPort(GoalPort):
     def void(self, reason: str) -> None:
         """End every goal and every trajectory without a goal; the joints hold."""
         super().void(reason)
-        self._execution.hold()
+        self._execution.hold(is_void=True)

@@ -88,8 +88,7 @@ _STOP_TRAJECTORY_DURATION = DeclaredParameter(
     unit="s",
     default=0.0,
     minimum=0.0,
-    description="time in which a motion comes to rest; 0: hold the measured positions "
-    "at once",
+    description="time in which a motion comes to rest; 0: hold at once",
 )
 
 
@@ -112,6 +111,10 @@ class JointTrajectoryController(Controller[InterfaceT]):
         execution: The trajectory that is executed.
     """
 
+    accepted_parameters: ClassVar[tuple[str, ...]] = (
+        "state_publish_rate",
+        "action_monitor_rate",
+    )
     joints: list[JointDescription]
     execution: TrajectoryExecution
     sampled: SampleColumns
@@ -139,10 +142,12 @@ class JointTrajectoryController(Controller[InterfaceT]):
         self._adapter = self.make_adapter(interface, params)
         speed = SpeedScaling.from_parameters(params)
         tracking = self._adapter.tracking
+        tolerances = read_tolerances(params.namespace(_CONSTRAINTS), self.joint_names)
         self.execution = TrajectoryExecution(
             self.joints,
             tracking,
             stop_duration=_STOP_TRAJECTORY_DURATION.read_float(params),
+            path_bounds=[tolerances[name].path for name in self.joint_names],
             allow_partial_joints_goal=_ALLOW_PARTIAL_JOINTS_GOAL.read_bool(params),
             speed=speed,
         )
@@ -165,7 +170,7 @@ class JointTrajectoryController(Controller[InterfaceT]):
                 self._usual = self.execution.update_by(law, self.sampled)
         self.goals = FollowJointTrajectoryPort(
             self.execution,
-            read_tolerances(params.namespace(_CONSTRAINTS), self.joint_names),
+            tolerances,
             self.is_running,
             self._state_message,
         )

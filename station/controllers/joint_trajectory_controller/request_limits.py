@@ -1,23 +1,24 @@
 """Refuse trajectories that end too late, lead beyond limits, or are too fast."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from math import comb, isfinite, nan
 
 from station.core.description.robot_description import JointDescription
 from station.core.errors import InvalidTrajectoryError
+from station.core.ports.set_point import RANGE_TOLERANCE
 from station.core.trajectory import JointTrajectory, JointTrajectorySegment
 
 MAX_DURATION = 86_400.0
 """Latest end of a trajectory from now, and longest goal time tolerance [s]: a day."""
+_PEAK_RATIO = 1.1
+"""Largest speed between two points over the limit: planners bound the points only."""
 _ROUNDING = 1e-6
 """Relative excess that rounding may cause."""
-_PEAK_RATIO = 2.0
-"""Largest peak over mean velocity; a quintic spline from rest to rest has 1.875."""
-_SAMPLES = 5
-"""Number of times in a segment at which its velocity is checked."""
 
 
-def check_duration(request: JointTrajectory, now: float) -> None:
-    """Refuse points that are due more than `MAX_DURATION` from now.
+def check_times(request: JointTrajectory, now: float) -> None:
+    """Refuse times before the start, and points that are due in over `MAX_DURATION`.
 
     Times that long come from a wrong unit, such as nanoseconds.
 
@@ -26,11 +27,19 @@ def check_duration(request: JointTrajectory, now: float) -> None:
         now: Station time [s].
 
     Raises:
-        InvalidTrajectoryError: A point is due later than that.
+        InvalidTrajectoryError: A point has such a time.
     """
     ahead = request.stamp - now if request.stamp else 0.0
     for index, point in enumerate(request.points):
-        due = ahead + point.time_from_start
+        time = point.time_from_start
+        if time < 0.0:
+            raise InvalidTrajectoryError(
+                f"Point {index} has the time_from_start {time:.9g} s, which is before "
+                "the start.",
+                remedy="Give every point a time_from_start of 0 s or more.",
+                details={"point": index, "reason": "order"},
+            )
+        due = ahead + time
         if due > MAX_DURATION:
             raise InvalidTrajectoryError(
                 f"Point {index} is due in {due:.6g} s; allowed are {MAX_DURATION:g} s.",
@@ -40,13 +49,19 @@ def check_duration(request: JointTrajectory, now: float) -> None:
 
 
 def check_positions(
-    request: JointTrajectory, joints: Sequence[JointDescription]
+    request: JointTrajectory,
+    joints: Sequence[JointDescription],
+    here: Mapping[str, Sequence[float]],
 ) -> None:
     """Refuse positions beyond the limits of a joint.
+
+    A joint may be beyond a limit, e.g. where it rests on its stop. From there it may
+    move back, but no further out.
 
     Args:
         request: The trajectory; every point has one position for each of its joints.
         joints: The joints of the controller.
+        here: Where each joint is, by name: commanded and measured [rad or m].
 
     Raises:
         InvalidTrajectoryError: A position is beyond the joint's limits.
@@ -54,75 +69,142 @@ def check_positions(
     known = {joint.name: joint for joint in joints}
     for column, name in enumerate(request.joint_names):
         joint = known[name]
+        lowest, highest = joint.lower - RANGE_TOLERANCE, joint.upper + RANGE_TOLERANCE
+        lower, upper = min(lowest, *here[name]), max(highest, *here[name])
         for index, point in enumerate(request.points):
             position = point.positions[column]
-            if not joint.lower <= position <= joint.upper:
+            if not lower <= position <= upper:
                 raise InvalidTrajectoryError(
                     f"Point {index} has the position {position} for '{name}'; "
                     f"allowed is {joint.lower} to {joint.upper}.",
                     remedy="Give positions within the limits of the joint.",
                     details={"point": index, "joint": name, "reason": "limits"},
                 )
+            lower = min(lowest, max(lower, position))
+            upper = max(highest, min(upper, position))
 
 
-def check_segment_velocity(
-    joint: JointDescription, segment: JointTrajectorySegment
-) -> None:
-    """Refuse a segment whose mean or last velocity exceeds the limit of its joint.
+def check_segment(joint: JointDescription, segment: JointTrajectorySegment) -> None:
+    """Refuse a segment that is too fast for its joint, or leads beyond its limits.
 
-    Between its ends a segment may be faster than the limit, because a motion from rest
-    to rest peaks above its mean velocity; the joint limits of the hardware bound that
-    peak. A velocity above `_PEAK_RATIO` times the limit is refused, because only wrong
-    velocities or accelerations of the points lead to it.
+    Both ends of a segment may be allowed while the spline between them is not: it
+    swings out when velocities and time do not fit the distance.
 
     Args:
-        joint: The joint; unlimited when its description has no velocity limit.
+        joint: The joint; unlimited when its description has no limits.
         segment: The motion from one point to the next.
 
     Raises:
-        InvalidTrajectoryError: The segment is too fast; `details["reason"]` is `pace`.
+        InvalidTrajectoryError: The segment is not allowed; `details["reason"]` is
+            `pace` or `limits`.
     """
-    duration = segment.end_time - segment.start_time
-    start = segment.spline.sample_dimension(segment.start_time)[0]
-    distance = segment.end.position[0] - start
+    _, duration, *powers = segment.spline.splines
+    start, end = powers[0], segment.end.position[0]
+    distance = end - start
     unit = "m" if joint.is_linear() else "rad"
-    if abs(distance) <= joint.velocity * duration * (1.0 + _ROUNDING):
-        _check_velocities(joint, segment, unit)
+    # `not <=` instead of `>`: NaN compares false, and is refused like this.
+    if not abs(distance) <= joint.velocity * duration * (1.0 + _ROUNDING):
+        raise InvalidTrajectoryError(
+            f"Joint '{joint.name}' would have to move {distance:.6g} {unit} in "
+            f"{duration:.6g} s on its way to {end:.6g} {unit}; its limit is "
+            f"{joint.velocity:.6g} {unit}/s.",
+            remedy="Start the trajectory where the joints are, or give it more time.",
+            details={
+                "reason": "pace",
+                "joint": joint.name,
+                "distance": distance,
+                "duration": duration,
+                "velocity_limit": joint.velocity,
+            },
+        )
+    _check_speed(joint, powers, duration, end)
+    _check_range(joint, powers, duration, end)
+
+
+def _check_speed(
+    joint: JointDescription, powers: Sequence[float], duration: float, end: float
+) -> None:
+    unit = "m" if joint.is_linear() else "rad"
+    rates = [power * value for power, value in enumerate(powers)][1:]
+    last = sum(rate * duration**power for power, rate in enumerate(rates))
+    limit = joint.velocity * (1.0 + _ROUNDING)
+    peak = _PEAK_RATIO * joint.velocity
+    slowest, fastest = _extremes(rates, duration, -peak, peak)
+    velocity = fastest if fastest > -slowest else slowest
+    if abs(last) <= limit and -peak <= slowest and fastest <= peak:
         return
+    if not abs(last) <= limit:
+        velocity = last
     raise InvalidTrajectoryError(
-        f"Joint '{joint.name}' would have to move {distance:.6g} {unit} in "
-        f"{duration:.6g} s on its way to {segment.end.position[0]:.6g} {unit}; its "
-        f"limit is {joint.velocity:.6g} {unit}/s.",
-        remedy="Start the trajectory where the joints are, or give it more time.",
+        f"Joint '{joint.name}' would move with {velocity:.6g} {unit}/s on its "
+        f"way to {end:.6g} {unit}; its limit is {joint.velocity:.6g} {unit}/s.",
+        remedy="Correct the velocities and accelerations of the points, or give the "
+        "motion more time.",
         details={
             "reason": "pace",
             "joint": joint.name,
-            "distance": distance,
-            "duration": duration,
+            "velocity": velocity,
             "velocity_limit": joint.velocity,
         },
     )
 
 
-def _check_velocities(
-    joint: JointDescription, segment: JointTrajectorySegment, unit: str
+def _check_range(
+    joint: JointDescription, powers: Sequence[float], duration: float, end: float
 ) -> None:
-    duration = segment.end_time - segment.start_time
-    for sample in range(1, _SAMPLES + 1):
-        time = segment.start_time + duration * sample / _SAMPLES
-        velocity = segment.spline.sample_dimension(time)[1]
-        peak = 1.0 if sample == _SAMPLES else _PEAK_RATIO
-        # `not <=` instead of `>`: NaN compares false, and is refused like this.
-        if not abs(velocity) <= peak * joint.velocity * (1.0 + _ROUNDING):
-            raise InvalidTrajectoryError(
-                f"Joint '{joint.name}' would move with {velocity:.6g} {unit}/s on its "
-                f"way to {segment.end.position[0]:.6g} {unit}; its limit is "
-                f"{joint.velocity:.6g} {unit}/s.",
-                remedy="Correct the velocities and accelerations of the points.",
-                details={
-                    "reason": "pace",
-                    "joint": joint.name,
-                    "velocity": velocity,
-                    "velocity_limit": joint.velocity,
-                },
-            )
+    unit = "m" if joint.is_linear() else "rad"
+    lower = min(joint.lower, powers[0], end) - RANGE_TOLERANCE
+    upper = max(joint.upper, powers[0], end) + RANGE_TOLERANCE
+    lowest, highest = _extremes(powers, duration, lower, upper)
+    if lower <= lowest and highest <= upper:
+        return
+    position = highest if highest > upper else lowest
+    raise InvalidTrajectoryError(
+        f"Joint '{joint.name}' would swing out to {position:.6g} {unit} on its way to "
+        f"{end:.6g} {unit}; allowed is {joint.lower} to {joint.upper}.",
+        remedy="Give points whose velocities fit the distance and the time between "
+        "them, or more points.",
+        details={"reason": "limits", "joint": joint.name, "position": position},
+    )
+
+
+def _extremes(
+    powers: Sequence[float], duration: float, low: float, high: float
+) -> tuple[float, float]:
+    """Return the least and the greatest value of a polynomial, or `low` and `high`.
+
+    NaN for a polynomial whose values are not finite.
+
+    Args:
+        powers: Coefficients of the powers of time, the constant first.
+        duration: Where the polynomial ends [s]; it begins at 0.
+        low: Returned when no value is less.
+        high: Returned when no value is greater.
+    """
+    degree = len(powers) - 1
+    scaled = [value * duration**power for power, value in enumerate(powers)]
+    # The control points of its Bézier curve, whose hull holds the whole polynomial.
+    points = [
+        sum(comb(j, k) / comb(degree, k) * scaled[k] for k in range(j + 1))
+        for j in range(degree + 1)
+    ]
+    if not all(map(isfinite, points)):
+        return nan, nan
+    slack = _ROUNDING * max(map(abs, points))
+    return _extremes_of_curve(points, low, high, slack)
+
+
+def _extremes_of_curve(
+    points: list[float], low: float, high: float, slack: float
+) -> tuple[float, float]:
+    low, high = min(low, points[0], points[-1]), max(high, points[0], points[-1])
+    # Without any slack, rounding would have every half of a flat curve halved again.
+    if low - slack <= min(points) and max(points) <= high + slack:
+        return low, high
+    first, second = [points[0]], [points[-1]]
+    while len(points) > 1:  # de Casteljau's algorithm halves the curve
+        points = [0.5 * (a + b) for a, b in pairwise(points)]
+        first.append(points[0])
+        second.append(points[-1])
+    low, high = _extremes_of_curve(first, low, high, slack)
+    return _extremes_of_curve(second[::-1], low, high, slack)

@@ -6,9 +6,9 @@ joint_trajectory_controller_impl.h.
 
 import threading
 from collections import deque
-from collections.abc import Mapping
-from dataclasses import dataclass
-from math import inf
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import inf, pi
 
 from typing_extensions import override
 
@@ -21,9 +21,9 @@ from station.controllers.joint_trajectory_controller.joint_tracking import (
     JointTracking,
 )
 from station.controllers.joint_trajectory_controller.request_limits import (
-    check_duration,
     check_positions,
-    check_segment_velocity,
+    check_segment,
+    check_times,
 )
 from station.controllers.joint_trajectory_controller.speed_scaling import SpeedScaling
 from station.controllers.joint_trajectory_controller.trajectory_update import (
@@ -36,12 +36,14 @@ from station.core.description.urdf import JointType
 from station.core.errors import InvalidTrajectoryError
 from station.core.ports.goal import Goal, GoalResult, GoalStatus
 from station.core.ports.receipt import Receipt
+from station.core.ports.set_point import RANGE_TOLERANCE
 from station.core.trajectory import (
     JointTolerances,
     JointTrajectory,
     JointTrajectorySegment,
     PosVelAccState,
     SegmentTrajectory,
+    StateTolerances,
     TrajectoryOptions,
     check_joint_names,
     find_segment,
@@ -55,6 +57,10 @@ from station.memory.doubles import zeros
 
 _STANDSTILL = 1e-6
 """Speed scaling below which a trajectory counts as paused."""
+_HALF_TURN = pi * (1.0 + 1e-6)
+"""Largest angle without whole turns, with the rounding of written numbers [rad]."""
+_STANDS = 1e-6
+"""How exactly a joint stands where a request has measured it to be [rad or m]."""
 _KEPT = 8
 """Number of replaced trajectories kept until a planning thread frees them."""
 
@@ -65,6 +71,8 @@ class _Request:
 
     Attributes:
         trajectory: The segments of every joint; None to stop and hold.
+        is_void: Whether what was commanded counts no longer, so that the joints hold
+            where they are.
         goal: The goal that ends with the trajectory; None for a trajectory without one.
         receipt: Where the cycle is noted that takes the request up.
     """
@@ -72,6 +80,7 @@ class _Request:
     trajectory: SegmentTrajectory | None
     goal: Goal | None
     receipt: Receipt | None = None
+    is_void: bool = False
 
 
 class TrajectoryExecution(TrajectoryTime):
@@ -86,8 +95,9 @@ class TrajectoryExecution(TrajectoryTime):
     Args:
         joints: The joints.
         tracking: Their measured states; receives desired states and errors.
-        stop_duration: Time in which a motion is ended [s]; 0 to hold the measured
-            positions at once.
+        stop_duration: Time in which a motion is ended [s]; 0 to hold at once.
+        path_bounds: Path tolerances of trajectories without a goal, shape (n,); None
+            for none.
         allow_partial_joints_goal: Whether a trajectory may leave joints out.
         speed: Speed scaling of the trajectory; full speed when None.
 
@@ -96,9 +106,12 @@ class TrajectoryExecution(TrajectoryTime):
 
     Source:
         JointTrajectoryController; differs: after a violated tolerance the joints are
-        stopped and held, not moved on; only continuous joints take the shortest way in
-        the error; positions beyond a joint's limits are refused, and segments that
-        need more than its velocity.
+        stopped and held, not moved on; a stopped joint holds what was commanded, not
+        what is measured, unless it has left its path tolerance; only continuous joints
+        take the shortest way in the error, and a position beyond half a turn is meant
+        as it is; a moving joint goes on without a step of its velocity; positions
+        beyond a joint's limits are refused, and segments that are too fast or lead
+        beyond the limits.
     """
 
     def __init__(
@@ -107,6 +120,7 @@ class TrajectoryExecution(TrajectoryTime):
         tracking: JointTracking,
         *,
         stop_duration: float = 0.0,
+        path_bounds: Sequence[StateTolerances] | None = None,
         allow_partial_joints_goal: bool = False,
         speed: SpeedScaling | None = None,
     ) -> None:
@@ -114,6 +128,7 @@ class TrajectoryExecution(TrajectoryTime):
         self._names = [joint.name for joint in joints]
         self._wraps = [joint.type is JointType.CONTINUOUS for joint in joints]
         self._stop_duration = stop_duration
+        self._path_bounds = path_bounds or [StateTolerances()] * len(joints)
         self._allow_partial = allow_partial_joints_goal
         super().__init__(SpeedScaling() if speed is None else speed, tracking.splines)
         self.tracking = tracking
@@ -139,7 +154,7 @@ class TrajectoryExecution(TrajectoryTime):
         tracking.velocities[:] = memory.velocities
         tracking.accelerations[:] = zeros(len(self._joints))
         self.sampled = 0.0
-        self._trajectory = self._resting()
+        self._trajectory = self._resting(is_void=True)
         self.load_time = -inf
 
     def end_goals(self, status: GoalStatus, reason: str) -> None:
@@ -192,13 +207,15 @@ class TrajectoryExecution(TrajectoryTime):
             else:
                 receipt.hand_over(lambda: self._requests.append(made))
 
-    def hold(self, receipt: Receipt | None = None) -> None:
+    def hold(self, receipt: Receipt | None = None, *, is_void: bool = False) -> None:
         """Let the next cycle end the motion and hold. Any thread; takes no lock.
 
         Args:
             receipt: Where the cycle is noted that takes the request up.
+            is_void: Whether what was commanded counts no longer, because of a stop, a
+                reset or a recovery: the joints hold where they are.
         """
-        self._requests.append(_Request(None, None, receipt))
+        self._requests.append(_Request(None, None, receipt, is_void))
 
     def advance(self, time: float, period: float) -> None:
         """Compute the desired states and the errors of the present cycle.
@@ -269,29 +286,123 @@ class TrajectoryExecution(TrajectoryTime):
         goal: Goal | None,
         tolerances: Mapping[str, JointTolerances] | None,
         receipt: Receipt | None,
-    ) -> SegmentTrajectory:
+    ) -> SegmentTrajectory | None:
+        """Return the trajectory of a request; None to hold, where all joints are there.
+
+        Raises:
+            InvalidTrajectoryError: The request cannot be followed.
+        """
         time, period, uptime = self.moment
         if receipt is not None:
             receipt.planned_at = time
-        check_duration(request, time)
-        current = self._latest_trajectory()
+        check_times(request, time)
+        request, tolerances = self._stays(request, tolerances)
         following = uptime + to_nanoseconds(period * self.speed.factor)
-        planned = init_joint_trajectory(
-            request,
-            time + period,
-            TrajectoryOptions(
-                current=current,
-                joint_names=self._names,
-                angle_wraparound=self._wraps,
-                other_time_base=to_seconds(following),
-                allow_partial_joints_goal=self._allow_partial,
-                goal=goal,
-                tolerances=tolerances,
-            ),
+        options = TrajectoryOptions(
+            current=self._latest_trajectory(),
+            joint_names=self._names,
+            angle_wraparound=self._wraps_of(request),
+            other_time_base=to_seconds(following),
+            allow_partial_joints_goal=self._allow_partial,
+            keeps_velocity=True,
+            goal=goal,
+            tolerances=tolerances,
         )
-        check_positions(request, self._joints)
-        self._check_velocities(planned, current)
+        now = time + period
+        try:
+            return self._checked(request, now, options)
+        except InvalidTrajectoryError as error:
+            if error.details.get("reason") == "past" and request.is_due_at_once():
+                self._check_arrived(request, tolerances)
+                return None
+        # Where a moving joint has no room to turn, the line of the original is left.
+        return self._checked(request, now, replace(options, keeps_velocity=False))
+
+    def _checked(
+        self, request: JointTrajectory, now: float, options: TrajectoryOptions
+    ) -> SegmentTrajectory:
+        planned = init_joint_trajectory(request, now, options)
+        check_positions(request, self._joints, self._places())
+        self._check_segments(planned, options.current or [])
         return planned
+
+    def _wraps_of(self, request: JointTrajectory) -> list[bool]:
+        """Return which joints take the short way to the first point of a request.
+
+        Whoever means an angle sends it within half a turn, as planners do. A position
+        beyond counts the turns, and to leave them out would be to report a success
+        after another motion than the one that was asked for.
+        """
+        first = dict(
+            zip(request.joint_names, request.points[0].positions, strict=False)
+        )
+        return [
+            wraps and abs(first.get(name, 0.0)) <= _HALF_TURN
+            for name, wraps in zip(self._names, self._wraps, strict=True)
+        ]
+
+    def _stays(
+        self,
+        request: JointTrajectory,
+        tolerances: Mapping[str, JointTolerances] | None,
+    ) -> tuple[JointTrajectory, Mapping[str, JointTolerances] | None]:
+        """Return a request for where the joints stand as one for where they are held.
+
+        A loaded joint stands below where it is commanded to be. If it were commanded to
+        the place where it stands, it would sink instead of staying there.
+        """
+        places, names = self._places(), request.joint_names
+        point = request.points[0]
+        if (
+            len(request.points) > 1
+            or len(point.positions) != len(names)
+            or any((*point.velocities, *point.accelerations, *self.tracking.velocities))
+            or self._requests
+        ):
+            return request, tolerances
+        offsets: dict[str, float] = {}
+        for name, wanted in zip(names, point.positions, strict=True):
+            commanded, measured = places.get(name, (inf, inf))
+            if abs(wanted - measured) > _STANDS:
+                return request, tolerances
+            offsets[name] = abs(commanded - wanted)
+        held = replace(point, positions=[places[name][0] for name in names])
+        widened = {
+            name: each.with_wider_goal(offsets.get(name, 0.0))
+            for name, each in (tolerances or {}).items()
+        }
+        return replace(request, points=[held]), widened
+
+    def _places(self) -> dict[str, tuple[float, float]]:
+        """Return where each joint is by name: commanded and measured [rad or m]."""
+        measured = self.tracking.memory.positions
+        places = zip(self.tracking.positions, measured, strict=True)
+        return dict(zip(self._names, places, strict=True))
+
+    def _check_arrived(
+        self,
+        request: JointTrajectory,
+        tolerances: Mapping[str, JointTolerances] | None,
+    ) -> None:
+        """Refuse a single point that is due at once where the joints are not.
+
+        Raises:
+            InvalidTrajectoryError: A joint is somewhere else.
+        """
+        places = self._places()
+        for name, wanted in zip(
+            request.joint_names, request.points[0].positions, strict=True
+        ):
+            bounds = (tolerances or {}).get(name, JointTolerances())
+            allowed = max(bounds.goal.position, RANGE_TOLERANCE)
+            distance = min((wanted - place for place in places[name]), key=abs)
+            if abs(distance) > allowed:
+                raise InvalidTrajectoryError(
+                    f"Joint '{name}' is {abs(distance):.6g} away from the only point "
+                    "of the trajectory, which is due at once.",
+                    remedy="Give the point a time_from_start above 0 s.",
+                    details={"reason": "past", "joint": name, "distance": distance},
+                )
 
     def _latest_trajectory(self) -> SegmentTrajectory:
         """Return the trajectory that is executed after all queued requests."""
@@ -303,26 +414,26 @@ class TrajectoryExecution(TrajectoryTime):
             return hold_trajectory(self.sampled, [*self.tracking.positions])
         return latest
 
-    def _check_velocities(
+    def _check_segments(
         self, planned: SegmentTrajectory, current: SegmentTrajectory
     ) -> None:
-        """Refuse new segments that are too fast for their joints.
+        """Refuse new segments that are too fast, or lead beyond the limits.
 
         A trajectory that starts far from where the joints are has such segments.
 
         Raises:
-            InvalidTrajectoryError: A segment is too fast.
+            InvalidTrajectoryError: A segment is too fast, or leads beyond the limits.
         """
         for joint, segments, before in zip(self._joints, planned, current, strict=True):
             # Segments of the present trajectory have been checked before.
             known = {id(segment.spline) for segment in before}
             for segment in segments:
                 if id(segment.spline) not in known:
-                    check_segment_velocity(joint, segment)
+                    check_segment(joint, segment)
 
     def _take_up(self, request: _Request, now: float) -> None:
         if request.trajectory is None:
-            self._follow(self._resting(request.goal))
+            self._follow(self._resting(request.goal, is_void=request.is_void))
         else:
             self._follow(_timely(request.trajectory, self._trajectory, now))
         self._supervision.begin(request.goal, now, self._trajectory)
@@ -336,7 +447,9 @@ class TrajectoryExecution(TrajectoryTime):
         self._trajectory = trajectory
         self.load_time = -inf
 
-    def _resting(self, goal: Goal | None = None) -> SegmentTrajectory:
+    def _resting(
+        self, goal: Goal | None = None, *, is_void: bool = False
+    ) -> SegmentTrajectory:
         """Return a trajectory that ends the motion, from the present cycle on.
 
         A stop ramp begins at the last desired state, so that the motion is continuous
@@ -345,7 +458,8 @@ class TrajectoryExecution(TrajectoryTime):
         now = to_seconds(self.moment[2])
         tracking = self.tracking
         if self._stop_duration == 0.0:
-            return hold_trajectory(now, tracking.memory.positions, goal)
+            held = tracking.memory.positions if is_void else self._held_positions()
+            return hold_trajectory(now, held, goal)
         now = self.sampled
         factor = self.speed.factor
         if factor < _STANDSTILL:
@@ -354,6 +468,22 @@ class TrajectoryExecution(TrajectoryTime):
         states = zip(tracking.positions, tracking.velocities, strict=True)
         moving = [(position, velocity / factor) for position, velocity in states]
         return stop_trajectory(now, self._stop_duration * factor, moving, goal)
+
+    def _held_positions(self) -> list[float]:
+        """Return where the joints hold after a motion was ended [rad or m].
+
+        That is where they were commanded to be: a loaded joint hangs below, and would
+        sink by that much at every end if it held where it is. A joint that has left
+        its path tolerance is stopped by something, and holds where it is.
+        """
+        held, errors = [*self.tracking.positions], self._errors
+        self.splines.compare()
+        for index, segment in enumerate(self._active):
+            is_watched = segment.goal is not None
+            bounds = segment.tolerances.path if is_watched else self._path_bounds[index]
+            if bounds.violation(errors.positions[index], errors.velocities[index]):
+                held[index] = self.tracking.memory.positions[index]
+        return held
 
     @override
     def load(self, now: float) -> None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from math import isfinite
 
 from station.controllers.forward_command_controller import JointQuantity
 from station.core.control.tunables import Tunable, Tunables
@@ -49,7 +50,8 @@ class JointPidGroup:
         commands: The commands, shape (n,).
         group: The PIDs.
         tunables: The gains as run-time parameters, named `<joint>/p`, `/i`, `/d`,
-            `/i_clamp_max` and `/i_clamp_min`. A change keeps errors and integrals.
+            `/i_clamp_max` and `/i_clamp_min`. A change keeps errors and the integral
+            part of the command, as far as the new bounds allow it.
     """
 
     def __init__(
@@ -79,7 +81,11 @@ class JointPidGroup:
                 schema[f"{joint.name}/{key}"] = _tunable(key, value, units[key])
                 values[f"{joint.name}/{key}"] = value
         self.tunables = Tunables(
-            schema, values, check=self._check_bounds, apply=self._set_gains
+            schema,
+            values,
+            check=self._check_bounds,
+            apply=self._set_gains,
+            notes=self._without_effect,
         )
 
     def reset(self) -> None:
@@ -112,8 +118,18 @@ class JointPidGroup:
                     remedy="Send bounds with i_clamp_min <= i_clamp_max.",
                 )
 
+    def _without_effect(self, values: Mapping[str, float]) -> list[str]:
+        return [
+            f"The gain '{name}/i' is {values[f'{name}/i']:g} and has no effect: the "
+            "integral part is bounded by 'i_clamp', which is 0. Give i_clamp, the "
+            "largest integral part of the command."
+            for name in self._names
+            if values[f"{name}/i"] != 0.0
+            and values[f"{name}/i_clamp_min"] == values[f"{name}/i_clamp_max"] == 0.0
+        ]
+
     def _set_gains(self, values: Mapping[str, float]) -> None:
-        self._use([
+        gains = [
             PidGains(
                 p=values[f"{name}/p"],
                 i=values[f"{name}/i"],
@@ -123,7 +139,31 @@ class JointPidGroup:
                 antiwindup=before.antiwindup,
             )
             for name, before in zip(self._names, self._gains, strict=True)
-        ])
+        ]
+        for index, (before, after) in enumerate(zip(self._gains, gains, strict=True)):
+            self._keep_integral_part(index, before, after)
+        self._use(gains)
+
+    def _keep_integral_part(
+        self, index: int, before: PidGains, after: PidGains
+    ) -> None:
+        """Let the integral part of one joint's command go on from where it is.
+
+        The integral part often carries a load. If the integral itself stayed, twice the
+        gain would be twice the torque in the next cycle.
+        """
+        same = (before.i, before.i_min, before.i_max) == (
+            after.i,
+            after.i_min,
+            after.i_max,
+        )
+        if same or after.i == 0.0:
+            return
+        part = before.i * self.group.integral(index)
+        part = max(before.i_min, min(before.i_max, part))
+        integral = part / after.i
+        # The smallest gains would need an integral beyond the largest float.
+        self.group.set_integral(index, integral if isfinite(integral) else 0.0)
 
     def _use(self, gains: list[PidGains]) -> None:
         for index, each in enumerate(gains):

@@ -182,7 +182,11 @@ class ControllerBase:
         joint_names: Names of the elements of the lists in `sample`.
         sampled: Keeps the sample of each cycle; None for a controller that sets
             `sample` itself.
+        accepted_parameters: Names of parameters that files written for the original
+            have, and that rightly have no effect here; no other is taken silently.
     """
+
+    accepted_parameters: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self) -> None:
         self.state = ControllerState.CONSTRUCTED

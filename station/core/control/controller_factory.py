@@ -17,7 +17,7 @@ from station.core.declared_parameter import (
 from station.core.errors import ControllerLoadError, ParameterError, StationError
 from station.core.faults import CONTAINED, describe, trace_of_fault
 from station.core.hardware.robot_hw import ControllerInfo, InterfaceResources, RobotHW
-from station.core.parameters import Parameters
+from station.core.parameters import Parameters, unknown_parameters
 
 FALLBACK = DeclaredParameter(
     name="fallback",
@@ -34,6 +34,8 @@ ALLOW_START_JUMP = DeclaredParameter(
 )
 COMMON_PARAMETERS = (FALLBACK, ALLOW_START_JUMP)
 """Parameters that every controller has, whatever its type."""
+_TOLD = 5
+"""How many unknown parameters the message of a refusal names; its details name all."""
 _NAME = re.compile(r"[A-Za-z0-9_]+(/[A-Za-z0-9_]+)*")
 
 
@@ -81,14 +83,17 @@ class ControllerFactory:
         for loader in self.loaders:
             loader.reload()
 
-    def build(self, name: str) -> LoadedController:
+    def build(self, name: str, *, strict: bool = False) -> LoadedController:
         """Return a new, initialised controller.
 
         Args:
             name: Its name and namespace.
+            strict: Whether a parameter that its type does not know is refused. It is
+                told otherwise, as for every type that declares no parameters.
 
         Raises:
-            ParameterError: Its type or a parameter is missing or impossible (CM-23).
+            ParameterError: Its type or a parameter is missing or impossible (CM-23), or
+                unknown.
             ControllerTypeNotFoundError: No loader knows its type (CM-24).
             ControllerLoadError: It cannot be created or initialised (CM-25 … CM-29).
         """
@@ -98,15 +103,20 @@ class ControllerFactory:
                 remedy="Use letters, digits and '_', with '/' between namespaces.",
                 details={"controller": name},
             )
-        params = self._parameters.namespace(name)
+        tree, reads = self._parameters.tree, set[str]()
+        params = Parameters(tree, self._parameters.resolve(name), reads)
         controller_type = params.get_str("type")
         fallback = tuple(FALLBACK.read_str_list(params))
         may_jump = ALLOW_START_JUMP.read_bool(params)
         controller = create_controller(self.loaders, controller_type)
         claims = self._initialise(name, controller, params)
+        notes = _unknown_parameters(name, controller, params, reads, strict=strict)
+        notes += _hindrances(controller)
         info = ControllerInfo(name, controller_type, claims)
         guards = find_guards(self._hw, claims)
-        return LoadedController(controller, info, guards, fallback, may_jump=may_jump)
+        return LoadedController(
+            controller, info, guards, fallback, may_jump=may_jump, notes=notes
+        )
 
     def _initialise(
         self, name: str, controller: ControllerBase, params: Parameters
@@ -128,6 +138,51 @@ class ControllerFactory:
                 remedy="Correct the controller's init.",
                 details={"controller": name, "traceback": trace_of_fault()},
             ) from error
+
+
+def _unknown_parameters(
+    name: str,
+    controller: ControllerBase,
+    params: Parameters,
+    reads: set[str],
+    *,
+    strict: bool,
+) -> tuple[str, ...]:
+    """Return a sentence about each parameter that is neither read nor declared.
+
+    Raises:
+        ParameterError: There is one, and `strict` is true.
+    """
+    declared = controller.declared_parameters()
+    joints = controller.joint_names or [""]
+    names = {each.of(joint).name for each in declared for joint in joints}
+    names.update(controller.accepted_parameters)
+    known = reads | {params.resolve(each) for each in names}
+    unknown = unknown_parameters(params, known)
+    if unknown and strict and declared:
+        raise ParameterError(
+            " ".join(
+                f"Controller '{name}' has no parameter '{path}'. {meant}"
+                for path, meant in unknown[:_TOLD]
+            ),
+            remedy="Correct the name, or leave the parameter out.",
+            details={"controller": name, "parameters": [path for path, _ in unknown]},
+        )
+    return tuple(
+        f"The parameter '{path}' is unknown and has no effect. {meant}"
+        for path, meant in unknown
+    )
+
+
+def _hindrances(controller: ControllerBase) -> tuple[str, ...]:
+    """Return a sentence about what in the code of `update` holds the loop up."""
+    code = getattr(type(controller).update, "__code__", None)
+    if code is None or "print" not in code.co_names:
+        return ()
+    return (
+        "Its update calls print, which writes in the control thread and makes cycles "
+        "late. Set a sample or tunables to see values while it runs.",
+    )
 
 
 def _describe_type(loader: ControllerLoader, controller_type: str) -> ControllerType:

@@ -47,6 +47,10 @@ from station.core.parameters import Parameters
 
 __all__ = ["ControllerManager", "ControllerStatus"]
 
+_PATIENCE = 0.004
+"""How long a list waits for the end of a change of who runs [s]: the event loop that
+asks for it answers the stop, too."""
+
 
 class ControllerManager:
     """The controllers of one robot.
@@ -76,6 +80,7 @@ class ControllerManager:
         self._lock = threading.Lock()
         self._switches = SwitchCaller(hw, self._runner, clock, self._lock)
         self._loading: dict[str, Loading] = {}
+        self._listed: dict[str, ControllerStatus] = {}
 
     @property
     def pump(self) -> Callable[[], None] | None:
@@ -198,7 +203,9 @@ class ControllerManager:
 
     # Loading
 
-    def load_controller(self, name: str, timeout: float = LOAD_TIMEOUT) -> None:
+    def load_controller(
+        self, name: str, timeout: float = LOAD_TIMEOUT, *, strict: bool = False
+    ) -> None:
         """Load the controller whose type and parameters are under `name` (CM-21).
 
         Its import, its constructor and its `init` run in a thread of their own while
@@ -207,6 +214,7 @@ class ControllerManager:
         Args:
             name: Its name and namespace.
             timeout: How long to wait for it [s wall time], > 0.
+            strict: Whether a parameter that its type does not know is refused, or told.
 
         Raises:
             ControllerExistsError: That name is loaded already (CM-22), or being loaded.
@@ -216,7 +224,7 @@ class ControllerManager:
                 or not in time, or the loading was cancelled.
         """
         self._refuse_control_thread("load")
-        loading = Loading(name, lambda: self._factory.build(name))
+        loading = Loading(name, lambda: self._factory.build(name, strict=strict))
         with self._lock:
             self._refuse_duplicate(name)
             self._loading[name] = loading
@@ -261,9 +269,31 @@ class ControllerManager:
             self._unload(self._runner.find(name))
 
     def list_controllers(self) -> list[ControllerStatus]:
-        """Return the loaded controllers in load order (CM-81), then those loading."""
-        loaded = [one.status() for one in self._runner.loaded]
+        """Return the loaded controllers in load order (CM-81), then those loading.
+
+        All are as they were between the same two changes of who runs: in the middle of
+        a switch a joint would seem to have two owners. While a change takes longer than
+        `_PATIENCE`, they are as they were before it.
+        """
+        loaded = self._between_changes()
         return [*loaded, *(one.status() for one in list(self._loading.values()))]
+
+    def _between_changes(self) -> list[ControllerStatus]:
+        changes, clock = self._runner.changes, self._clock
+        deadline = clock.now() + _PATIENCE
+        is_inside = threading.get_ident() == self._runner.thread
+        while True:
+            before = changes.count
+            if before % 2 == 0 or is_inside:
+                found = [one.status() for one in self._runner.loaded]
+                if changes.count == before:
+                    self._listed = {status.name: status for status in found}
+                    return found
+            now = clock.now()
+            if now >= deadline:
+                loaded, listed = self._runner.loaded, self._listed
+                return [listed.get(o.info.name) or o.status() for o in loaded]
+            clock.sleep_until(now + _PATIENCE / 20.0)
 
     def conditions(self) -> list[ControllerCondition]:
         """Return state and fault of each loaded controller, without statistics.

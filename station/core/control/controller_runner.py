@@ -35,6 +35,31 @@ STALL_MEMORY = 10.0
 """How long the first of these counts [s station time]."""
 
 
+class StateChanges:
+    """Marks when the control thread changes who runs, for readers in other threads.
+
+    Nobody waits for a lock: a reader looks whether a change has begun or ended while it
+    read, and reads again. Entered for a change, also within one.
+
+    Attributes:
+        count: Odd during a change; another number after each.
+    """
+
+    def __init__(self) -> None:
+        self.count = 0
+        self._depth = 0
+
+    def __enter__(self) -> None:
+        self._depth += 1
+        if self._depth == 1:
+            self.count += 1
+
+    def __exit__(self, *_: object) -> None:
+        self._depth -= 1
+        if self._depth == 0:
+            self.count += 1
+
+
 class ControllerRunner(ControllerRound):
     """Runs the loaded controllers; every method is for the control thread.
 
@@ -48,12 +73,14 @@ class ControllerRunner(ControllerRound):
         lifecycle: Starts and stops the controllers, and has the list of them.
         interrupted: Names of the controllers that were stopped because the robot did
             not carry out their commands, the last time that happened.
+        changes: When it changes who runs.
     """
 
     def __init__(self, hw: RobotHW) -> None:
         self.lifecycle = ControllerLifecycle(hw)
         super().__init__(self.lifecycle.gate, watch_of(hw), _RUNNING, CONTAINED)
         self.interrupted: tuple[str, ...] = ()
+        self.changes = StateChanges()
         self._hw = hw
         self._transaction: SwitchTransaction | None = None
 
@@ -92,6 +119,10 @@ class ControllerRunner(ControllerRound):
     @override
     def look_closely(self, time: float, period: float) -> None:
         """Do a cycle with a switch, an interruption, a trace or a restart in it."""
+        with self.changes:
+            self._look_closely(time, period)
+
+    def _look_closely(self, time: float, period: float) -> None:
         gate, loaded = self.lifecycle.gate, self.lifecycle.loaded
         if gate.traced_cycles:
             gate.restore()
@@ -116,8 +147,9 @@ class ControllerRunner(ControllerRound):
 
         Another one may have taken over.
         """
-        self._update_after(one, self.lifecycle.loaded, time, period)
-        self._close(time, period)
+        with self.changes:
+            self._update_after(one, self.lifecycle.loaded, time, period)
+            self._close(time, period)
 
     def _close(self, time: float, period: float) -> None:
         """Carry on with a pending switch, and note who owns which commands."""
@@ -161,9 +193,10 @@ class ControllerRunner(ControllerRound):
         self.cycle += 1
         self.time = time
         try:
-            self._carry_on(pending, time, 0.0)
-            self.lifecycle.gate.close(self.lifecycle.loaded)
-            self._note_running()
+            with self.changes:
+                self._carry_on(pending, time, 0.0)
+                self.lifecycle.gate.close(self.lifecycle.loaded)
+                self._note_running()
         finally:
             self.updating = False
         return True
@@ -198,8 +231,9 @@ class ControllerRunner(ControllerRound):
     def _fail(
         self, one: LoadedController, time: float, problem: str, trace: str | None
     ) -> None:
-        self.lifecycle.fail(one, time, problem, trace)
-        self.lifecycle.fall_back(one, time)
+        with self.changes:
+            self.lifecycle.fail(one, time, problem, trace)
+            self.lifecycle.fall_back(one, time)
 
     def _judge_duration(
         self, one: LoadedController, time: float, duration: float
@@ -222,8 +256,8 @@ class ControllerRunner(ControllerRound):
         self._fail(
             one,
             time,
-            f"update took {1000.0 * duration:.3g} ms, {times}; an update may take at "
-            f"most {1000.0 * self.update_budget:.3g} ms",
+            f"update took {milliseconds(duration)}, {times}; an update may take at "
+            f"most {milliseconds(self.update_budget)}",
             None,
         )
 
@@ -251,13 +285,14 @@ class ControllerRunner(ControllerRound):
             time: Station time [s].
         """
         pending = self.pending
-        involved = [] if pending is None else self._end(pending, time)
-        running = [one for one in self.lifecycle.loaded if _is_running(one)]
-        for one in running:
-            self.lifecycle.stop(one, time)
-            one.commands.write_rest()
-        if running or involved:
-            self.lifecycle.release(list(dict.fromkeys((*running, *involved))))
+        with self.changes:
+            involved = [] if pending is None else self._end(pending, time)
+            running = [one for one in self.lifecycle.loaded if _is_running(one)]
+            for one in running:
+                self.lifecycle.stop(one, time)
+                one.commands.write_rest()
+            if running or involved:
+                self.lifecycle.release(list(dict.fromkeys((*running, *involved))))
 
     def _end(self, pending: PendingSwitch, time: float) -> list[LoadedController]:
         """End a switch under way; return the controllers that it was about.
@@ -323,6 +358,16 @@ class ControllerRunner(ControllerRound):
         self.pending = None
         self._transaction = None
         pending.finish(self.cycle)
+
+
+def milliseconds(duration: float) -> str:
+    """Return a duration [s] in milliseconds, of three digits and never as a power.
+
+    Args:
+        duration: The duration [s].
+    """
+    number = 1000.0 * duration
+    return f"{number:.0f} ms" if number >= 99.95 else f"{number:.3g} ms"
 
 
 def _is_running(one: LoadedController) -> bool:

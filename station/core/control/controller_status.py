@@ -20,6 +20,8 @@ class ControllerStatus:
         traceback: Traceback that belongs to `fault`; None if there is none.
         fallback: Names of the controllers that take over when it fails.
         time: How long its update takes [s].
+        notes: What its user may not expect, such as a parameter that has no effect; one
+            sentence or more each.
     """
 
     name: str
@@ -30,6 +32,7 @@ class ControllerStatus:
     traceback: str | None
     fallback: tuple[str, ...]
     time: Percentiles
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -52,12 +52,14 @@ class LoadedController:
         fallback: tuple[str, ...],
         *,
         may_jump: bool,
+        notes: tuple[str, ...] = (),
     ) -> None:
         self.controller = controller
         self.info = info
         self.commands = ControllerCommands(guards)
         self.fallback = fallback
         self.may_jump = may_jump
+        self._notes = notes
         self.fault: str | None = None
         self.traceback: str | None = None
         self.is_unreleased = False
@@ -128,6 +130,7 @@ class LoadedController:
 
     def status(self) -> ControllerStatus:
         """Return its status. Any thread."""
+        tunables = self.controller.tunables
         return ControllerStatus(
             self.info.name,
             self.info.type,
@@ -137,6 +140,7 @@ class LoadedController:
             self.traceback,
             self.fallback,
             self.durations.percentiles(),
+            (*self._notes, *tunables.notes(tunables.values)),
         )
 
     def condition(self) -> ControllerCondition:

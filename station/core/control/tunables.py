@@ -54,6 +54,8 @@ class Tunables:
         apply: Receives a complete, checked set whenever it takes effect, for numbers
             that the controller keeps in another form. Called between two cycles; it
             must return quickly and not fail.
+        notes: Returns a sentence about each value of a complete set that has no effect.
+            Any thread.
 
     Attributes:
         schema: Unit and range by name.
@@ -70,6 +72,7 @@ class Tunables:
         *,
         check: Callable[[Mapping[str, float]], None] | None = None,
         apply: Callable[[Mapping[str, float]], None] | None = None,
+        notes: Callable[[Mapping[str, float]], list[str]] | None = None,
     ) -> None:
         self.schema: dict[str, Tunable] = dict(schema or {})
         self.values: dict[str, float] = dict(values or {})
@@ -80,6 +83,7 @@ class Tunables:
             )
         self._check = check
         self._apply = apply
+        self._notes = notes
 
     @classmethod
     def joined(cls, *parts: "Tunables") -> "Tunables":
@@ -98,11 +102,15 @@ class Tunables:
             for part in parts:
                 part.apply({name: values[name] for name in part.schema})
 
+        def notes(values: Mapping[str, float]) -> list[str]:
+            return [note for part in parts for note in part.notes(values)]
+
         return cls(
             {name: tunable for part in parts for name, tunable in part.schema.items()},
             {name: value for part in parts for name, value in part.values.items()},
             check=check,
             apply=apply,
+            notes=notes,
         )
 
     def checked(self, changes: Mapping[str, float]) -> dict[str, float]:
@@ -144,6 +152,14 @@ class Tunables:
         """
         if self._check is not None:
             self._check(values)
+
+    def notes(self, values: Mapping[str, float]) -> list[str]:
+        """Return a sentence about each value of a complete set that has no effect.
+
+        Args:
+            values: A value for every name, and perhaps more names.
+        """
+        return [] if self._notes is None else self._notes(values)
 
     def apply(self, values: Mapping[str, float]) -> None:
         """Put a set that `checked` has returned into force. Between two cycles only.
@@ -194,9 +210,11 @@ class GainsChange:
         previous: All values before the change.
         revision: Revision of the new values.
         cycle: Number of the first cycle that uses the new values.
+        notes: A sentence about each value that has no effect.
     """
 
     values: dict[str, float]
     previous: dict[str, float]
     revision: int
     cycle: int
+    notes: tuple[str, ...] = ()

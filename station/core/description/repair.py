@@ -13,6 +13,10 @@ RepairKind = Literal[
     "transmission",
     "self_collision",
     "start_pose",
+    "base",
+    "name",
+    "armature",
+    "gravity",
 ]
 
 
@@ -33,6 +37,11 @@ class Repair:
     problem: str
     old: str
     new: str
+
+    @property
+    def is_addition(self) -> bool:
+        """Whether nothing is wrong: a URDF cannot state what was added."""
+        return self.kind in {"armature", "gravity"}
 
     def sentence(self) -> str:
         """Return the repair in one line."""

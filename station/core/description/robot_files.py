@@ -13,16 +13,13 @@ from xml.etree import ElementTree
 from station.core.description.robot_data import data_directories, is_complete
 from station.core.description.urdf_text import parse_robot
 from station.core.errors import RobotDescriptionError
+from station.core.installation import install_command
 
 PACKAGE_SCHEME = "example-robot-data:"
 _MAX_BYTES = 4_000_000
 _FETCH_PANDA = (
     "Fetch it once with `station fetch_robot`, or give the path of a URDF. "
     "`station run` fetches it by itself."
-)
-_INSTALL_ROBOTS = (
-    "Install all its robots (430 MB) with `pip install 'control-station[robots]'`, in "
-    "a clone of the project with `make setup`; or give the path of a URDF."
 )
 
 
@@ -157,7 +154,7 @@ def _find_known_robot(name: str) -> Path:
         )
     raise RobotDescriptionError(
         f"The robot '{name}' of example-robot-data is not on this machine.",
-        remedy=_FETCH_PANDA if name == "panda" else _INSTALL_ROBOTS,
+        remedy=_FETCH_PANDA if name == "panda" else _how_to_install_robots(),
     )
 
 
@@ -222,3 +219,10 @@ def _package_roots(urdf_path: Path) -> list[Path]:
     roots = list(urdf_path.resolve().parents)
     roots += [Path(p) for p in os.environ.get("ROS_PACKAGE_PATH", "").split(":") if p]
     return roots + [directory.parent for directory in data_directories()]
+
+
+def _how_to_install_robots() -> str:
+    return (
+        f"Install all its robots (430 MB): {install_command('robots')}. Or give the "
+        "path of a URDF."
+    )

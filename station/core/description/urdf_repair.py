@@ -16,16 +16,24 @@ ZeroRange = Literal["lock", "free"]
 """What becomes of a joint whose range is 0 to 0."""
 _MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 _LIMITED = {"revolute", "prismatic"}
+_SLACK = 1e-6
+"""How far a follower's range may end before its leader's, as a share of the latter: the
+last decimals of a conversion."""
+_OUT_OF_REACH = 1000.0
+"""End of a range that no slide reaches [m]."""
+WORLD = "world"
+"""The simulator's own name for what everything stands in."""
 
 
 def repair_urdf(
-    xml: str, zero_range: ZeroRange = "lock"
+    xml: str, zero_range: ZeroRange = "lock", base: str = "fixed"
 ) -> tuple[str, tuple[Repair, ...]]:
     """Return a URDF whose joints and inertials can be read, and what was changed.
 
     Args:
         xml: The document.
         zero_range: What becomes of a joint whose range is 0 to 0.
+        base: How the root link is held: `fixed`, `floating` or `planar`.
 
     Returns:
         The document and the repairs; the same text when there is nothing to repair.
@@ -37,6 +45,8 @@ def repair_urdf(
     work.repair_inertials()
     work.repair_ranges()
     work.repair_mimics()
+    work.adopt_root_joint(base)
+    work.rename_world(base)
     if not work.found:
         return xml, ()
     return ET.tostring(work.robot, encoding="unicode"), tuple(work.found)
@@ -102,8 +112,7 @@ class _Repairs:
                 new = "free"
             else:
                 # A slide has no type without a range; 1 km is out of reach.
-                limit.set("lower", "-1000")
-                limit.set("upper", "1000")
+                _set_range(limit, -_OUT_OF_REACH, _OUT_OF_REACH)
                 new = "-1000 to 1000"
             name = joint.get("name", "")
             self._add("range", f"joint '{name}'", "its range is empty", "0 to 0", new)
@@ -134,21 +143,89 @@ class _Repairs:
     def _repair_mimic_range(
         self, joint: ET.Element, leader: ET.Element, rule: tuple[float, float]
     ) -> None:
-        """Widen the range of a mimic joint that its leader's range does not meet."""
-        own, lead = _range(joint), _range(leader)
-        if own is None or lead is None:
+        """Let the ranges of a mimic joint and its leader allow the same motion."""
+        own, limit = _range(joint), joint.find("limit")
+        # Of an inverted range nobody knows what was meant.
+        if own is None or limit is None or own[0] > own[1] or rule[0] == 0.0:
+            return
+        lead = _range(leader)
+        if lead is None:
+            self._free_mimic(joint, limit, leader.get("name", ""))
             return
         low, high = sorted(rule[0] * end + rule[1] for end in lead)
-        if min(own[1], high) > max(own[0], low) or low == high:
+        slack = _SLACK * (high - low)
+        if own[0] - low <= slack and high - own[1] <= slack:
             return
-        limit = joint.find("limit")
-        if limit is not None:
-            limit.set("lower", repr(low))
-            limit.set("upper", repr(high))
+        name = leader.get("name", "")
+        if min(own[1], high) > max(own[0], low):
+            low, high = min(own[0], low), max(own[1], high)
+            problem = f"its range is smaller than that of '{name}', which it follows"
+        else:
+            problem = f"its range does not meet that of '{name}'"
+        _set_range(limit, low, high)
         where = f"joint '{joint.get('name', '')}'"
-        problem = f"its range does not meet that of '{leader.get('name', '')}'"
-        new = f"{low:g} to {high:g}"
-        self._add("range", where, problem, f"{own[0]:g} to {own[1]:g}", new)
+        old, new = f"{own[0]:g} to {own[1]:g}", f"{low:g} to {high:g}"
+        self._add("range", where, problem, old, new)
+
+    def _free_mimic(self, joint: ET.Element, limit: ET.Element, leader: str) -> None:
+        """Take the range of a mimic joint whose leader has none."""
+        old = f"{limit.get('lower', '0')} to {limit.get('upper', '0')}"
+        if joint.get("type") == "prismatic":
+            _set_range(limit, -_OUT_OF_REACH, _OUT_OF_REACH)
+        else:
+            joint.set("type", "continuous")
+        where = f"joint '{joint.get('name', '')}'"
+        problem = f"its range would block its leader '{leader}', which has none"
+        self._add("range", where, problem, old, "free")
+
+    def adopt_root_joint(self, base: str) -> None:
+        """Let the base take the place of a root joint of the same type."""
+        joints, root = self.robot.findall("joint"), self._root()
+        below = [joint for joint in joints if _link_of(joint, "parent") == root]
+        if len(below) != 1 or below[0].get("type") != base or base == "fixed":
+            return
+        if not self._is_frame_only(root):
+            return
+        below[0].set("type", "fixed")
+        where = f"joint '{below[0].get('name', '')}'"
+        problem = f"robot.base: {base} lets the root link move already"
+        self._add("base", where, problem, base, "fixed")
+
+    def rename_world(self, base: str) -> None:
+        """Give a link another name that has the one of the simulator's world."""
+        above = {
+            _link_of(joint, "child"): joint for joint in self.robot.findall("joint")
+        }
+        is_frame = self._is_frame_only(WORLD)
+        if WORLD in above:
+            is_frame = is_frame and above[WORLD].get("type") == "fixed"
+        else:
+            is_frame = is_frame and base == "fixed"
+        links = {link.get("name"): link for link in self.robot.findall("link")}
+        if WORLD not in links or is_frame:
+            return
+        new = f"{WORLD}_link"
+        while new in links:
+            new += "_"
+        links[WORLD].set("name", new)
+        for element in self.robot.iter():
+            for key in ("link", "reference"):
+                if element.get(key) == WORLD:
+                    element.set(key, new)
+        problem = "the simulation's own frame has this name"
+        self._add("name", f"link '{WORLD}'", problem, WORLD, new)
+
+    def _root(self) -> str:
+        children = {_link_of(joint, "child") for joint in self.robot.findall("joint")}
+        links = [link.get("name", "") for link in self.robot.findall("link")]
+        return next((name for name in links if name not in children), "")
+
+    def _is_frame_only(self, name: str) -> bool:
+        links = self.robot.findall("link")
+        link = next((one for one in links if one.get("name") == name), None)
+        return link is None or (
+            link.find("inertial") is None and link.find("collision") is None
+        )
 
     def _find_leader(
         self, rule: ET.Element, joints: dict[str, ET.Element]
@@ -177,6 +254,17 @@ class _Repairs:
         self, kind: RepairKind, element: str, problem: str, old: str, new: str
     ) -> None:
         self.found.append(Repair(kind, element, problem, old, new))
+
+
+def _link_of(joint: ET.Element, tag: str) -> str:
+    """Return the parent or child link of a joint; empty if it is missing."""
+    element = joint.find(tag)
+    return "" if element is None else element.get("link", "")
+
+
+def _set_range(limit: ET.Element, low: float, high: float) -> None:
+    limit.set("lower", repr(low))
+    limit.set("upper", repr(high))
 
 
 def _range(joint: ET.Element) -> tuple[float, float] | None:

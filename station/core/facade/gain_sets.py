@@ -15,7 +15,8 @@ from station.core.errors import (
     suggest,
 )
 from station.core.facade.gain_tuning import GainTuning
-from station.core.facade.named_files import FileKind, NamedFiles, user_folder
+from station.core.facade.named_files import FileKind, NamedFiles
+from station.core.user_files import user_folder
 
 _KIND = FileKind("gain set", "gain-sets", GainSetNotFoundError, GainSetError)
 
@@ -115,7 +116,8 @@ class GainSets:
             }
         now = datetime.now(UTC).isoformat(timespec="seconds")
         found = GainSet(name, now, gains)
-        self._files.write(name, {"saved_at": now, "gains": gains})
+        with self._files.changing(name):
+            self._files.write(name, {"saved_at": now, "gains": gains})
         return found
 
     def delete(self, name: str) -> GainSet:
@@ -125,8 +127,9 @@ class GainSets:
             GainSetNotFoundError: There is no set of that name.
             GainSetError: Its file cannot be read or deleted.
         """
-        found = self.get(name)
-        self._files.delete(name)
+        with self._files.changing(name):
+            found = self.get(name)
+            self._files.delete(name)
         return found
 
     def differences(self, name: str) -> list[GainDifference]:

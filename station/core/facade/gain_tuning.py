@@ -192,5 +192,6 @@ class GainTuning:
         for name in changes:
             self.begin(name)
             revision = self._revisions[name]
-            done[name] = GainsChange(wanted[name], before[name], revision, cycle)
+            notes = tuple(found[name].notes(wanted[name]))
+            done[name] = GainsChange(wanted[name], before[name], revision, cycle, notes)
         return done

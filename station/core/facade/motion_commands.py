@@ -15,6 +15,7 @@ from station.core.errors import (
     InvalidTrajectoryError,
     StaleEpochError,
     StationError,
+    show,
 )
 from station.core.facade.input_log import InputLog
 from station.core.loop.control_loop import ControlLoop
@@ -114,6 +115,14 @@ class MotionCommands:
             LoopError: The loop died.
         """
         port = self._set_point_port(name)
+        if not isinstance(values, Iterable) or isinstance(
+            values, (str, bytes, Mapping)
+        ):
+            raise InvalidCommandError(
+                f"The command for '{name}' is {show(values)}; it must be a list.",
+                remedy="Send a list with one number per element.",
+                details={"expected": [element.name for element in port.elements]},
+            )
         generation = port.generation
         whole = self._whole(name, port, values)
         port.check(whole, timeout, rates)

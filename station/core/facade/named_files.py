@@ -3,16 +3,23 @@
 import os
 import re
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 import yaml
 
+from station.core.config_error import ConfigError
 from station.core.errors import StationError, show, suggest
+from station.core.user_files import (
+    changing,
+    make_private_folder,
+    read_regular,
+    user_folder,
+)
+from station.core.yaml_reader import FILE, parse_yaml
 
-LARGEST = 1_000_000
-"""Largest file that is read [characters]."""
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}")
 _SUFFIX = ".yaml"
 _REMEDY = "Correct or delete the file, or save it anew."
@@ -40,16 +47,6 @@ class FileKind:
         return self.noun.replace(" ", "_")
 
 
-def user_folder(name: str) -> Path:
-    """Return where files of this user are kept.
-
-    Args:
-        name: Name of the folder among the data of the control station.
-    """
-    data = os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"
-    return Path(data) / "control-station" / name
-
-
 class NamedFiles:
     """The files of one kind. Any thread.
 
@@ -71,7 +68,7 @@ class NamedFiles:
     def names(self) -> list[str]:
         """Return the names of all files, sorted."""
         try:
-            found = [path.stem for path in self.folder.glob(f"*{_SUFFIX}")]
+            found = [p.stem for p in self.folder.glob(f"*{_SUFFIX}") if p.is_file()]
         except OSError:
             return []
         return sorted(name for name in found if _NAME.fullmatch(name))
@@ -85,8 +82,7 @@ class NamedFiles:
         """
         path = self._path(name)
         try:
-            with path.open(encoding="utf-8") as file:
-                text = file.read(LARGEST + 1)
+            text = read_regular(path, FILE.characters)
         except FileNotFoundError as error:
             raise self._kind.not_found(
                 f"There is no {self._kind.noun} '{name}'.",
@@ -95,13 +91,10 @@ class NamedFiles:
             ) from error
         except (OSError, UnicodeDecodeError) as error:
             raise self.unusable(name, error) from error
-        if len(text) > LARGEST:
-            raise self.unusable(name, f"it is larger than {LARGEST} characters")
         try:
-            data = yaml.safe_load(text)
-        except yaml.YAMLError as error:
-            raise self.unusable(name, f"it is no YAML: {error}") from error
-        return data if isinstance(data, dict) else {}
+            return parse_yaml(text, path.name).values
+        except ConfigError as error:
+            raise self.unusable(name, error.message.rstrip(".")) from error
 
     def write(self, name: str, data: Mapping[str, object]) -> None:
         """Write a file; one of that name is replaced.
@@ -113,7 +106,7 @@ class NamedFiles:
         path = self._path(name)
         text = yaml.safe_dump(dict(data), sort_keys=False)
         try:
-            path.parent.mkdir(parents=True, exist_ok=True)
+            make_private_folder(path.parent)
             # Under another name first: whoever reads meanwhile, and whoever starts
             # after a crash, finds the old file or the new one.
             with tempfile.NamedTemporaryFile(
@@ -137,6 +130,24 @@ class NamedFiles:
             self._path(name).unlink(missing_ok=True)
         except OSError as error:
             raise self.unusable(name, error) from error
+
+    @contextmanager
+    def changing(self, name: str) -> Iterator[None]:
+        """Keep other threads and stations from changing files in the body of a `with`.
+
+        Args:
+            name: The file that is to be changed.
+
+        Raises:
+            StationError: The folder cannot be used, or somebody else changes it for too
+                long; of the kind's own type.
+        """
+        with ExitStack() as stack:
+            try:
+                stack.enter_context(changing(self.folder))
+            except OSError as error:
+                raise self.unusable(name, error) from error
+            yield
 
     def unusable(self, name: str, why: object) -> StationError:
         """Return the error that says why a file cannot be used."""

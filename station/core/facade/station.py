@@ -31,7 +31,7 @@ from station.core.facade.parameter_server import ParameterServer
 from station.core.facade.path_player import PathPlayer
 from station.core.facade.robots import Robots
 from station.core.facade.simulation_control import SimulationControl
-from station.core.facade.station_status import StationStatus
+from station.core.facade.station_status import StationStatus, label_robot
 from station.core.facade.waypoint_paths import WaypointPaths
 from station.core.hardware.robot_report import (
     ContactReport,
@@ -142,9 +142,10 @@ class Station:
         return StationStatus(
             boot_id=self.boot_id,
             epoch=self.loop.epoch,
-            time=self.loop.time,
-            cycle=self.loop.cycle,
+            time=snapshot.stamp if snapshot else self.loop.time,
+            cycle=snapshot.cycle if snapshot else self.loop.cycle,
             robot_type=self._robot_type,
+            robot_label=label_robot(self.loop.hw),
             robot_mode=snapshot.mode if snapshot else "unknown",
             stop_state=latch.state,
             stop_reason=latch.reason,
@@ -256,6 +257,7 @@ class Station:
         params: Mapping[str, object] | None = None,
         *,
         timeout: float = LOAD_TIMEOUT,
+        strict: bool = False,
     ) -> ControllerStatus:
         """Load a controller; doing the same twice is the same as once.
 
@@ -268,6 +270,9 @@ class Station:
                 under `name` say when left out.
             params: Its parameters; those in the parameter tree when left out.
             timeout: How long its import, constructor and init may take [s wall time].
+            strict: Whether a parameter that its type does not know is refused. It is
+                told in the notes of the controller otherwise, as for parameters that
+                were written for ROS.
 
         Raises:
             ControllerExistsError: Something else is loaded under that name, or a
@@ -299,7 +304,7 @@ class Station:
         # Without the lock: the controller's code may take long, or hang.
         is_loaded = False
         try:
-            self.manager.load_controller(name, timeout)
+            self.manager.load_controller(name, timeout, strict=strict)
             is_loaded = True
         finally:
             with self._change_lock:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from station.compiled import CompilationStatus
 from station.core.facade.simulation_control import SimulationReport
+from station.core.hardware.robot_hw import RobotHW
 from station.core.hardware.robot_report import ClampReport
 from station.core.loop.loop_report import LoopReport
 from station.core.loop.stop_latch import StopState
@@ -19,6 +20,7 @@ class StationStatus:
         time: Station time [s].
         cycle: Number of the last cycle.
         robot_type: Type of the robot, `package/Class`.
+        robot_label: SIMULATION, or REAL ARM with its address, for people.
         robot_mode: The robot's mode in one word.
         stop_state: State of the latched stop.
         stop_reason: Why it was engaged last.
@@ -35,6 +37,7 @@ class StationStatus:
     time: float
     cycle: int
     robot_type: str
+    robot_label: str
     robot_mode: str
     stop_state: StopState
     stop_reason: str
@@ -44,3 +47,15 @@ class StationStatus:
     clamps: tuple[ClampReport, ...]
     command_violations: int
     last_command_violation: str | None
+
+
+def label_robot(hw: RobotHW) -> str:
+    """Return what everybody calls a robot who must know whether something real moves.
+
+    Args:
+        hw: The robot; one of several counts as real if any of them is.
+    """
+    if hw.simulated_world() is not None:
+        return "SIMULATION"
+    address = hw.address()
+    return f"REAL ARM {address}" if address else "REAL ROBOT"

@@ -1,6 +1,5 @@
 """Waypoint paths on disk: captured from where the robot is, edited, kept."""
 
-import threading
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime
@@ -75,8 +74,6 @@ class WaypointPaths:
         self._loop = loop
         self._manager = manager
         self._files = NamedFiles(_KIND, folder)
-        # Two captures at a time must not lose one of their waypoints.
-        self._change_lock = threading.Lock()
 
     def names(self) -> list[str]:
         """Return the names of all paths, sorted."""
@@ -105,7 +102,7 @@ class WaypointPaths:
             WaypointPathError: The file cannot be written.
             InvalidTrajectoryError: A joint is unknown, or a number is impossible.
         """
-        with self._change_lock:
+        with self._files.changing(name):
             return self._save(name, waypoints)
 
     def capture(
@@ -128,7 +125,8 @@ class WaypointPaths:
             LoopError: No cycle has run yet.
         """
         positions = self.present_positions()
-        with self._change_lock:
+        # Two captures at a time, be it of two stations, must not lose a waypoint.
+        with self._files.changing(name):
             known = self.get(name).waypoints if name in self.names() else ()
             added = Waypoint(waypoint or _free_name(known), duration, positions)
             return self._save(name, (*known, added))
@@ -140,7 +138,7 @@ class WaypointPaths:
             WaypointPathNotFoundError: There is no path of that name.
             WaypointPathError: Its file cannot be read or deleted.
         """
-        with self._change_lock:
+        with self._files.changing(name):
             found = self.get(name)
             self._files.delete(name)
             return found

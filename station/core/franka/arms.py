@@ -34,6 +34,7 @@ class ArmReport:
         is_connected: Whether the arm is connected.
         errors: The present errors, or else the errors that ended the last motion.
         remedy: What to do before the arm can move; None when it can move.
+        caution: What is about to end a motion, and what to do; None when nothing is.
     """
 
     arm_id: str
@@ -41,6 +42,7 @@ class ArmReport:
     is_connected: bool
     errors: tuple[ArmError, ...]
     remedy: str | None
+    caution: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,6 +99,7 @@ class Arms:
             arm.is_connected(),
             tuple(arm.errors()),
             arm.remedy(),
+            _caution(arm.near_errors()),
         )
 
     def state(self, arm_id: str) -> RobotState:
@@ -214,3 +217,17 @@ class Arms:
                 f"Arm '{arm_id}' is not simulated.", remedy="Do it by hand."
             )
         return simulation
+
+
+def _caution(near: Sequence[ArmError]) -> str | None:
+    if not near:
+        return None
+    found = "; ".join(
+        f"{one.name} at {one.where} is raised above {one.limit:.6g} {one.unit}, and "
+        f"the estimate is {one.value:.3g} {one.unit}"
+        for one in near
+    )
+    return (
+        f"{found}. Remove what touches the arm, or raise the thresholds with "
+        "set_force_torque_collision_behavior."
+    )

@@ -65,9 +65,9 @@ class ArmRecord:
 class FrankaServices(RecoverableRobot):
     """The services of one arm, under its arm_id.
 
-    `robot_mode`, `errors`, `remedy` and `is_connected` may be called by any thread; the
-    other methods belong to the control thread, between two cycles. The setters are
-    refused while the arm moves, as a real arm refuses them.
+    `robot_mode`, `errors`, `near_errors`, `remedy` and `is_connected` may be called by
+    any thread; the other methods belong to the control thread, between two cycles. The
+    setters are refused while the arm moves, as a real arm refuses them.
     """
 
     @abstractmethod
@@ -85,6 +85,10 @@ class FrankaServices(RecoverableRobot):
     @abstractmethod
     def errors(self) -> list[ArmError]:
         """Return the present errors, or else the errors that ended the last motion."""
+
+    @abstractmethod
+    def near_errors(self) -> list[ArmError]:
+        """Return the errors that are raised if what acts on the arm grows a little."""
 
     @abstractmethod
     def log(self) -> list[ArmRecord]:

@@ -232,6 +232,12 @@ class CombinedRobotHW(RobotHW):
         return CombinedWorld(simulated)
 
     @override
+    def address(self) -> str:
+        """Return the addresses of the real robots."""
+        found = [robot.address() for robot in self.robots.values()]
+        return ", ".join(address for address in found if address)
+
+    @override
     def mode(self) -> str:
         """Return the mode all robots are in, else that of the first not running."""
         modes = [robot.mode() for robot in self.robots.values()]

@@ -286,6 +286,13 @@ class RobotHW(InterfaceManager):
         """
         return None
 
+    def address(self) -> str:
+        """Return where a real robot is, e.g. its IP address; empty for a simulated one.
+
+        People read it beside REAL ARM, so that they know which robot will move.
+        """
+        return ""
+
     def mode(self) -> str:
         """Return the robot's mode in one word, for status displays.
 

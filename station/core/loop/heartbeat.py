@@ -40,7 +40,7 @@ class LoopLife(IntEnum):
 
 
 class Heartbeat:
-    """The shared page: one time, four bytes, and the reason of a stop.
+    """The shared page: two times, four bytes, and the reason of a stop.
 
     Args:
         memory: At least `PAGE_BYTES` writable bytes. Without a watchdog a page of the
@@ -49,6 +49,8 @@ class Heartbeat:
     Attributes:
         beats: One number, the monotonic time of the loop's last wake-up [s]. Storing it
             is the only thing that a cycle does for the watchdog.
+        watchdog_beats: One number, the monotonic time of the watchdog's last look [s];
+            0 until a watchdog is started.
         flags: Four bytes; `flags[0]` is 1 while a stop asked for by the watchdog waits
             for the loop. The others are read and written by the properties.
     """
@@ -62,6 +64,7 @@ class Heartbeat:
         view = memoryview(bytearray(PAGE_BYTES) if memory is None else memory)
         self.beats = view[0:8].cast("d")
         self.flags = view[8:12]
+        self.watchdog_beats = view[16:24].cast("d")
         self._reason = view[_REASON_AT : _REASON_AT + _REASON_BYTES]
 
     @property

@@ -23,6 +23,7 @@ cdef class PidGroup:
     cpdef void set_antiwindup(self, Py_ssize_t k, bint bounds_integral) noexcept
     cpdef void reset(self) noexcept
     cpdef void reset_to(self, Py_ssize_t k, double rate, double integral) noexcept
+    cpdef void set_integral(self, Py_ssize_t k, double integral) noexcept
     cpdef double integral(self, Py_ssize_t k) noexcept
     cpdef long compute(self, double period) noexcept
     cpdef long compute_with_rates(self, double period) noexcept

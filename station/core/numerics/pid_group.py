@@ -92,6 +92,10 @@ class PidGroup:
         """Return the integral of the error of joint `k` [s]."""
         return self.integrals[k]
 
+    def set_integral(self, k: int, integral: float) -> None:
+        """Set the integral of the error of joint `k` [s]; its last error stays."""
+        self.integrals[k] = integral
+
     def compute(self, period: float) -> int:
         """Compute the commands from the errors; their rates follow from the last ones.
 

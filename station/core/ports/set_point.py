@@ -3,11 +3,20 @@
 from collections import deque
 from dataclasses import dataclass
 from math import inf
+from numbers import Real
 
 from station.core.clock import Clock, SystemClock
-from station.core.errors import InvalidCommandError
+from station.core.errors import InvalidCommandError, refuse_non_number
 from station.core.ports.receipt import Receipt
 from station.core.ports.set_point_news import SetPointNews
+
+RANGE_TOLERANCE = 1e-4
+"""How far beyond its range a position may be asked for [rad or m].
+
+Numbers are written with four digits, and a joint rests a little inside its stop.
+"""
+_LENGTHS = {"rad", "m"}
+"""The units of positions."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -239,7 +248,14 @@ def _check_values(elements: list[SetPointElement], values: list[float]) -> None:
             details={"expected": [e.name for e in elements]},
         )
     for element, value in zip(elements, values, strict=True):
-        if not element.minimum <= value <= element.maximum or value - value != 0:
+        if isinstance(value, bool) or not isinstance(value, Real):
+            refuse_non_number(element.name, value)
+        allowed = element.minimum <= value <= element.maximum or (
+            element.unit in _LENGTHS
+            and element.minimum - RANGE_TOLERANCE <= value
+            and value <= element.maximum + RANGE_TOLERANCE
+        )
+        if not allowed or value - value != 0:
             raise InvalidCommandError(
                 f"The command for '{element.name}' is {value}; allowed is "
                 f"{element.minimum} to {element.maximum} {element.unit}.",

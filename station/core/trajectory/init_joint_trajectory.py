@@ -27,6 +27,9 @@ from station.core.trajectory.quintic_spline_segment import (
 from station.core.trajectory.ros_time import to_nanoseconds, to_seconds
 from station.core.trajectory.tolerances import JointTolerances
 
+_MOVING = 1e-6
+"""Speed above which a joint moves [rad/s or m/s]; ends of splines are rounded."""
+
 
 @dataclass(frozen=True, slots=True)
 class TrajectoryOptions:
@@ -42,6 +45,8 @@ class TrajectoryOptions:
         other_time_base: The present time in the time base of `current` and of the
             result [s]; None if that is the time base of the request.
         allow_partial_joints_goal: Whether the request may leave joints out.
+        keeps_velocity: Whether a joint that moves goes on without a step of its
+            velocity when the first point has no velocities, instead of on a line.
         goal: The goal of the new segments; None if they have none.
         tolerances: Bounds of the new segments by joint; None for no bounds.
     """
@@ -51,6 +56,7 @@ class TrajectoryOptions:
     angle_wraparound: Sequence[bool] | None = None
     other_time_base: float | None = None
     allow_partial_joints_goal: bool = False
+    keeps_velocity: bool = False
     goal: Goal | None = None
     tolerances: Mapping[str, JointTolerances] | None = None
 
@@ -161,9 +167,12 @@ def init_joint_trajectory(
                 states = _unwound(states, start_state)
             segments = _remaining(current, times)
             end_time = times.bridge_end(points[0])
+            end = states[0]
+            if options.keeps_velocity and abs(start_state.velocity[0]) > _MOVING:
+                end = _with_velocity(states)
             segments.append(
                 label.segment(
-                    times.takeover(), start_state, end_time, states[0], is_bridge=True
+                    times.takeover(), start_state, end_time, end, is_bridge=True
                 )
             )
         due = [times.of(point) for point in points]
@@ -211,11 +220,16 @@ def _check_points(trajectory: JointTrajectory) -> None:
             remedy="Give at least one point.",
             details={"reason": "empty"},
         )
-    if not trajectory.is_strictly_increasing():
+    index = trajectory.first_not_later()
+    if index is not None:
+        before, late = (
+            trajectory.points[i].time_from_start for i in (index - 1, index)
+        )
         raise InvalidTrajectoryError(
-            "The points of the trajectory are not strictly increasing in time.",
+            f"Point {index} is due {late:.9g} s after the start, not later than point "
+            f"{index - 1}, which is due after {before:.9g} s.",
             remedy="Give every point a later time_from_start than the one before.",
-            details={"reason": "order"},
+            details={"reason": "order", "point": index},
         )
 
 
@@ -307,6 +321,18 @@ def _unwound(
         )
         for state in states
     ]
+
+
+def _with_velocity(states: list[PosVelAccState]) -> PosVelAccState:
+    """Return the first state with a velocity: its own, or that of the line after it."""
+    first, *others = states
+    if first.velocity:
+        return first
+    velocity = 0.0
+    if others:
+        duration = others[0].time_from_start - first.time_from_start
+        velocity = (others[0].position[0] - first.position[0]) / duration
+    return PosVelAccState(first.position, [velocity], [], first.time_from_start)
 
 
 def _remaining(current: JointSegments, times: _Times) -> JointSegments:

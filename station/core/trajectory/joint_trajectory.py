@@ -54,10 +54,20 @@ class JointTrajectory:
         stamp = to_nanoseconds(self.stamp)
         return now if stamp == 0 else stamp
 
-    def is_strictly_increasing(self) -> bool:
-        """Return whether every point is later than the one before."""
+    def is_due_at_once(self) -> bool:
+        """Return whether it is a single point at its start, which is now."""
+        return self.stamp == 0.0 and self.points[-1].time_from_start == 0.0
+
+    def first_not_later(self) -> int | None:
+        """Return the index of the first point that is not later than the one before.
+
+        None if there is none.
+        """
         times = [to_nanoseconds(point.time_from_start) for point in self.points]
-        return all(a < b for a, b in pairwise(times))
+        for index, (before, time) in enumerate(pairwise(times), start=1):
+            if time <= before:
+                return index
+        return None
 
     def last_point_before(self, now: int) -> int | None:
         """Return the index of the last point at or before `now` [ns]; None if none."""

@@ -100,6 +100,17 @@ class JointTolerances:
     goal: StateTolerances = StateTolerances()
     goal_time: float = 0.0
 
+    def with_wider_goal(self, offset: float) -> "JointTolerances":
+        """Return the bounds with a wider one of the position at the end, if any.
+
+        Args:
+            offset: By how much [rad or m], >= 0.
+        """
+        if self.goal.position <= 0.0 or offset == 0.0:
+            return self
+        position = self.goal.position + offset
+        return replace(self, goal=replace(self.goal, position=position))
+
 
 @dataclass(frozen=True, slots=True)
 class ToleranceRequest:

@@ -406,6 +406,11 @@ class FrankaHW(RobotHW):
             self._real.close()
 
     @override
+    def address(self) -> str:
+        """Return the parameter `robot_ip`; empty for a simulated arm."""
+        return self._parameters.robot_ip or ""
+
+    @override
     def simulated_world(self) -> "FrankaWorld | None":
         return self._world
 

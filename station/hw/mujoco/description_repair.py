@@ -4,7 +4,7 @@ With `strict` the description is taken as it is and refused if it cannot be simu
 """
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import inf
 from types import MappingProxyType
@@ -12,15 +12,16 @@ from xml.etree import ElementTree as ET
 
 from station.core.description.repair import Repair
 from station.core.description.robot_files import RobotFiles
-from station.core.description.urdf import Joint, Urdf
+from station.core.description.urdf import Joint, JointLimit, Urdf
 from station.core.description.urdf_repair import ZeroRange, repair_urdf
 from station.core.description.urdf_text import parse_robot
-from station.core.errors import HardwareInterfaceError
+from station.core.errors import HardwareInterfaceError, RobotDescriptionError
 from station.core.hardware.transmissions import TransmissionInfo, TransmissionParser
 from station.core.hardware.transmissions.hardware_interface_kind import (
     HARDWARE_INTERFACES,
 )
 from station.core.hardware.transmissions.transmission_loader import load_transmission
+from station.hw.mujoco.bases import BaseType
 from station.hw.mujoco.inertia_repair import repair_inertias
 from station.hw.mujoco.robot_transmissions import driven_joints, with_package
 from station.hw.urdf_loader import load_urdf
@@ -46,7 +47,12 @@ class RepairedRobot:
 
 
 def repair_robot(
-    files: RobotFiles, *, strict: bool = False, zero_range: ZeroRange = "lock"
+    files: RobotFiles,
+    *,
+    strict: bool = False,
+    zero_range: ZeroRange = "lock",
+    base: BaseType = "fixed",
+    find_effort: Callable[[str], float | None] = lambda joint: None,  # noqa: ARG005 - no joint has another
 ) -> RepairedRobot:
     """Return the robot as it can be simulated.
 
@@ -54,15 +60,20 @@ def repair_robot(
         files: The robot's files.
         strict: Whether nothing may be changed.
         zero_range: What becomes of a joint whose range is 0 to 0.
+        base: How the root link is held.
+        find_effort: Returns the effort limit of a joint that takes the place of the
+            URDF's, >= 0 [Nm or N]; None where the URDF's counts.
 
     Raises:
         RobotDescriptionError: The robot cannot be simulated; no repair is known.
     """
+    xml, repairs = repair_urdf(files.xml, zero_range, base)
     if strict:
-        return RepairedRobot(files, load_urdf(files), ())
-    xml, repairs = repair_urdf(files.xml, zero_range)
+        _refuse_repairs(files, repairs)
     files = replace(files, xml=xml)
-    urdf = load_urdf(files)
+    urdf = _with_efforts(load_urdf(files), find_effort)
+    if strict:
+        return RepairedRobot(files, urdf, repairs)
     xml, transmissions = _repair_transmissions(xml, urdf)
     urdf, inertias = repair_inertias(urdf)
     urdf, frictions = _repair_frictions(urdf)
@@ -81,6 +92,32 @@ def repair_robot(
     )
 
 
+def _refuse_repairs(files: RobotFiles, repairs: Sequence[Repair]) -> None:
+    """Refuse what is wrong in a description that must be right.
+
+    Raises:
+        RobotDescriptionError: Something would have to be repaired.
+    """
+    # These two are no mistakes: the simulator asks for them.
+    wrong = [repair for repair in repairs if repair.kind not in {"base", "name"}]
+    if wrong:
+        raise RobotDescriptionError(
+            f"{files.urdf_path}: {wrong[0].element}: {wrong[0].problem}.",
+            remedy=f"Correct the URDF. Without robot.strict, {wrong[0].new} is used.",
+        )
+
+
+def _with_efforts(urdf: Urdf, find_effort: Callable[[str], float | None]) -> Urdf:
+    """Return the robot with other effort limits of some joints."""
+    joints = dict(urdf.joints)
+    for name, joint in urdf.joints.items():
+        effort = find_effort(name)
+        if effort is not None and joint.type.moves:
+            limit = joint.limit or JointLimit(None, None, velocity=0.0, effort=0.0)
+            joints[name] = replace(joint, limit=replace(limit, effort=effort))
+    return replace(urdf, joints=MappingProxyType(joints))
+
+
 def log_repairs(files: RobotFiles, repairs: Sequence[Repair]) -> None:
     """Write one line per repair; not for the control thread.
 
@@ -90,7 +127,7 @@ def log_repairs(files: RobotFiles, repairs: Sequence[Repair]) -> None:
     """
     for repair in repairs:
         # Links that never touch are no surprise; a changed robot may be one.
-        usual = repair.kind in ("self_collision", "motor")
+        usual = repair.is_addition or repair.kind in ("self_collision", "motor")
         level = logging.INFO if usual else logging.WARNING
         _logger.log(level, "%s: %s", files.urdf_path, repair.sentence())
 

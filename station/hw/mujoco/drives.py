@@ -17,10 +17,13 @@ VELOCITY = 1
 EFFORT = 2
 """Mode of a joint that passes efforts on."""
 
+VELOCITY_GAIN = 1000.0
+"""Rate at which a drive without limits would follow a velocity [1/s]."""
+
 # As C numbers, by the .pxd.
 _VELOCITY = VELOCITY
 _EFFORT = EFFORT
-_VELOCITY_GAIN = 1000.0
+_VELOCITY_GAIN = VELOCITY_GAIN
 _POSITION_GAIN = 100.0
 _SHARE_OF_EFFORT = 0.3
 _SHARE_OF_ACCELERATION = 0.8

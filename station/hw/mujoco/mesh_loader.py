@@ -11,6 +11,9 @@ _BINARY_STL_HEADER = 84
 _BINARY_STL_TRIANGLE = 50
 _MAX_BYTES = 200_000_000
 _MAX_REASON = 200
+_LEAST_CORNERS = 4
+# How a checkout without its large files begins each of them.
+_PLACEHOLDER = b"version https://git-lfs"
 
 
 def add_mesh(spec: mujoco.MjSpec, name: str, shape: Shape) -> None:
@@ -35,9 +38,13 @@ def add_mesh(spec: mujoco.MjSpec, name: str, shape: Shape) -> None:
         )
     check_mesh_file(path)
     mesh = spec.add_mesh(name=name, scale=shape.size)
+    mesh.info = str(path)  # for `compile_world`, if MuJoCo refuses the mesh
     # The link's inertia comes from the URDF; thin or open meshes are not an error.
     mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX
-    if path.suffix.lower() == ".obj" or _is_binary_stl(path):
+    is_obj = path.suffix.lower() == ".obj"
+    if is_obj:
+        _check_obj(path)
+    if is_obj or _is_binary_stl(path):
         mesh.file = str(path)
         return
     vertices, faces = _load_with_trimesh(path)
@@ -52,7 +59,8 @@ def check_mesh_file(path: Path) -> None:
         path: The file.
 
     Raises:
-        RobotDescriptionError: The file has no extension, is missing or too large.
+        RobotDescriptionError: The file has no extension, is missing, too large, or only
+            the placeholder of a large file.
     """
     # The extension alone says which format the readers expect.
     if not path.suffix:
@@ -62,6 +70,8 @@ def check_mesh_file(path: Path) -> None:
         )
     try:
         size = path.stat().st_size
+        with path.open("rb") as file:
+            begin = file.read(len(_PLACEHOLDER))
     except OSError as exc:
         raise RobotDescriptionError(
             f"The mesh file {path} cannot be read: {exc.strerror}.",
@@ -73,6 +83,42 @@ def check_mesh_file(path: Path) -> None:
             f"The mesh file {path} has {size} bytes; a mesh may have {_MAX_BYTES}.",
             remedy="Use a mesh of fewer triangles; only its convex hull collides.",
         )
+    if begin == _PLACEHOLDER:
+        raise RobotDescriptionError(
+            f"The mesh file {path} is the placeholder of a large file.",
+            remedy="Run 'git lfs pull' where it was checked out.",
+        )
+
+
+def _check_obj(path: Path) -> None:
+    """Refuse an OBJ file that is cut, which MuJoCo does not notice or cannot name.
+
+    Raises:
+        RobotDescriptionError: It has no triangles, or a triangle without its corners.
+    """
+    corners = faces = highest = 0
+    with path.open("rb") as file:
+        for line in file:
+            words = line.split()
+            if not words:
+                continue
+            if words[0] == b"v":
+                corners += 1
+            elif words[0] == b"f":
+                faces += 1
+                numbers = [word.partition(b"/")[0] for word in words[1:]]
+                known = [int(n) for n in numbers if n.isdigit()]  # < 0 count backwards
+                highest = max(highest, *known, 0)
+    if not faces or corners < _LEAST_CORNERS:
+        problem = f"has {corners} corners and {faces} triangles"
+    elif highest > corners:
+        problem = f"has a triangle with corner {highest}, and {corners} corners"
+    else:
+        return
+    raise RobotDescriptionError(
+        f"The mesh file {path} {problem}.",
+        remedy="Use another file; this one is empty or cut.",
+    )
 
 
 def _is_binary_stl(path: Path) -> bool:
@@ -88,15 +134,18 @@ def _is_binary_stl(path: Path) -> bool:
 def _load_with_trimesh(path: Path) -> tuple[list[float], list[int]]:
     # Imported on demand: trimesh takes half a second, and most robots do not need it.
     import trimesh
+    from collada import DaeError
 
+    # What the readers of its formats raise for a file that is empty or cut.
+    foreign = (ValueError, LookupError, OSError, TypeError, AttributeError, DaeError)
     try:
-        loaded = trimesh.load_scene(path)
-    except (ValueError, KeyError, OSError) as exc:
+        mesh = trimesh.load_scene(path).to_mesh()
+    except foreign as exc:
+        reason = " ".join(str(exc).split())[:_MAX_REASON].removesuffix(".")
         raise RobotDescriptionError(
-            f"The mesh file {path} cannot be read: {str(exc)[:_MAX_REASON]}.",
-            remedy="Convert the file to STL or OBJ.",
+            f"The mesh file {path} cannot be read: {reason}.",
+            remedy="Use another file, or convert this one to STL or OBJ.",
         ) from exc
-    mesh = loaded.to_mesh()
     if len(mesh.faces) == 0:
         raise RobotDescriptionError(
             f"The mesh file {path} has no triangles.", remedy="Use another file."

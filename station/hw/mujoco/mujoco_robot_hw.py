@@ -23,6 +23,7 @@ from station.core.description.srdf import group_states
 from station.core.description.urdf import JointType, Urdf
 from station.core.errors import (
     HardwareInterfaceError,
+    ParameterError,
     RobotDescriptionError,
     SwitchRefusedError,
 )
@@ -30,7 +31,11 @@ from station.core.hardware.interfaces import (
     JointHandle,
     JointStateInterface,
 )
-from station.core.hardware.limits import LimitMode
+from station.core.hardware.limits import (
+    LimitMode,
+    joint_limits_from_parameters,
+    limits_without_effect,
+)
 from station.core.hardware.robot_hw import ControllerInfo, RobotHW
 from station.core.hardware.robot_report import (
     ClampReport,
@@ -121,8 +126,13 @@ class MujocoRobotHW(RobotHW):
         """
         parameters = read_parameters(hw_params)
         description = load_robot_files(parameters.robot_description)
+        limited = hw_params if hw_params.has("joint_limits") else root_params
         repaired = repair_robot(
-            description, strict=parameters.strict, zero_range=parameters.zero_range
+            description,
+            strict=parameters.strict,
+            zero_range=parameters.zero_range,
+            base=parameters.base_type,
+            find_effort=lambda joint: _effort_of(joint, limited),
         )
         description, urdf = repaired.description, repaired.urdf
         transmissions = read_transmissions(description, urdf)
@@ -153,7 +163,7 @@ class MujocoRobotHW(RobotHW):
             [*joints_of_base(parameters.base_type), *_others(urdf, self._names)],
             interface_of(self, JointStateInterface),
         )
-        limited = hw_params if hw_params.has("joint_limits") else root_params
+        _check_effect(limited, hw_params, urdf)
         self._add_limits(description.xml, urdf, limited, parameters.limit_mode)
         model, data = self.world.model, self.world.data
         self._sensors = WorldSensors(model, data, parameters.sensors)
@@ -371,10 +381,36 @@ class MujocoRobotHW(RobotHW):
         add_hard_stops(self.world, limits)
 
 
+def _effort_of(joint: str, limited: Parameters) -> float | None:
+    """Return the effort limit of a joint in `joint_limits`; None without one."""
+    limits = joint_limits_from_parameters(joint, limited)
+    effort = None if limits is None else limits.max_effort
+    # What is below 0 is refused with the other limits of the joint.
+    return effort if effort is not None and effort >= 0.0 else None
+
+
 def _others(urdf: Urdf, driven: Sequence[str]) -> list[str]:
     """Return the joints that move and have no motor."""
     moving = (joint.name for joint in urdf.joints.values() if joint.type.moves)
     return [name for name in moving if name not in driven]
+
+
+def _check_effect(limited: Parameters, hw_params: Parameters, urdf: Urdf) -> None:
+    """Tell which of the `joint_limits` in a namespace have no effect.
+
+    Raises:
+        ParameterError: The robot's own parameters have such a limit. Others may come
+            from files written for ROS; the log tells them.
+    """
+    for problem in limits_without_effect(limited, urdf.joints):
+        place = "/".join((*limited.path.split("/"), problem)).strip("/")
+        if limited is hw_params:
+            raise ParameterError(
+                f"A limit has no effect: {place}",
+                remedy="Correct it, or leave it out.",
+                details={"parameter": limited.resolve("joint_limits")},
+            )
+        _logger.warning("A limit has no effect: %s", place)
 
 
 def _velocities_of_mimics(urdf: Urdf) -> dict[str, float]:

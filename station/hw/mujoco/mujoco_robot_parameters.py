@@ -9,9 +9,10 @@ robot:
   base_rpy: [0.0, 0.0, 0.0]
   gravity_compensation: true                  # the robot carries its own weight; false
                                               # when the base is floating
-  armature: 0.1                               # of every joint [kg m^2], [kg]
+  armature: 0.1                               # of driven joints [kg m^2], [kg]
   floor: true
   timestep: 0.001                             # of the simulation [s]
+  integrator: auto                            # or implicitfast, rk4
   initial_positions: {elbow_joint: 1.57}      # [rad or m]; others at 0 or mid-range
   limit_mode: ros_control                     # or rate
   joint_limits: {elbow_joint: {…}}            # see limits_from_parameters
@@ -43,6 +44,8 @@ from station.hw.mujoco.bases import BaseType
 SelfCollision = Literal["off", "srdf", "all"]
 """Which links of a robot can touch one another: none, those that its SRDF allows and
 that do not touch at the start, or all that no joint connects."""
+Integrator = Literal["auto", "implicitfast", "rk4"]
+"""How the world goes on by a time step; `auto` chooses by the robot."""
 _KEYS = frozenset({
     "type",
     "robot_description",
@@ -53,6 +56,7 @@ _KEYS = frozenset({
     "armature",
     "floor",
     "timestep",
+    "integrator",
     "initial_positions",
     "limit_mode",
     "joint_limits",
@@ -99,6 +103,7 @@ class MujocoRobotParameters:
     armature: float
     has_floor: bool
     timestep: float
+    integrator: Integrator
     initial_positions: Mapping[str, float]
     limit_mode: LimitMode
     strict: bool
@@ -137,6 +142,7 @@ def read_parameters(params: Parameters) -> MujocoRobotParameters:
         armature=armature,
         has_floor=params.get_bool("floor", default=True),
         timestep=timestep,
+        integrator=_read_choice(params, "integrator", get_args(Integrator), "auto"),
         initial_positions={k: positions.get_float(k) for k in positions.keys()},  # noqa: SIM118 - no mapping
         limit_mode=LimitMode.from_parameters(params),
         strict=params.get_bool("strict", default=False),

@@ -145,7 +145,7 @@ def add_object(spec: mujoco.MjSpec, thing: SceneObject) -> None:
         case "mesh":
             geom.type = mujoco.mjtGeom.mjGEOM_MESH
             geom.meshname = thing.name
-            spec.add_mesh(name=thing.name, file=thing.file)
+            spec.add_mesh(name=thing.name, file=thing.file, info=thing.file)
         case _:
             geom.type = mujoco.mjtGeom.mjGEOM_BOX
             geom.size = [edge / 2.0 for edge in thing.size]

@@ -2,10 +2,12 @@
 
 from typing import Any
 
+import anyio.to_thread
 import viser
-import yaml
 from typing_extensions import override
 
+from station.core.config_error import ConfigError
+from station.core.yaml_reader import FORM, parse_yaml
 from station.ui.controllers_model import Offer, offer_for, startable_first
 from station.ui.load_examples import example_parameters, suggested_name, usefulness
 from station.ui.markup import controller_table, hint, warning
@@ -149,17 +151,15 @@ class LoadForm:
 
     async def _on_load(self, event: Event[Any]) -> None:
         try:
-            params = yaml.safe_load(self._params.value) or {}
-        except yaml.YAMLError as error:
-            self._problem.content = warning(f"The parameters are not YAML: {error}")
-            return
-        if not isinstance(params, dict):
-            text = "The parameters must be `key: value` lines, or a JSON object."
-            self._problem.content = warning(text)
+            read = await anyio.to_thread.run_sync(
+                parse_yaml, self._params.value, "Parameters", FORM
+            )
+        except ConfigError as error:
+            self._problem.content = warning(f"{error.message} {error.remedy}")
             return
         self._problem.content = ""
         loaded = await self._link.client.load_controller(
-            self._name.value.strip(), self._type.value, params
+            self._name.value.strip(), self._type.value, read.values
         )
         await self._link.refresh_controllers()
         self._reporter.done(f"Loaded {loaded.name}. Start it above.", event.client)

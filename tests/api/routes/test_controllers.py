@@ -40,6 +40,7 @@ def test_loading_answers_201_and_the_controller(operator):
         "traceback": None,
         "fallback": [],
         "time": None,
+        "notes": [],
     }
     assert names(operator) == {"spring": "initialized"}
 
@@ -322,3 +323,22 @@ def test_types_are_reloaded_once_no_controller_is_loaded(spring):
     assert spring.reload_controller_types(force_kill=True) == ["spring"]
     assert spring.controllers() == []
     assert spring.reload_controller_types() == []
+
+
+def test_an_unknown_parameter_is_refused_with_the_nearest_or_told(operator):
+    picky = {
+        "name": "picky",
+        "type": "tests.api.spring:PickySpring",
+        "params": {"joint": "j", "k": 2.0, "jiont": "j"},
+    }
+    refused = operator.post("/api/v1/controllers", json=picky)
+    problem = problem_of(refused, 422, "invalid_parameter")
+    assert "'jiont'. Did you mean 'joint'" in problem["detail"]
+    assert names(operator) == {}
+
+    told = operator.post("/api/v1/controllers", json=picky | {"unknown_params": "tell"})
+    assert told.status_code == 201
+    (note,) = told.json()["notes"]
+    assert "'jiont' is unknown and has no effect" in note
+    listed = operator.get("/api/v1/controllers").json()["controllers"]
+    assert listed[0]["notes"] == [note]

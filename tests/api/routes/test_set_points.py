@@ -6,7 +6,6 @@ from station.api.auth import Access, Role
 from station.client import ApiError
 from station.core.ports.set_point import SetPointElement
 from station.events import Origin
-from station.wire.bench import BenchRequest
 from station.wire.excitations import Step
 from tests.api.test_errors import problem_of
 from tests.patient_clock import PatientClock
@@ -206,10 +205,9 @@ def test_a_set_point_under_way_at_a_take_over_does_not_land(spring, station, app
 def test_what_the_bench_refuses_moves_nothing(spring, station):
     """The joint of this robot never moves; what is measured is tried with an arm."""
     station.loop.step()
-    request = BenchRequest(excitation=Step(joint="j", amplitude=0.5))
 
     with pytest.raises(ApiError, match=r"'j' would go 0\.5 rad; allowed") as caught:
-        spring.experiments.measure("spring", request)
+        spring.bench("spring", Step(joint="j", amplitude=0.5))
 
     assert (caught.value.status, caught.value.code) == (422, "impossible_range")
     assert spring.last_command("spring").last is None

@@ -75,6 +75,7 @@ def test_controller_is_loaded_with_the_parameters_of_a_file(run, station, tmp_pa
 
     assert run(f"load_controller hand {path} --type c/D").code == 0
     assert station.calls == [("load", "hand", "c/D", {"type": "a/B", "p": 0.001})]
+    assert station.unknown_params == "tell"
 
 
 def test_file_without_the_controller_is_refused(run, station, tmp_path):

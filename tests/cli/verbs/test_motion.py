@@ -67,6 +67,7 @@ def test_recover_takes_all_arms_at_once(run, station):
     assert station.calls == [("recover_all", "none")]
     assert outcome.out.splitlines() == [
         "left is idle.",
+        "Caution: It is touched.",
         "right is idle.",
         "Started again: nothing.",
     ]

@@ -8,7 +8,13 @@ from station.app.announcement import Announcement
 from station.app.station_watchdog import EndedByWatchdogError
 
 ANNOUNCEMENT = Announcement(
-    "http://a", "http://u", "secret", "/run/x", "SCHED_FIFO 50", "compiled: It fits."
+    "http://a",
+    "http://u",
+    "secret",
+    "/run/x",
+    "SCHED_FIFO 50",
+    "SIMULATION",
+    "compiled: It fits.",
 )
 
 
@@ -63,6 +69,7 @@ def test_addresses_are_printed(run):
     assert [line.split()[0] for line in outcome.out.splitlines()] == [
         "API",
         "Token",
+        "Robot",
         "Kernel",
         "Dashboard",
     ]

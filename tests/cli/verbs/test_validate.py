@@ -3,6 +3,8 @@
 import json
 from pathlib import Path
 
+import pytest
+
 from station.cli.main import main
 
 ROOT = Path(__file__).parents[3]
@@ -27,3 +29,18 @@ def test_validate_takes_a_urdf(capsys):
 
     checks = {c["name"]: c["outcome"] for c in json.loads(capsys.readouterr().out)}
     assert checks["robot loads"] == "passed"
+    assert checks["controller joint_trajectory_controller loads"] == "passed"
+
+
+@pytest.mark.slow
+def test_validate_takes_a_robot_by_name_as_run_does(capsys):
+    code = main(["validate", "example-robot-data:so101", "--json"])
+
+    checks = {c["name"]: c["outcome"] for c in json.loads(capsys.readouterr().out)}
+    assert checks["controller position_group_controller loads"] == "passed"
+    assert code == 0
+
+
+def test_validate_of_an_unknown_robot_says_which_there_are(capsys):
+    assert main(["validate", "example-robot-data:nobody"]) != 0
+    assert "no robot 'nobody'" in capsys.readouterr().err

@@ -8,7 +8,9 @@ from station.api.app import create_app
 from station.api.auth import Authenticator
 from station.api.server import ApiServer
 from station.client import ApiError, AsyncStationClient, StationUnreachableError
+from station.wire.excitations import Step
 from tests.api.conftest import OPERATOR, VIEWER
+from tests.client.recorder import Recorder
 from tests.two_joint_station import TRAJECTORY, make_station
 
 
@@ -106,3 +108,32 @@ def test_streams_are_encrypted_for_whoever_trusts_the_station(encrypted, tls):
                 await commands.send([0.5])
 
     asyncio.run(run())
+
+
+BENCH_ARRAYS = ("time", "desired", "position", "velocity", "effort", "output")
+
+
+def test_the_bench_excites_a_joint_and_answers_with_its_response():
+    response = {
+        "controller": "a/b",
+        "joint": "j",
+        "kind": "step",
+        "gains": {"p": 1.0},
+        **{key: [0.0] for key in BENCH_ARRAYS},
+        "metrics": {"overshoot": 0.1},
+        "units": {"overshoot": ""},
+        "cycles": 1,
+        "lost": 0,
+    }
+    recorder = Recorder(response)
+    step = Step(joint="j", amplitude=0.1)
+
+    found = recorder.run(lambda client: client.bench("a/b", step, duration=1.5))
+
+    assert found.metrics == {"overshoot": 0.1}
+    ((method, path, body),) = recorder.requests
+    assert (method, path) == ("POST", "/api/v1/controllers/a%2Fb/bench")
+    assert body["excitation"] == {"kind": "step", "joint": "j", "amplitude": 0.1}
+    assert body["duration"] == 1.5
+    with pytest.raises(ValueError, match="less than or equal to 10"):
+        recorder.run(lambda client: client.bench("a", step, duration=11.0))

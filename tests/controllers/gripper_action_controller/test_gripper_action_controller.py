@@ -134,3 +134,40 @@ def test_the_position_gripper_claims_its_joint_for_position_commands(start):
 
     assert claim.hardware_interface == "hardware_interface::PositionJointInterface"
     assert claim.resources == ("slide",)
+
+
+@pytest.mark.parametrize("delay", [1, 20])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_the_effort_of_a_goal_bounds_how_a_position_presses(
+    robot, start, submit, delay, side
+):
+    controller = start()
+    goal = submit(controller, 0.4 * side, max_effort=5.0)
+    efforts = [0.0] * delay
+    for _ in range(3000):
+        robot.step(controller)
+        # A servo of 10 kN/m that gives 40 N at most presses on an object at 0.1 m.
+        robot.position[0] = max(-0.1, min(0.1, robot.positions_commanded[0]))
+        way = robot.positions_commanded[0] - robot.position[0]
+        efforts.append(max(-40.0, min(40.0, 1e4 * way)))
+        robot.effort[0] = efforts[-delay]
+    assert goal.status is GoalStatus.ABORTED
+    assert max(abs(effort) for effort in efforts[500:]) <= 5.5
+    assert max(effort * side for effort in efforts[-500:]) > 3.0
+
+
+def test_a_finger_that_does_not_press_is_moved_as_far_as_the_goal_says(
+    robot, start, submit
+):
+    controller = start()
+    submit(controller, 0.4, max_effort=5.0)
+    robot.effort[0] = -30.0  # a load that pulls it back is none of its pressing
+    robot.step(controller)
+    assert robot.positions_commanded[0] == 0.4
+
+
+def test_a_goal_a_little_beyond_the_range_is_one_at_its_end(robot, start, submit):
+    controller = start()
+    submit(controller, 0.50009)
+    robot.step(controller)
+    assert robot.positions_commanded[0] == 0.5

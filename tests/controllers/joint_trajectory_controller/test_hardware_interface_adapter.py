@@ -83,7 +83,7 @@ def test_unit_masses_follow_a_smooth_trajectory(robot):
     robot.step(controller)
     rest = [0.0, 0.0]
     goal = _goal(
-        controller, (0.8, [0.2, 1.0], [0.1, 0.2], rest), (1.6, [0.3, 0.5], rest, rest)
+        controller, (1.0, [0.2, 1.0], [0.1, 0.2], rest), (1.8, [0.3, 0.5], rest, rest)
     )
     worst = 0.0
     for _ in range(2200):
@@ -92,6 +92,44 @@ def test_unit_masses_follow_a_smooth_trajectory(robot):
     assert goal.status is GoalStatus.SUCCEEDED
     # Without feed-forward the error is acceleration / p: about 10 / 400.
     assert worst < 0.03
+
+
+def _sag(robot, controller, count):
+    """Run cycles in which a load of 40 pulls every unit mass."""
+    for _ in range(count):
+        robot.run_with_effort(controller, 1)
+        for index in range(2):
+            robot.velocity[index] -= 40.0 * 0.001
+            robot.position[index] -= 40.0 * 1e-6
+
+
+@pytest.mark.parametrize("target", [0.0, None])
+def test_a_loaded_joint_does_not_sink_with_every_goal_that_is_cancelled(robot, target):
+    controller = _start(robot)
+    _sag(robot, controller, 3000)
+    first = list(robot.position[:2])
+    assert first == pytest.approx([-0.1, -0.1], abs=0.01)  # 40 / 400
+    for _ in range(20):
+        there = first if target is None else [target, target]
+        goal = _goal(controller, (1.0, there))
+        _sag(robot, controller, 50)
+        controller.goals.cancel(goal.identifier)
+        _sag(robot, controller, 100)
+    _sag(robot, controller, 2000)
+    assert robot.position[:2] == pytest.approx(first, abs=1e-3)
+
+
+def test_a_loaded_joint_that_is_asked_to_stay_is_watched_where_it_stands(robot):
+    constraints = {"slide": {"goal": 0.01}, "elbow": {"goal": 0.01}}
+    controller = _start(robot, constraints=constraints)
+    _sag(robot, controller, 4000)
+    goal = _goal(controller, (0.1, list(robot.position[:2])))
+    _sag(robot, controller, 200)
+    assert goal.status is GoalStatus.SUCCEEDED
+    goal = _goal(controller, (0.1, list(robot.position[:2])))
+    robot.position[0] += 0.3
+    _sag(robot, controller, 200)
+    assert goal.status is GoalStatus.ABORTED
 
 
 def test_closed_loop_trajectories_require_gains(robot):

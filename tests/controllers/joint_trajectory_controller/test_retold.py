@@ -38,7 +38,7 @@ CONTROLLER = {
         "test_a_stop_ramp_does_not_turn_a_late_robot_round"
     ),
     "emptyTopicCancelsActionTrajWithDelayStopZero": (
-        "test_a_stop_holds_what_is_measured_or_ramps_what_is_desired"
+        "test_a_stop_holds_or_ramps_what_is_desired_unless_a_joint_left_its_path"
     ),
     "emptyActionCancelsTopicTraj": (
         "test_an_empty_goal_stops_where_the_joints_are_and_succeeds"

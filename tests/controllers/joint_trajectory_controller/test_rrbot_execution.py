@@ -116,11 +116,18 @@ def test_joints_may_have_another_order(rrbot):
 
 
 def test_continuous_joints_leave_whole_turns_out(rrbot):
-    rrbot.finish(rrbot.send((1.0, [0.25 * pi, 0.5 * pi])))
-    goal = rrbot.send((1.0, [4.5 * pi, -1.75 * pi]))
+    rrbot.finish(rrbot.send((1.0, [0.75 * pi, -0.5 * pi])))
+    goal = rrbot.send((1.0, [-0.75 * pi, 0.75 * pi]))
     rrbot.finish(goal)
     assert goal.status is GoalStatus.SUCCEEDED
-    assert rrbot.is_at([0.5 * pi, 0.25 * pi])
+    assert rrbot.is_at([1.25 * pi, -1.25 * pi])
+
+
+def test_a_position_beyond_half_a_turn_counts_its_turns(rrbot):
+    goal = rrbot.send((9.0, [4.5 * pi, -1.75 * pi]))
+    rrbot.finish(goal, 12.0)
+    assert goal.status is GoalStatus.SUCCEEDED
+    assert rrbot.is_at([4.5 * pi, -1.75 * pi])
 
 
 def test_half_a_turn_keeps_its_direction(rrbot):

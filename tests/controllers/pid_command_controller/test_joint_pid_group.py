@@ -47,6 +47,48 @@ def test_commands_are_computed_joint_by_joint():
     assert list(pids.commands) == pytest.approx([1.0, 0.03])
 
 
+@pytest.mark.parametrize(
+    ("change", "part"),
+    [
+        ({"elbow/i": 4.0}, 2.0),
+        ({"elbow/i": 0.5}, 2.0),
+        ({"elbow/i_clamp_max": 8.0}, 2.0),
+        ({"elbow/i_clamp_max": 1.0}, 1.0),
+        ({"elbow/i": 1e-320}, 0.0),
+        ({"elbow/i": 0.0}, 0.0),
+    ],
+)
+@pytest.mark.parametrize("antiwindup", [False, True])
+def test_a_change_of_gains_keeps_the_integral_part_of_the_command(
+    change, part, antiwindup
+):
+    pids = JointPidGroup(
+        [ELBOW],
+        [PidGains(i=2.0, i_max=2.0, i_min=-2.0, antiwindup=antiwindup)],
+        error=POSITION,
+        command=EFFORT,
+    )
+    put(pids.errors, [1.0])
+    for _ in range(30):  # far beyond the bound, which wound-up integrals are
+        pids.group.compute(0.1)
+    pids.tunables.apply(pids.tunables.checked(change))
+    put(pids.errors, [0.0])
+    pids.group.compute(0.1)
+    assert list(pids.commands) == pytest.approx([part])
+
+
+def test_an_integral_gain_that_was_0_begins_without_a_step():
+    pids = JointPidGroup(
+        [ELBOW], [PidGains(i_max=9.0, i_min=-9.0)], error=POSITION, command=EFFORT
+    )
+    put(pids.errors, [1.0])
+    for _ in range(30):
+        pids.group.compute(0.1)
+    pids.tunables.apply(pids.tunables.checked({"elbow/i": 2.0}))
+    pids.group.compute(0.1)
+    assert list(pids.commands) == pytest.approx([0.2])
+
+
 def test_commands_are_written_where_the_robot_reads_them():
     commands = zeros(1)
     pids = JointPidGroup(
@@ -79,3 +121,20 @@ def test_the_gains_of_a_group_are_not_taken_from_a_single_pid_block():
     params = Parameters(ParameterTree({"arm": {"pid": {"p": 1.0}}}), "arm")
     with pytest.raises(ParameterError, match="'arm/elbow/pid/p' is missing"):
         read_pid_gains(params, [ELBOW, SLIDE])
+
+
+@pytest.mark.parametrize(
+    ("gains", "told"),
+    [
+        (PidGains(p=1.0, i=5.0), True),
+        (PidGains(p=1.0, i=5.0, antiwindup=True), True),
+        (PidGains(p=1.0, i=5.0, i_max=1.0, i_min=-1.0), False),
+        (PidGains(p=1.0, i=5.0, i_max=1.0), False),
+        (PidGains(p=1.0), False),
+    ],
+)
+def test_an_integral_gain_without_a_bound_is_told_to_have_no_effect(gains, told):
+    pids = JointPidGroup([ELBOW], [gains], error=POSITION, command=EFFORT)
+    notes = pids.tunables.notes(pids.tunables.values)
+    assert len(notes) == told
+    assert all("'elbow/i' is 5 and has no effect" in note for note in notes)

@@ -169,3 +169,72 @@ def test_a_type_that_cannot_be_described_is_listed_with_the_cause(
     assert cause in broken.error
     assert broken.parameters == ()
     assert sound.error is None
+
+
+class Picky(MultiInterfaceController):
+    """Knows its parameters, one of which it reads without a declaration."""
+
+    accepted_parameters = ("old",)
+
+    @classmethod
+    def declared_parameters(cls):
+        return (GAIN, GAIN.inside("<joint>"))
+
+    def init(self, hw, params):
+        self.joint_names = ["elbow"]
+        params.get_float("undeclared", 0.0)
+
+
+class Careless(MultiInterfaceController):
+    """Says nothing of its parameters."""
+
+    def update(self, time, period):
+        print(time)  # noqa: T201 - what is told
+
+
+KNOWN = {
+    "gain": 2.0,
+    "elbow": {"gain": 3.0},
+    "undeclared": 1.0,
+    "old": 1,
+    "fallback": [],
+    "allow_start_jump": True,
+}
+
+
+@pytest.fixture
+def picky(factory, parameters):
+    factory.loaders.append(TableLoader({"a/Picky": Picky, "a/Careless": Careless}))
+    parameters.set("arm", {"type": "a/Picky", **KNOWN})
+    return parameters
+
+
+@pytest.mark.usefixtures("picky")
+def test_parameters_that_a_type_knows_are_taken_silently(factory):
+    assert factory.build("arm", strict=True).status().notes == ()
+
+
+@pytest.mark.parametrize(
+    ("path", "nearest"),
+    [("gian", "gain"), ("elbow/gani", "gain"), ("fallbak", "fallback")],
+)
+def test_a_parameter_that_nobody_knows_is_refused_or_told(
+    factory, picky, path, nearest
+):
+    picky.set(f"arm/{path}", 1.0)
+
+    with pytest.raises(ParameterError, match=f"no parameter '{path}'") as caught:
+        factory.build("arm", strict=True)
+    assert nearest in str(caught.value).partition(f"'{path}'")[2]
+    assert caught.value.details["parameters"] == [path]
+
+    (note,) = factory.build("arm").status().notes
+    assert f"'{path}' is unknown and has no effect" in note
+    assert nearest in note
+
+
+def test_types_that_declare_nothing_are_told_and_not_refused(factory, picky):
+    picky.set("arm", {"type": "a/Careless", "gain": 1.0})
+    unknown, printing = factory.build("arm", strict=True).status().notes
+    assert "'gain' is unknown" in unknown
+    assert "calls print" in printing

@@ -6,7 +6,8 @@ import pytest
 
 from station.core.clock import SystemClock
 from station.core.control.controller_loader import TableLoader
-from station.core.control.switching import Strictness
+from station.core.control.loaded_controller import LoadedController
+from station.core.control.switching import Strictness, SwitchRequest
 from station.core.errors import (
     ControllerExistsError,
     ControllerNotFoundError,
@@ -336,3 +337,53 @@ def test_a_switch_that_waits_for_the_hardware_is_told(bench):
     assert seen
     assert all(seen)
     assert not bench.manager.is_switching()
+
+
+def owners(statuses, joint):
+    return [
+        one.name
+        for one in statuses
+        for claimed in one.claimed_resources
+        if one.state.value == "running" and joint in claimed.resources
+    ]
+
+
+def test_a_list_that_a_switch_interrupts_shows_one_owner_of_a_joint(bench, monkeypatch):
+    bench.load("first", "j1")
+    bench.load("second", "j1")
+    bench.manager.switch_controller(SwitchRequest(["first"]))
+    read = LoadedController.status
+    switches = [SwitchRequest(["second"], ["first"])]
+
+    def read_slowly(one):
+        found = read(one)
+        if switches:  # between the first controller's status and the second's
+            bench.manager.switch_controller(switches.pop())
+        return found
+
+    monkeypatch.setattr(LoadedController, "status", read_slowly)
+
+    assert owners(bench.manager.list_controllers(), "j1") == ["second"]
+
+
+def test_a_list_in_the_middle_of_a_switch_is_that_of_before(bench, monkeypatch):
+    first = bench.load("first", "j1")
+    second = bench.load("second", "j1")
+    bench.manager.switch_controller(SwitchRequest(["first"]))
+    bench.manager.list_controllers()
+    seen = []
+
+    def look():
+        seen.append(owners(bench.manager.list_controllers(), "j1"))
+
+    def starting(_time):
+        assert first.state.value == "stopped"
+        reader = threading.Thread(target=look)
+        reader.start()
+        reader.join()
+
+    monkeypatch.setattr(second, "starting", starting)
+    bench.manager.switch_controller(SwitchRequest(["second"], ["first"]))
+
+    assert seen == [["first"]]
+    assert owners(bench.manager.list_controllers(), "j1") == ["second"]

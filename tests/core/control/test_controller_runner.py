@@ -3,6 +3,7 @@
 import pytest
 
 from station.core.control.controller import ControllerSample
+from station.core.control.controller_runner import milliseconds
 from station.core.control.switching import Strictness
 from station.core.errors import StoppedError, SwitchRefusedError
 from station.core.ports.set_point import SetPointElement, SetPointPort
@@ -311,3 +312,18 @@ def test_stepped_cycles_have_all_the_time_they_want(bench, stopwatch):
     bench.step(200)
 
     assert bench.state("arm") == "running"
+
+
+@pytest.mark.parametrize(
+    ("duration", "text"),
+    [
+        (2.0, "2000 ms"),
+        (0.9999, "1000 ms"),
+        (0.0999, "99.9 ms"),
+        (0.002, "2 ms"),
+        (0.00001234, "0.0123 ms"),
+        (4321.0, "4321000 ms"),
+    ],
+)
+def test_durations_are_told_in_digits(duration, text):
+    assert milliseconds(duration) == text

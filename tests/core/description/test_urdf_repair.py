@@ -73,11 +73,12 @@ def test_circle_of_mimics_is_opened() -> None:
 
 
 def test_chain_of_mimics_follows_its_leader() -> None:
+    wide = LIMIT.replace("1", "9", 2)
     xml, (repair,) = repair_urdf(
         robot(
             joint("a", LIMIT),
-            joint("b", LIMIT + '<mimic joint="a" multiplier="2" offset="0.1"/>'),
-            joint("c", LIMIT + '<mimic joint="b" multiplier="-3" offset="0.5"/>'),
+            joint("b", wide + '<mimic joint="a" multiplier="2" offset="0.1"/>'),
+            joint("c", wide + '<mimic joint="b" multiplier="-3" offset="0.5"/>'),
         )
     )
     mimic = parse_urdf(xml).joints["c"].mimic
@@ -99,6 +100,74 @@ def test_mimic_outside_of_its_own_range_gets_that_of_its_leader() -> None:
     found = parse_urdf(xml).joints["b"].limit
     assert (found.lower, found.upper) == (-1.0, 0.0)
     assert (repair.old, repair.new) == ("0 to 1", "-1 to 0")
+
+
+@pytest.mark.parametrize(
+    ("multiplier", "offset", "range_"),
+    [(1, 0, (-1.0, 2.0)), (-2, 0, (-4.0, 2.0)), (1, 0.5, (-1.0, 2.5))],
+)
+def test_mimic_with_a_smaller_range_gets_that_of_its_leader(
+    multiplier, offset, range_
+) -> None:
+    """Else it would block its leader, whose own limits say that it may go on."""
+    leader = LIMIT.replace('"1"', '"2"', 1)
+    rule = f'<mimic joint="a" multiplier="{multiplier}" offset="{offset}"/>'
+    xml, (repair,) = repair_urdf(robot(joint("a", leader), joint("b", LIMIT + rule)))
+    found = parse_urdf(xml).joints["b"].limit
+    assert (found.lower, found.upper) == range_
+    assert "smaller than that of 'a', which it follows" in repair.problem
+
+
+def test_mimic_of_a_joint_without_a_range_has_none() -> None:
+    rule = LIMIT + '<mimic joint="a"/>'
+    xml, repairs = repair_urdf(
+        robot(
+            joint("a", "", "continuous"),
+            joint("b", rule),
+            joint("c", rule, "prismatic"),
+        )
+    )
+    found = parse_urdf(xml).joints
+    assert found["b"].type is JointType.CONTINUOUS
+    assert (found["c"].limit.lower, found["c"].limit.upper) == (-1000.0, 1000.0)
+    assert [repair.new for repair in repairs] == ["free", "free"]
+
+
+def test_rounded_range_of_a_mimic_is_no_mistake() -> None:
+    rounded = LIMIT.replace('"1"', '"0.9999999"', 1)
+    xml = robot(joint("a", LIMIT), joint("b", rounded + '<mimic joint="a"/>'))
+    assert repair_urdf(xml) == (xml, ())
+
+
+def test_base_takes_the_place_of_a_root_joint_of_its_kind() -> None:
+    xml = robot(joint("root", "", "floating"))
+    assert repair_urdf(xml, base="fixed") == (xml, ())
+    adopted, (repair,) = repair_urdf(xml, base="floating")
+    assert parse_urdf(adopted).joints["root"].type is JointType.FIXED
+    assert (repair.kind, repair.element) == ("base", "joint 'root'")
+
+
+@pytest.mark.parametrize(
+    "more", [joint("other", LIMIT), '<link name="base"><collision/></link>']
+)
+def test_base_with_something_else_on_it_is_left_alone(more) -> None:
+    parts = f'<robot name="r">{more}{joint("root", "", "floating")}</robot>'
+    if "<collision" not in more:
+        parts = robot(joint("root", "", "floating"), more)
+    assert not [r for r in repair_urdf(parts, base="floating")[1] if r.kind == "base"]
+
+
+def test_link_named_as_the_world_gets_another_name() -> None:
+    xml = robot(joint("j", LIMIT)).replace("j_link", "world")
+    renamed, (repair,) = repair_urdf(xml)
+    assert parse_urdf(renamed).joints["j"].child == "world_link"
+    assert (repair.kind, repair.old, repair.new) == ("name", "world", "world_link")
+
+
+def test_world_as_a_frame_is_the_usual_root_and_stays() -> None:
+    xml = robot(joint("f", "", "fixed")).replace('"base"', '"world"')
+    assert repair_urdf(xml) == (xml, ())
+    assert "world_link" in repair_urdf(xml, base="floating")[0]
 
 
 @pytest.mark.parametrize(

@@ -1,10 +1,12 @@
 """Named files of the user: names that are none, and files that cannot be used."""
 
+import os
+
 import pytest
 
 from station.core.errors import GainSetError, GainSetNotFoundError
-from station.core.facade import named_files
 from station.core.facade.named_files import FileKind, NamedFiles
+from station.core.yaml_reader import FILE
 
 KIND = FileKind("gain set", "gain-sets", GainSetNotFoundError, GainSetError)
 
@@ -38,16 +40,24 @@ def test_an_unknown_name_is_answered_with_a_similar_one(files):
     assert "stiff" in caught.value.remedy
 
 
-def test_a_file_that_is_no_yaml_or_too_large_says_where_it_is(files, monkeypatch):
+def test_a_file_that_is_no_yaml_or_too_large_says_where_it_is(files):
     files.write("x", {"a": 1})
     path = files.folder / "x.yaml"
     path.write_text("{")
     with pytest.raises(GainSetError, match=str(path)):
         files.read("x")
-    path.write_text("a: 1\n" * 10)
-    monkeypatch.setattr(named_files, "LARGEST", 10)
-    with pytest.raises(GainSetError, match="larger"):
+    path.write_text(" " * (FILE.characters + 1))
+    with pytest.raises(GainSetError, match="longer than the 1000000 characters"):
         files.read("x")
+
+
+def test_a_pipe_among_the_files_holds_nobody_up(files):
+    files.write("good", {"a": 1})
+    os.mkfifo(files.folder / "pipe.yaml")
+
+    assert files.names() == ["good"]
+    with pytest.raises(GainSetError, match="no regular file"):
+        files.read("pipe")
 
 
 def test_a_folder_that_cannot_be_written_is_told(files):

@@ -5,6 +5,7 @@ import pytest
 from station.core.clock import ManualClock
 from station.core.control.controller_manager import ControllerManager
 from station.core.facade.station import Station
+from station.core.facade.station_status import label_robot
 from station.core.hardware.robot_hw import RobotHW
 from station.core.loop.control_loop import ControlLoop
 from station.core.loop.stop_latch import StopState
@@ -16,6 +17,32 @@ class Dozing(RobotHW):
 
     def mode(self):
         return "dozing"
+
+
+class There(Dozing):
+    """A real robot that says where it is."""
+
+    def address(self):
+        return "172.16.0.2"
+
+
+class Simulated(There):
+    """A robot that knows an address and is simulated all the same."""
+
+    def simulated_world(self):
+        return object()
+
+
+@pytest.mark.parametrize(
+    ("robot", "label"),
+    [
+        (Dozing(), "REAL ROBOT"),
+        (There(), "REAL ARM 172.16.0.2"),
+        (Simulated(), "SIMULATION"),
+    ],
+)
+def test_a_robot_is_real_unless_it_hands_out_a_simulated_world(robot, label):
+    assert label_robot(robot) == label
 
 
 @pytest.fixture
@@ -32,6 +59,7 @@ def test_status_follows_the_cycles(station):
     status = station.status()
     assert (status.cycle, status.time) == (3, pytest.approx(0.006))
     assert (status.robot_type, status.robot_mode) == ("test/Dozing", "dozing")
+    assert status.robot_label == "REAL ROBOT"
     assert status.boot_id == station.boot_id
 
 

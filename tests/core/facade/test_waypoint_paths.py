@@ -1,6 +1,7 @@
 """Waypoint paths on disk: captured, edited, and what cannot be one."""
 
 import math
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -99,3 +100,19 @@ def test_a_malformed_file_is_told_with_its_place(paths, tmp_path, text):
     (tmp_path / "paths" / "wave.yaml").write_text(text)
     with pytest.raises(WaypointPathError, match=r"wave\.yaml cannot be used"):
         paths.get("wave")
+
+
+def test_two_stations_that_capture_at_a_time_lose_no_waypoint(station, tmp_path):
+    stations = [
+        WaypointPaths(station.loop, station.manager, tmp_path / "paths")
+        for _ in range(4)
+    ]
+
+    def capture(paths):
+        for _ in range(10):
+            paths.capture("wave")
+
+    with ThreadPoolExecutor(len(stations)) as pool:
+        list(pool.map(capture, stations))
+
+    assert len(stations[0].get("wave").waypoints) == 40

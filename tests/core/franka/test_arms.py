@@ -258,3 +258,21 @@ def test_blind_sensor_ends_what_uses_it_and_nothing_else(station):
     station.switch_controllers(SwitchRequest(("torques",), ()))
     station.loop.step(10)
     assert station.latest().mode == "move"
+
+
+def test_an_arm_that_recovers_in_a_contact_says_what_will_stop_it_again(station):
+    arms = Arms(station.robots)
+    (arm,) = station.loop.hw.get(FrankaServicesInterface).handles()
+    assert arms.report("panda").caution is None
+    arm.simulation().apply_force("panda_hand", [0.0, 25.0, 0.0], [0.0] * 3, 5.0)
+    station.loop.step(500)
+    with pytest.raises(SwitchRefusedError, match=r"reflex .cartesian_reflex at y"):
+        station.switch_controllers(SwitchRequest(("arm",), ()))
+    station.robots.recover("panda")
+    station.loop.step(500)
+
+    report = arms.report("panda")
+
+    assert report.robot_mode is RobotMode.IDLE
+    assert "y is raised above 20 N, and the estimate is 2" in report.caution
+    assert "set_force_torque_collision_behavior" in report.caution

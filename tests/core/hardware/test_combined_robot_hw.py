@@ -106,6 +106,13 @@ def test_robots_before_the_failing_one_stay():
     assert list(combined.robots) == ["left"]
 
 
+def test_the_addresses_of_the_real_robots_are_told_together(combined, monkeypatch):
+    assert combined.address() == ""
+    for name, robot in combined.robots.items():
+        monkeypatch.setattr(robot, "address", lambda name=name: f"{name}.lab")
+    assert combined.address() == "left.lab, right.lab"
+
+
 def test_handles_of_all_robots_are_reachable(combined):
     interface = combined.get(EffortJointInterface)
 

@@ -183,3 +183,20 @@ def test_a_set_point_in_the_slot_never_is_picked_up_once_it_was_let_expire(port)
     assert port.take() is None
     assert not port.take_expiry()
     assert port.last is None
+
+
+@pytest.mark.parametrize("value", ["0.5", [0.5], True, {"a": 1.0}])
+def test_what_is_no_number_is_refused_by_name(port, value):
+    with pytest.raises(InvalidCommandError, match="must be a number") as caught:
+        port.check([value] * len(port.elements))
+    assert f"'{port.elements[0].name}' is {value!r}" in str(caught.value)
+
+
+def test_a_position_may_be_a_little_beyond_its_range():
+    position = SetPointPort([SetPointElement("a", "rad", -1.0, 1.0)])
+    position.check([1.00009])
+    with pytest.raises(InvalidCommandError, match=r"-1\.0 to 1\.0 rad"):
+        position.check([-1.0002])
+    velocity = SetPointPort([SetPointElement("a", "rad/s", -1.0, 1.0)])
+    with pytest.raises(InvalidCommandError, match=r"1\.00009"):
+        velocity.check([1.00009])

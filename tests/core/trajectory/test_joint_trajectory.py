@@ -13,11 +13,17 @@ def _trajectory(*times, stamp=0.0):
 
 
 @pytest.mark.parametrize(
-    ("times", "increasing"),
-    [((), True), ((1.0,), True), ((0.0, 1.0), True), ((1.0, 1.0), False)],
+    ("times", "index"),
+    [
+        ((), None),
+        ((1.0,), None),
+        ((0.0, 1.0), None),
+        ((1.0, 1.0), 1),
+        ((1.0, 2.0, 1.5, 1.4), 2),
+    ],
 )
-def test_points_have_to_be_strictly_increasing(times, increasing):
-    assert _trajectory(*times).is_strictly_increasing() is increasing
+def test_points_have_to_be_strictly_increasing(times, index):
+    assert _trajectory(*times).first_not_later() == index
 
 
 def test_without_a_stamp_it_starts_now():

@@ -6,7 +6,11 @@ from pathlib import Path
 import pytest
 
 from station.core.description.robot_files import load_robot_files
-from station.core.errors import HardwareInterfaceError, SwitchRefusedError
+from station.core.errors import (
+    HardwareInterfaceError,
+    ParameterError,
+    SwitchRefusedError,
+)
 from station.core.hardware.interfaces import (
     ActuatorStateInterface,
     EffortJointInterface,
@@ -222,6 +226,19 @@ def test_far_command_leaves_neither_range_nor_velocity_bound(
             fastest = max(fastest, abs(state.get_velocity()))
     assert degrees(outside) < 0.5
     assert limit.velocity * 0.9 < fastest < limit.velocity * 1.02
+
+
+def test_a_limit_without_effect_is_refused_or_of_others_told(caplog):
+    limits = {"elbow_joint": {"has_velocity_limit": True, "max_velocity": 1.0}}
+    with pytest.raises(ParameterError, match=r"robot/joint_limits/elbow_joint/has_v"):
+        make(UR5, joint_limits=limits)
+
+    params = Parameters(ParameterTree({"joint_limits": limits}))
+    robot = params.namespace("robot")
+    robot.set("", {"robot_description": UR5})
+    MujocoRobotHW().init(params, robot)
+    assert "joint_limits/elbow_joint/has_velocity_limit is unknown" in caplog.text
+    assert "max_velocity counts only with 'has_velocity_limits: true'" in caplog.text
 
 
 @pytest.mark.parametrize("limit_mode", ["ros_control", "rate"])

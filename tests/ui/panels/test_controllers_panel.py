@@ -68,7 +68,7 @@ def test_a_refusal_is_shown_in_the_words_of_the_station(bench, panel):
 
 
 @pytest.mark.parametrize(
-    ("text", "complaint"), [("a: [", "not YAML"), ("- 1", "key: value")]
+    ("text", "complaint"), [("a: [", "not valid YAML"), ("- 1", "key: value")]
 )
 def test_unreadable_parameters_are_not_sent(bench, panel, text, complaint):
     bench.enter(panel._load._params, text)

@@ -9,7 +9,7 @@ from typing import ClassVar
 
 from typing_extensions import override
 
-from station.core.errors import HardwareInterfaceError
+from station.core.errors import HardwareInterfaceError, refuse_non_number
 from station.core.hardware.interfaces.resource_manager import (
     HardwareResourceManager,
     ResourceHandle,
@@ -137,6 +137,22 @@ class CommandedJointHandle(JointStateHandle):
         )
         self.command_index: int = state.index if index is None else index
 
+    def store_command(self, storage: Storage, command: float) -> None:
+        """Write a command into the joint's slot.
+
+        Args:
+            storage: The robot's commands of its kind.
+            command: The command.
+
+        Raises:
+            InvalidCommandError: It is no number; a list as a storage takes anything,
+                and the command is then refused before it reaches the robot.
+        """
+        try:
+            storage[self.command_index] = command
+        except TypeError:
+            refuse_non_number(self.name, command)
+
 
 class JointHandle(CommandedJointHandle):
     """Reads the state of one joint and commands it with one value.
@@ -166,8 +182,15 @@ class JointHandle(CommandedJointHandle):
         return self.command_storage[self.command_index]
 
     def set_command(self, command: float) -> None:
-        """Set the command, in the unit of the interface."""
-        self.command_storage[self.command_index] = command
+        """Set the command, in the unit of the interface.
+
+        Raises:
+            InvalidCommandError: It is no number.
+        """
+        try:
+            self.command_storage[self.command_index] = command
+        except TypeError:
+            refuse_non_number(self.name, command)
 
     @override
     def command_slots(self) -> list[tuple[Storage, int]]:

@@ -7,8 +7,10 @@ other group accesses the joints one by one, with the same result.
 
 from array import array
 from collections.abc import Callable, Sequence
+from numbers import Real
 from typing import cast
 
+from station.core.errors import refuse_non_number
 from station.core.hardware.interfaces.joint import JointHandle, JointStateHandle
 from station.core.hardware.slots import side_by_side
 from station.memory.doubles import Doubles, Storage, zeros
@@ -125,9 +127,19 @@ class JointGroup(JointStateGroup):
 
         Raises:
             ValueError: `commands` has another length than the group.
+            InvalidCommandError: A command is no number.
         """
         if len(commands) != self._size:
             raise ValueError(
                 f"There are {len(commands)} commands for {self._size} joints."
             )
-        self._command.write(commands)
+        try:
+            self._command.write(commands)
+        except TypeError as error:
+            self._refuse(commands, error)
+
+    def _refuse(self, commands: list[float], error: TypeError) -> None:
+        for name, command in zip(self.names, commands, strict=True):
+            if not isinstance(command, Real):
+                refuse_non_number(name, command)
+        raise error

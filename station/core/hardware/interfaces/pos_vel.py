@@ -75,11 +75,11 @@ class PosVelJointHandle(CommandedJointHandle):
 
     def set_command_position(self, position: float) -> None:
         """Command a position [rad or m]."""
-        self.command_storages[0][self.command_index] = position
+        self.store_command(self.command_storages[0], position)
 
     def set_command_velocity(self, velocity: float) -> None:
         """Command a velocity [rad/s or m/s]."""
-        self.command_storages[1][self.command_index] = velocity
+        self.store_command(self.command_storages[1], velocity)
 
     def get_command_position(self) -> float:
         """Return the position commanded last [rad or m]."""
@@ -129,7 +129,7 @@ class PosVelAccJointHandle(PosVelJointHandle):
 
     def set_command_acceleration(self, acceleration: float) -> None:
         """Command an acceleration [rad/s^2 or m/s^2]."""
-        self.command_storages[2][self.command_index] = acceleration
+        self.store_command(self.command_storages[2], acceleration)
 
     def get_command_acceleration(self) -> float:
         """Return the acceleration commanded last [rad/s^2 or m/s^2]."""
@@ -179,15 +179,15 @@ class PositionVelocityTorqueGainsJointHandle(PosVelJointHandle):
 
     def set_command_effort(self, effort: float) -> None:
         """Command a feed-forward effort [Nm or N]."""
-        self.command_storages[2][self.command_index] = effort
+        self.store_command(self.command_storages[2], effort)
 
     def set_command_kp(self, kp: float) -> None:
         """Command the position gain [Nm/rad or N/m]."""
-        self.command_storages[3][self.command_index] = kp
+        self.store_command(self.command_storages[3], kp)
 
     def set_command_kd(self, kd: float) -> None:
         """Command the velocity gain [Nm s/rad or N s/m]."""
-        self.command_storages[4][self.command_index] = kd
+        self.store_command(self.command_storages[4], kd)
 
     def get_command_effort(self) -> float:
         """Return the feed-forward effort commanded last [Nm or N]."""

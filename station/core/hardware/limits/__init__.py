@@ -30,6 +30,7 @@ from station.core.hardware.limits.joint_limits_interface import (
 from station.core.hardware.limits.limit_mode import LimitMode, make_limits_handle
 from station.core.hardware.limits.limits_from_parameters import (
     joint_limits_from_parameters,
+    limits_without_effect,
     soft_joint_limits_from_parameters,
 )
 from station.core.hardware.limits.limits_from_urdf import (
@@ -78,6 +79,7 @@ __all__ = [
     "VelocityJointSoftLimitsInterface",
     "joint_limits_from_parameters",
     "joint_limits_from_urdf",
+    "limits_without_effect",
     "make_limits_handle",
     "soft_joint_limits_from_parameters",
     "soft_joint_limits_from_urdf",

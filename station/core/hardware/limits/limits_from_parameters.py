@@ -23,11 +23,19 @@ Source: ros_control@633c374 joint_limits_rosparam.h. ROS parameters are typed, s
 that is not true or false, and a value that is not a number, count as absent.
 """
 
+from collections.abc import Collection
 from dataclasses import replace
 
+from station.core.errors import show, suggest
 from station.core.hardware.limits.joint_limits import JointLimits, SoftJointLimits
 from station.core.parameters import Parameters
 
+_QUANTITIES = ("velocity", "acceleration", "jerk", "effort")
+_VALUES = {
+    "has_position_limits": ("min_position", "max_position"),
+    **{f"has_{each}_limits": (f"max_{each}",) for each in _QUANTITIES},
+}
+"""The values that count when a flag is true."""
 _SOFT_KEYS = ("k_position", "k_velocity", "soft_lower_limit", "soft_upper_limit")
 
 
@@ -128,3 +136,57 @@ def _number(entry: Parameters, key: str) -> float | None:
 def _number_or(entry: Parameters, key: str, default: float) -> float:
     number = _number(entry, key)
     return default if number is None else number
+
+
+def limits_without_effect(params: Parameters, joints: Collection[str]) -> list[str]:
+    """Return a sentence about each entry of `joint_limits` that limits nothing.
+
+    These are unknown joints and keys, values whose flag is missing, and flags whose
+    values are missing. A value whose flag is false was meant so.
+
+    Args:
+        params: The namespace that holds `joint_limits`.
+        joints: The robot's joints.
+    """
+    limits = params.get("joint_limits")
+    if not isinstance(limits, dict):
+        return []
+    found: list[str] = []
+    for joint, entry in limits.items():
+        place = f"joint_limits/{joint}"
+        if joint not in joints:
+            found.append(f"{place} names no joint. {suggest(str(joint), joints)}")
+        elif not isinstance(entry, dict):
+            found.append(f"{place} is {show(entry)}; it must be a mapping.")
+        else:
+            found += [f"{place}/{each}" for each in _without_effect(entry)]
+    return found
+
+
+def _without_effect(entry: dict[str, object]) -> list[str]:
+    values = {**_VALUES, "has_soft_limits": _SOFT_KEYS}
+    known = [*values, *(key for keys in values.values() for key in keys)]
+    known.append("angle_wraparound")
+    found = [
+        f"{key} is unknown. {suggest(str(key), known)}"
+        for key in entry
+        if key not in known
+    ]
+    for flag, keys in values.items():
+        given = entry.get(flag)
+        if given is None:
+            found += [
+                f"{key} counts only with '{flag}: true'."
+                for key in keys
+                if key in entry
+            ]
+        elif not isinstance(given, bool):
+            found.append(f"{flag} is {show(given)}; it must be true or false.")
+        elif given:
+            found += [
+                f"{flag} is true and has no effect without a number for '{key}'."
+                for key in keys
+                if isinstance(entry.get(key), bool)
+                or not isinstance(entry.get(key), int | float)
+            ]
+    return found

@@ -1,7 +1,9 @@
-"""The thresholds of contact and collision: their defaults and their check."""
+"""The thresholds of contact and collision: defaults, check, and what is near them."""
 
 from dataclasses import dataclass
 
+from station.core.franka.franka_errors import ArmError
+from station.core.franka.franka_robot_state import RobotState
 from station.core.franka.franka_services import CollisionBehavior
 
 DEFAULT_COLLISION_BEHAVIOR = CollisionBehavior(
@@ -9,7 +11,10 @@ DEFAULT_COLLISION_BEHAVIOR = CollisionBehavior(
     *((20.0, 20.0, 20.0, 25.0, 25.0, 25.0),) * 4,
 )
 """Thresholds as franka_control configures them; contact and collision coincide."""
+NEAR = 0.8
+"""Share of its threshold from which an estimate counts as near a collision."""
 _TORQUES, _FORCES = 7, 6
+_AXES = ("x", "y", "z", "roll", "pitch", "yaw")
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,3 +50,37 @@ def collision_behavior_problem(behavior: CollisionBehavior) -> ThresholdProblem 
                     name, f"above 0, no lower {what} threshold above its upper one"
                 )
     return None
+
+
+def collision_error(signal: int, value: float, bound: float) -> ArmError:
+    """Return the error of an estimate that is above its threshold.
+
+    Args:
+        signal: Number of the estimate: the 7 torques, then the wrench's 6 components.
+        value: The estimate [Nm, N].
+        bound: Its threshold, in the same unit.
+    """
+    if signal < _TORQUES:
+        return ArmError("joint_reflex", f"joint{signal + 1}", value, bound, "Nm")
+    axis = signal - _TORQUES
+    unit = "N" if axis < 3 else "Nm"
+    return ArmError("cartesian_reflex", _AXES[axis], value, bound, unit)
+
+
+def near_collisions(state: RobotState, behavior: CollisionBehavior) -> list[ArmError]:
+    """Return the errors that are raised if what is estimated now grows a little.
+
+    Args:
+        state: State of the arm.
+        behavior: The thresholds in force.
+    """
+    values = (*state.tau_ext_hat_filtered, *state.K_F_ext_hat_K)
+    bounds = (
+        *behavior.upper_torque_thresholds_nominal,
+        *behavior.upper_force_thresholds_nominal,
+    )
+    return [
+        collision_error(signal, value, bound)
+        for signal, (value, bound) in enumerate(zip(values, bounds, strict=True))
+        if abs(value) > NEAR * bound
+    ]

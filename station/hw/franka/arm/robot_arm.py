@@ -306,6 +306,10 @@ class RobotArm(ABC):
             ArmCommandError: A motion runs.
         """
 
+    def collision_behavior(self) -> CollisionBehavior | None:
+        """Return the thresholds in force; None when the arm does not tell them."""
+        return None
+
     def is_lost(self) -> bool:
         """Return whether there is no connection to the arm.
 

@@ -15,7 +15,10 @@ from station.core.franka.franka_services import (
     CollisionBehavior,
     FrankaServices,
 )
-from station.hw.franka.arm.collision_behavior import collision_behavior_problem
+from station.hw.franka.arm.collision_behavior import (
+    collision_behavior_problem,
+    near_collisions,
+)
 from station.hw.franka.arm.control_mode import ControlMode
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.robot_arm import RobotArm
@@ -85,6 +88,11 @@ class ArmServices(FrankaServices):
     @override
     def errors(self) -> list[ArmError]:
         return self._arm.errors()
+
+    @override
+    def near_errors(self) -> list[ArmError]:
+        behavior = self._arm.collision_behavior()
+        return [] if behavior is None else near_collisions(self._arm.state, behavior)
 
     @override
     def log(self) -> list[ArmRecord]:

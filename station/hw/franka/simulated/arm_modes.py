@@ -108,7 +108,9 @@ class ArmModes:
         if self._world.diverged_because:
             return f"{self._world.diverged_because}; {self.remedy()}"
         if mode in HALTED:
-            return f"the arm is in mode {mode.name.lower()}; {self.remedy()}"
+            causes = [error.description for error in self._supervisor.errors]
+            because = f" ({'; '.join(causes)})" if causes else ""
+            return f"the arm is in mode {mode.name.lower()}{because}; {self.remedy()}"
         is_external = controller is ControllerMode.EXTERNAL_CONTROLLER
         if generator is MotionGeneratorMode.NONE and not is_external:
             return "the internal controller needs a motion generator"

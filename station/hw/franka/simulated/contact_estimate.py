@@ -19,7 +19,10 @@ from station.core.franka.franka_model import Frame
 from station.core.franka.franka_robot_state import RobotState
 from station.core.franka.franka_services import CollisionBehavior
 from station.hw.franka.arm.arm_limits import ArmLimits
-from station.hw.franka.arm.collision_behavior import DEFAULT_COLLISION_BEHAVIOR
+from station.hw.franka.arm.collision_behavior import (
+    DEFAULT_COLLISION_BEHAVIOR,
+    collision_error,
+)
 from station.hw.franka.arm.flags import ContactFlag
 from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
 from station.hw.mujoco.world_joints import WorldJoints
@@ -39,7 +42,6 @@ _NEGLIGIBLE = 1e-6
 # Excess of a collision that has not been forgotten yet.
 _FADING = 1e-12
 _ZEROS = [0.0] * 7
-_AXES = ("x", "y", "z", "roll", "pitch", "yaw")
 
 
 class ContactEstimate(ContactFlag):
@@ -62,6 +64,8 @@ class ContactEstimate(ContactFlag):
             does.
         release: Share of its threshold below which a signal must fall before it can be
             a new collision, at most 1.
+        release_cycles: How many cycles in a row all signals must be that low before the
+            contact in which the arm recovered has ended.
     """
 
     def __init__(
@@ -82,12 +86,14 @@ class ContactEstimate(ContactFlag):
         self._accelerating = [_ACCELERATING * a for a in limits.acceleration]
         self._load_torques = load_torques
         self.release = 1.0
+        self.release_cycles = 1
         # Excess over its threshold that each signal may have without a new collision:
         # the excess at the last collision or recovery, plus one threshold.
         self._known = [0.0] * 13
         # Whether the contact in which the arm recovered has not ended since. Its force
         # may still turn from one signal to another while the arm comes to rest in it.
         self._lasts = False
+        self._released = 0
 
     def set_behavior(self, behavior: CollisionBehavior) -> None:
         """Take new thresholds over."""
@@ -230,12 +236,13 @@ class ContactEstimate(ContactFlag):
         values = (*state.tau_ext_hat_filtered, *state.K_F_ext_hat_K)
         found: list[ArmError] = []
         if self._lasts:
-            self._lasts = any(self._collisions())
+            self._released = 0 if any(self._collisions()) else self._released + 1
+            self._lasts = self._released < self.release_cycles
             self._known = [max(known, _FADING) for known in self._known]
         for i, bound in enumerate((*torques, *forces)):
             excess = max(0.0, abs(values[i]) - bound)
             if excess > self._known[i] + (bound if self._known[i] else 0.0):
-                found.append(_collision(i, values[i], bound))
+                found.append(collision_error(i, values[i], bound))
                 if i < 7:
                     state.doubles("joint_collision")[i] = 1.0
                 else:
@@ -253,11 +260,3 @@ def _levels(values: Sequence[float], bounds: Sequence[float]) -> list[float]:
         1.0 if abs(value) > bound else 0.0
         for value, bound in zip(values, bounds, strict=True)
     ]
-
-
-def _collision(signal: int, value: float, bound: float) -> ArmError:
-    if signal < 7:
-        return ArmError("joint_reflex", f"joint{signal + 1}", value, bound, "Nm")
-    axis = signal - 7
-    unit = "N" if axis < 3 else "Nm"
-    return ArmError("cartesian_reflex", _AXES[axis], value, bound, unit)

@@ -44,12 +44,20 @@ cdef class Imperfections(Preparation):
     cdef public double reach
     cdef public double gain
     cdef readonly bint has_wrench
+    cdef public Py_ssize_t weak
+    cdef readonly double[::1] directions
+    cdef readonly double[::1] shares
+    cdef readonly double[::1] doubt
+    cdef readonly double[::1] lasting
+    cdef public double lasting_gain
+    cdef double following
     cdef Py_ssize_t drawn
     cdef public long cycles_to_loss
 
     cpdef settle(self)
     cpdef rest(self)
-    cpdef renew(self, double singular)
+    @cython.locals(is_reliable=bint, i=Py_ssize_t)
+    cpdef bint renew(self, double singular, double reliable)
     @cython.locals(i=Py_ssize_t, power=double, velocity=double, sliding=double, relative=double, most=double, bend=double, share=double, turn=double, lead=double)
     cpdef bint before(self)
     @cython.locals(i=Py_ssize_t, result=int, reach=double)
@@ -57,9 +65,11 @@ cdef class Imperfections(Preparation):
     @cython.locals(i=Py_ssize_t, drawn=Py_ssize_t, last=Py_ssize_t, rate=double, measured=double, error=double)
     cpdef disturb(self)
     cpdef wind_up(self)
-    @cython.locals(i=Py_ssize_t, j=Py_ssize_t, row=Py_ssize_t, total=double, element=double, own=double, rate=double, gain=double, needed=double, external=double)
+    @cython.locals(i=Py_ssize_t, j=Py_ssize_t, row=Py_ssize_t, total=double, element=double, own=double, rate=double, gain=double, needed=double, external=double, following=double)
     cpdef observe(self)
     @cython.locals(i=Py_ssize_t, k=Py_ssize_t, axis=Py_ssize_t, torque=double, u=double, v=double, w=double, a=double, b=double, c=double, x=double, y=double, z=double)
     cpdef compute_wrench(self)
+    @cython.locals(i=Py_ssize_t, j=Py_ssize_t, k=Py_ssize_t, size=Py_ssize_t, most=double, part=double)
+    cpdef doubt_wrench(self)
     @cython.locals(i=Py_ssize_t, size=Py_ssize_t)
     cpdef bint is_touched(self)

@@ -4,6 +4,7 @@
     sticking:  tau_s = k (z + T dq),  |tau_s|, |k z| <= static / (1 + (dq / v_s)^2)
     winding:   theta = q + compliance tau_J
     observer:  r' = gain (tau_J - M ddq - (1 + error) bias - expected - r)
+    wrench:    J J^T F = J r, without the part of what lasts that errors explain
 
 Sliding friction is zero at rest, where the joint sticks: its z follows the joint as a
 spring with the stiffness k = static / presliding and a damping, until the largest
@@ -12,6 +13,10 @@ Lubricated Line Contact Operating at Oscillating Sliding Velocities, Journal of
 Tribology 112, 1990). Both act behind the torque sensor, so the sensor reads the torque
 that overcomes them. The observer gets what a real one has: the measured torques, the
 change of the momentum at the measured velocities, and a model that is not quite right.
+
+In a direction in which J is nearly singular, an error of 1 Nm looks like 10 N and more.
+Errors of sensors and model change slowly, a blow does not. So what lasts is left out of
+the wrench there as far as errors explain it, and what is sudden shows in full.
 """
 
 from station.core.franka.joint_memory import JointMemory
@@ -70,6 +75,11 @@ class Imperfections(Preparation):
         reach: How far a joint may be from there [rad].
         gain: Share of the difference by which the estimate moves in a cycle, 0 to 1.
         has_wrench: Whether the Jacobian is far enough from singular.
+        weak: In how many directions small torques make a large wrench, 0 to 6.
+        directions: Those directions, unit wrenches one after another, shape (36,).
+        shares: Part of the wrench in each, per torque of each joint, shape (6 n,).
+        doubt: Largest part in each that errors of the torques explain, shape (6,).
+        lasting_gain: Share by which `lasting` follows the estimate in a cycle, 0 to 1.
         cycles_to_loss: After how many cycles a command is lost; 0: never.
     """
 
@@ -116,6 +126,13 @@ class Imperfections(Preparation):
         self.reach = 0.0
         self.gain = 1.0
         self.has_wrench = False
+        self.weak = 0
+        self.directions = zeros(36)
+        self.shares = zeros(6 * size)
+        self.doubt = zeros(6)
+        self.lasting = zeros(size)  # the estimate without what is sudden
+        self.lasting_gain = 1.0
+        self.following = 1.0
         self.cycles_to_loss = 0
         self.equation = WrenchEquation()
         self.drawn = 0
@@ -137,21 +154,34 @@ class Imperfections(Preparation):
             self.velocity[i] = 0.0
             self.bristle[i] = 0.0
             self.estimate[i] = 0.0
+            self.lasting[i] = 0.0
+        self.following = 1.0
         for i in range(6):
             self.wrench[i] = 0.0
             self.turned[i] = 0.0
 
-    def renew(self, singular: float) -> None:
+    def renew(self, singular: float, reliable: float) -> bool:
         """Take over Jacobian and pose, which somebody has computed for `positions`.
 
         Args:
             singular: Smallest singular value of a Jacobian that gives a wrench.
+            reliable: Singular value above which no direction is weak.
+
+        Returns:
+            Whether the weak directions are to be found: there is a wrench, and at least
+            one direction is weak. Until then there are none.
         """
-        self.has_wrench = self.equation.factorise(self.jacobian, -singular * singular)
+        equation, jacobian = self.equation, self.jacobian
+        self.weak = 0
+        self.has_wrench = equation.factorise(jacobian, -singular * singular)
+        is_reliable = self.has_wrench and equation.factorise(
+            jacobian, -reliable * reliable
+        )
         if self.has_wrench:
-            self.has_wrench = self.equation.factorise(self.jacobian, 0.0)
+            self.has_wrench = equation.factorise(jacobian, 0.0)
         for i in range(self.size):
             self.place[i] = self.memory.positions[i]
+        return self.has_wrench and not is_reliable
 
     def before(self) -> bool:
         """Let the friction act in the coming step; return True."""
@@ -243,6 +273,7 @@ class Imperfections(Preparation):
         bias, armature = simulator.bias, simulator.armature
         tau, estimate, gain = self.memory.tau_J, self.estimate, self.gain
         rate, model_error, expected = self.rate, self.model_error, self.expected
+        lasting, following = self.lasting, self.following
         for i in range(self.size):
             # A row of the inertia matrix ends with its diagonal element. The rotors
             # turn before the torque sensors.
@@ -258,6 +289,10 @@ class Imperfections(Preparation):
             needed = momentum[i] * rate + (1.0 + model_error[i]) * bias[i]
             external = tau[i] - needed - expected[i]
             estimate[i] += gain * (external - estimate[i])
+            lasting[i] += following * (estimate[i] - lasting[i])
+        # A mean of all cycles at first: what acts from the beginning is not sudden.
+        if following > self.lasting_gain:
+            self.following = following / (1.0 + following)
 
     def compute_wrench(self) -> None:
         """Compute the wrench that belongs to the estimated torques, or 0."""
@@ -277,12 +312,30 @@ class Imperfections(Preparation):
         wrench[4], wrench[5] = b, c
         if self.has_wrench:
             self.equation.solve(wrench, wrench)
+            if self.weak:
+                self.doubt_wrench()
             u, v, w = wrench[0], wrench[1], wrench[2]
             a, b, c = wrench[3], wrench[4], wrench[5]
         for axis in range(3):
             x, y, z = pose[4 * axis], pose[4 * axis + 1], pose[4 * axis + 2]
             turned[axis] = x * u + y * v + z * w
             turned[axis + 3] = x * a + y * b + z * c
+
+    def doubt_wrench(self) -> None:
+        """Leave out of the wrench what lasts and errors of the torques explain."""
+        wrench, directions, doubt = self.wrench, self.directions, self.doubt
+        shares, lasting, size = self.shares, self.lasting, self.size
+        for j in range(self.weak):
+            k, most = 6 * j, doubt[j]
+            part = 0.0
+            for i in range(size):
+                part += shares[size * j + i] * lasting[i]
+            if part > most:
+                part = most
+            if part < -most:
+                part = -most
+            for i in range(6):
+                wrench[i] -= part * directions[k + i]
 
     def is_touched(self) -> bool:
         """Return whether an estimate is above its lower threshold."""

@@ -46,6 +46,8 @@ class Realism:
         velocity_noise: Standard deviation of the velocities in a cycle [rad/s].
         model_error: By which share gravity and Coriolis torques of the arm's own model
             are too large.
+        torque_error: How far bias, friction and model error together put the estimated
+            external torques off in one direction of the joints [Nm].
         observer_frequency: Cutoff of the observer of external torques [Hz].
         losses: Share of the cycles in which a command is lost on its way, 0 to 1.
         commands_are_late: Whether a command acts in the cycle after the one in which
@@ -64,6 +66,7 @@ class Realism:
     torque_bias: tuple[float, ...]
     velocity_noise: tuple[float, ...]
     model_error: tuple[float, ...]
+    torque_error: float
     observer_frequency: float
     losses: float
     commands_are_late: bool
@@ -90,6 +93,9 @@ TYPICAL = Realism(
     torque_bias=(-0.15, -0.40, 0.01, 0.03, -0.02, 0.03, 0.0),
     velocity_noise=(0.0027, 0.0031, 0.0026, 0.0028, 0.0025, 0.0032, 0.0033),
     model_error=(0.09, 0.025, 0.025, 0.05, 0.15, 0.09, 0.24),
+    # What the figures above cause: in 1000 random motions in the whole range of the
+    # joints at most 2.7 Nm in the weakest direction of the wrench, 1.9 Nm in 99.9 %.
+    torque_error=2.0,
     # Assumptions; nobody publishes them. With 15 Hz the noise of the estimate stays
     # below 0.5 Nm, far below the smallest default threshold, and a contact is reported
     # within the 50 ms that the Panda's data sheet names as reaction time.

@@ -240,6 +240,10 @@ class SimulatedArm(RobotArm):
         self.contact.set_behavior(behavior)
 
     @override
+    def collision_behavior(self) -> CollisionBehavior:
+        return self.contact.behavior
+
+    @override
     def check_recovery(self) -> None:
         self._modes.check_recovery()
 

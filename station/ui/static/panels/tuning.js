@@ -191,7 +191,7 @@ class Tuning extends Panel {
       return { input, label: h("label", {}, `${label} `, input, ` ${unit}`) };
     };
     this.bench = {
-      amplitude: field("size", "0.1", "rad"),
+      amplitude: field("size", "0.05", "rad"), // with 0.1 a chirp comes near an arm's velocity limit
       duration: field("for", "2", "s"),
       frequency: field("at", "0.5", "Hz"),
       first: field("from", "0.2", "Hz"),

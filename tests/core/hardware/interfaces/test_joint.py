@@ -2,14 +2,16 @@
 
 import pytest
 
-from station.core.errors import HardwareInterfaceError
+from station.core.errors import HardwareInterfaceError, InvalidCommandError
 from station.core.hardware.interfaces import (
     EffortJointInterface,
     JointHandle,
     JointStateHandle,
     PositionJointInterface,
+    PosVelJointHandle,
     VelocityJointInterface,
 )
+from station.memory.doubles import doubles, zeros
 
 
 @pytest.fixture
@@ -107,3 +109,15 @@ def test_every_interface_knows_how_its_joints_rest(storage, interface, rest):
     assert interface.rest_commands("j") == [rest]
     assert interface.start_jump_limits("j") == [interface.start_jump]
     assert interface.start_jump > 0.0
+
+
+@pytest.mark.parametrize("command", ["0.5", [0.5], None])
+def test_a_command_that_is_no_number_is_refused_by_name(command):
+    state = JointStateHandle("elbow", zeros(1), zeros(1), zeros(1), 0)
+    commands = doubles([0.25])
+    with pytest.raises(InvalidCommandError, match="must be a number") as caught:
+        JointHandle(state, commands).set_command(command)
+    assert f"'elbow' is {command!r}" in str(caught.value)
+    with pytest.raises(InvalidCommandError, match="'elbow'"):
+        PosVelJointHandle(state, commands, zeros(1)).set_command(command, 0.0)
+    assert list(commands) == [0.25]

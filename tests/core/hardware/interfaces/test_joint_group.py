@@ -2,6 +2,7 @@
 
 import pytest
 
+from station.core.errors import InvalidCommandError
 from station.core.hardware.interfaces import (
     JointGroup,
     JointHandle,
@@ -116,3 +117,15 @@ def test_states_in_lists_are_copied_when_asked():
 
     found = [piece.tolist() for piece in group.pieces]
     assert found == [[7.0, 0.2, 3.0], [1.0, 2.0, 7.0], [5.0, 6.0, 11.0]]
+
+
+@pytest.mark.parametrize("wrong", ["0.5", [0.5], None])
+def test_a_command_that_is_no_number_is_refused_by_the_name_of_its_joint(wrong):
+    state, commands = doubles([0.0, 0.0]), doubles([1.0, 2.0])
+    joints = [
+        JointHandle(JointStateHandle(name, state, state, state, index), commands)
+        for index, name in enumerate(("shoulder", "elbow"))
+    ]
+    with pytest.raises(InvalidCommandError, match=r"'elbow' is .* must be a number"):
+        JointGroup(joints).set_commands([0.5, wrong])
+    assert list(commands) == [1.0, 2.0]

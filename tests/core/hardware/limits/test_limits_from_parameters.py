@@ -10,6 +10,7 @@ from station.core.hardware.limits import (
     JointLimits,
     SoftJointLimits,
     joint_limits_from_parameters,
+    limits_without_effect,
     soft_joint_limits_from_parameters,
 )
 from station.core.parameters import Parameters, ParameterTree
@@ -128,3 +129,32 @@ def test_every_kind_of_limit_is_read():
     params = Parameters(ParameterTree({"arm": {"joint_limits": {"elbow": written}}}))
     limits = joint_limits_from_parameters("elbow", params.namespace("arm"))
     assert limits == JointLimits(-2.0, 2.0, 1.0, 2.0, 3.0, 4.0)
+
+
+@pytest.mark.parametrize(
+    ("entry", "told"),
+    [
+        ({"has_velocity_limits": True, "max_velocity": 1}, None),
+        ({"has_velocity_limits": False, "max_velocity": 0}, None),
+        ({"has_position_limits": False, "angle_wraparound": True}, None),
+        ({"has_velocity_limit": True}, "has_velocity_limit is unknown. Did you mean"),
+        ({"max_velocity": 1.0}, "max_velocity counts only with 'has_velocity_limits"),
+        ({"has_effort_limits": True}, "without a number for 'max_effort'"),
+        ({"has_effort_limits": True, "max_effort": "9"}, "without a number"),
+        ({"has_effort_limits": "yes", "max_effort": 9}, "must be true or false"),
+        ({"k_velocity": 1.0}, "k_velocity counts only with 'has_soft_limits: true'"),
+        (1.0, "joint_limits/elbow is 1.0; it must be a mapping"),
+    ],
+)
+def test_limits_without_effect_are_found(entry, told):
+    params = Parameters(ParameterTree({"joint_limits": {"elbow": entry}}))
+    found = limits_without_effect(params, ["elbow"])
+    assert (told is None and not found) or told in found[0]
+    assert all("joint_limits/elbow" in each for each in found)
+
+
+def test_limits_of_a_joint_that_is_none_are_found():
+    params = Parameters(ParameterTree({"joint_limits": {"elbo": {}}}))
+    (found,) = limits_without_effect(params, ["elbow", "wrist"])
+    assert found.startswith("joint_limits/elbo names no joint. Did you mean 'elbow'?")
+    assert limits_without_effect(Parameters(), []) == []

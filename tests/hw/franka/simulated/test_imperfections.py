@@ -49,6 +49,7 @@ class Bench:
         self.part.presliding = 1e-4
         self.part.gain = 0.1
         self.part.reach = 0.01
+        self.part.lasting_gain = 0.05
         self.part.settle()
         self.values = values
 
@@ -142,6 +143,74 @@ def test_a_joint_far_from_the_last_jacobian_is_told():
     bench = Bench(module, [0.0] * 4)
     put(bench.memory.positions, [0.0, 0.02])
     assert bench.part.sense() == module.MOVED
-    bench.part.renew(0.05)
+    bench.part.renew(0.05, 0.1)
     assert bench.part.sense() == 0
     assert not bench.part.has_wrench  # the Jacobian is zero
+
+
+class Arm:
+    """Six joints, each of which turns the end effector about or along one axis."""
+
+    def __init__(self, module) -> None:
+        diagonal = memoryview(bytearray(48)).cast("l")
+        for i in range(6):
+            diagonal[i] = i * (i + 3) // 2
+        self.memory = sibling(module, "joint_memory").JointMemory(6)
+        self.wrench = zeros(6)
+        self.part = module.Imperfections(
+            self.memory,
+            sibling(module, "simulator_memory").SimulatorMemory(
+                6, inertia=zeros(21), diagonal=diagonal, armature=zeros(6)
+            ),
+            noise=zeros(14),
+            estimate=zeros(6),
+            theta=zeros(6),
+            wrench=self.wrench,
+            turned=zeros(6),
+            period=0.001,
+        )
+        self.part.gain, self.part.reach = 1.0, 1.0
+        self.part.lasting_gain = 0.01
+        # Joint 1 moves the end effector by 0.1 m/rad: 1 Nm looks like 10 N.
+        arms = [0.1, 1.0, 1.0, 1.0, 1.0, 1.0]
+        put(
+            self.part.jacobian,
+            [arms[i] if i == j else 0.0 for i in range(6) for j in range(6)],
+        )
+        assert self.part.renew(0.05, 0.2)
+        put(self.part.directions[:6], [1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+        put(self.part.shares[:6], [10.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+        self.part.doubt[0] = 15.0
+        self.part.weak = 1
+
+    def feel(self, torques, cycles):
+        for _ in range(cycles):
+            put(self.memory.tau_J, torques)
+            self.part.sense()
+        return list(self.wrench)
+
+
+def test_what_lasts_is_left_out_of_a_weak_direction_up_to_its_doubt():
+    arm = Arm(compiled("imperfections"))
+    assert arm.feel([1.0, 2.0, 0.0, 0.0, 0.0, 0.0], 50)[:2] == pytest.approx([0, 2])
+    # A blow shows in full at once, and what lasts beyond the doubt for ever.
+    assert arm.feel([3.0, 2.0, 0.0, 0.0, 0.0, 0.0], 1)[0] == pytest.approx(20, abs=1)
+    assert arm.feel([3.0, 2.0, 0.0, 0.0, 0.0, 0.0], 2000)[0] == pytest.approx(15.0)
+    arm.part.rest()
+    assert arm.feel([-3.0, 0.0, 0.0, 0.0, 0.0, 0.0], 1)[0] == pytest.approx(-15.0)
+
+
+def test_a_jacobian_without_a_weak_direction_leaves_the_wrench_alone():
+    arm = Arm(compiled("imperfections"))
+    assert not arm.part.renew(0.05, 0.08)
+    assert arm.feel([1.0, 0.0, 0.0, 0.0, 0.0, 0.0], 1)[0] == pytest.approx(10.0)
+
+
+@needs_both
+@given(st.lists(st.floats(-30.0, 30.0), min_size=6, max_size=6))
+def test_both_modes_doubt_the_same(torques):
+    def wrenches(module):
+        arm = Arm(module)
+        return arm.feel(torques, 1) + arm.feel([0.0] * 6, 3)
+
+    assert_same("imperfections", wrenches)

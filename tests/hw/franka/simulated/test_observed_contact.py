@@ -34,6 +34,7 @@ PERFECT = Realism(
     torque_bias=NONE,
     velocity_noise=NONE,
     model_error=NONE,
+    torque_error=0.0,
     observer_frequency=inf,
     losses=0.0,
     commands_are_late=False,
@@ -292,3 +293,60 @@ def test_a_contact_that_turns_after_a_recovery_is_still_the_same_one() -> None:
     push([0.0, 0.0, 0.0], 200)
     push([0.0, 0.0, 30.0], 100)
     assert arm.state.robot_mode is RobotMode.REFLEX
+
+
+def test_a_contact_that_noise_ends_for_a_cycle_is_the_same_one_after_a_recovery() -> (
+    None
+):
+    # With four times its noise, the estimate of a lasting force leaves the range in
+    # which a contact lasts, and the range without a collision, again and again.
+    torque_noise = tuple(4.0 * value for value in TYPICAL.torque_noise)
+    velocity_noise = tuple(4.0 * value for value in TYPICAL.velocity_noise)
+    noisy = replace(TYPICAL, torque_noise=torque_noise, velocity_noise=velocity_noise)
+    arm = make(noisy).arms["panda"]
+
+    def push(force: float, cycles: int) -> None:
+        lasting = 0.001 * cycles
+        arm.simulation().apply_force("panda_hand", [0.0, force, 0.0], NONE[:3], lasting)
+        for _ in range(cycles):
+            arm.read_once()
+            felt.append(abs(arm.state.K_F_ext_hat_K[1]))
+
+    felt: list[float] = []
+    push(17.0, 500)
+    push(40.0, 30)
+    assert arm.state.robot_mode is RobotMode.REFLEX
+    push(17.0, 500)
+    felt.clear()
+    arm.automatic_error_recovery()
+    push(17.0, 2000)
+    assert min(felt) < 16.0
+    assert max(felt) > 20.0
+    assert arm.state.robot_mode is RobotMode.IDLE
+
+
+@pytest.mark.parametrize("force", [60.0, 100.0])
+def test_a_blow_near_a_singular_pose_is_noticed_as_soon_as_elsewhere(
+    force: float,
+) -> None:
+    # Singular values 0.065 and 0.22: the weakest direction, and none that is weak.
+    found = {}
+    for name, q in (
+        ("weak", [0.0, -0.2, 0.0, -0.95, 0.0, 1.59, 0.785]),
+        ("none", None),
+    ):
+        simulation = make(TYPICAL)
+        arm = simulation.arms["panda"]
+        if q is not None:
+            simulation.world.reset(dict(zip(NAMES, q, strict=True)))
+        for _ in range(1000):
+            arm.read_once()
+        assert bool(arm.contact.imperfections.weak) is (q is not None)
+        simulation.world.push(Push("panda_hand", (0.0, 0.0, -force)), 100)
+        cycles = 0
+        while not any((*arm.state.joint_collision, *arm.state.cartesian_collision)):
+            arm.read_once()
+            cycles += 1
+            assert cycles <= 50
+        found[name] = cycles
+    assert found["weak"] <= found["none"] + 2

@@ -261,6 +261,10 @@ class FciArm(RobotArm):
         self._behavior = behavior
 
     @override
+    def collision_behavior(self) -> CollisionBehavior | None:
+        return self._behavior
+
+    @override
     def is_lost(self) -> bool:
         return self._link.loss is not None
 

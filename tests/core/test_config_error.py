@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.config.errors import ConfigError, key_text
+from station.core.config_error import ConfigError, key_text
 from station.core.errors import show
 
 

@@ -1,8 +1,12 @@
-"""Read one YAML file into plain data that knows where each value was written.
+"""The one reader of YAML: plain data that knows where each value was written.
 
 YAML 1.1, as ROS reads it, has traps. Here `1e-3` is a number and a date is text.
 Scalars that YAML 1.1 and 1.2 read differently (`010`, `1:30`, `1_000`) are refused, and
 so are duplicate keys and keys that are not text.
+
+Reading is slow (some 25 us a character) and aliases of aliases make a few lines into
+more values than there is memory. So the length of a text, its depth and its values,
+with every alias written out, are bounded before they cost anything.
 """
 
 import math
@@ -13,18 +17,16 @@ from pathlib import Path
 import yaml
 from typing_extensions import override
 
-from station.config.angle_expression import parse_angle
-from station.config.errors import ConfigError, key_text
+from station.core.angle_expression import parse_angle
+from station.core.config_error import ConfigError, key_text
 from station.core.errors import show
 
 KeyPath = tuple[str | int, ...]
 
 _TAG = "tag:yaml.org,2002:"
+_CONTAINERS = frozenset({f"{_TAG}map", f"{_TAG}seq"})
 _AMBIGUOUS = "!ambiguous"
-_FIX_FILE = "Correct the file and start again."
 _MAX_DEPTH = 64
-_MAX_VALUES = 100_000
-"""Aliases of aliases make a few lines into more values than there is memory."""
 _MAX_NUMBER_LENGTH = 100
 # The tags of scalars without quotes; the first pattern that matches decides.
 _PLAIN_SCALARS = (
@@ -68,6 +70,27 @@ class _Loader(yaml.SafeLoader):
 
 
 @dataclass(frozen=True, slots=True)
+class TextKind:
+    """Where a text comes from, and so how much of it is read.
+
+    Attributes:
+        characters: Longest text.
+        values: Most values, with every alias written out.
+        remedy: What to do about a text that is refused.
+    """
+
+    characters: int
+    values: int
+    remedy: str
+
+
+FILE = TextKind(1_000_000, 100_000, "Correct the file and start again.")
+"""A file of the user who runs the program."""
+FORM = TextKind(32_768, 5_000, "Correct the text.")
+"""What somebody has typed or pasted elsewhere: a controller's parameters."""
+
+
+@dataclass(frozen=True, slots=True)
 class YamlDocument:
     """The content of a YAML file.
 
@@ -97,7 +120,8 @@ def read_yaml(path: Path) -> YamlDocument:
             refused; the message says file, line, column and key.
     """
     try:
-        text = path.read_text(encoding="utf-8")
+        with path.open(encoding="utf-8") as file:
+            text = file.read(FILE.characters + 1)
     except OSError as error:
         raise ConfigError(
             [f"{path}: The file cannot be read: {error.strerror}."],
@@ -111,21 +135,22 @@ def read_yaml(path: Path) -> YamlDocument:
     return parse_yaml(text, str(path))
 
 
-def parse_yaml(text: str, name: str) -> YamlDocument:
+def parse_yaml(text: str, name: str, kind: TextKind = FILE) -> YamlDocument:
     """Parse YAML text.
 
     Args:
         text: The YAML text.
         name: Stands for the file in messages.
+        kind: Where the text comes from.
 
     Raises:
         ConfigError: The text is not YAML, or holds something that is refused; the
             message says file, line, column and key.
     """
-    root = _compose(text, name)
+    root = _compose(text, name, kind)
     if root is None:
         return YamlDocument(name, {}, {})
-    builder = _Builder(name)
+    builder = _Builder(name, kind)
     values = builder.build(root, ())
     if not isinstance(values, dict):
         raise ConfigError(
@@ -145,11 +170,19 @@ def parse_value(text: str, name: str) -> object:
     Raises:
         ConfigError: The text is not YAML, or holds something that is refused.
     """
-    root = _compose(text, name)
-    return None if root is None else _Builder(name).build(root, ())
+    root = _compose(text, name, FILE)
+    return None if root is None else _Builder(name, FILE).build(root, ())
 
 
-def _compose(text: str, name: str) -> yaml.Node | None:
+def _compose(text: str, name: str, kind: TextKind) -> yaml.Node | None:
+    if len(text) > kind.characters:
+        raise ConfigError(
+            [
+                f"{name}: The text is longer than the {kind.characters} characters "
+                "allowed."
+            ],
+            remedy="Shorten it.",
+        )
     try:
         root: yaml.Node | None = yaml.compose(text, Loader=_Loader)
     except yaml.MarkedYAMLError as error:
@@ -157,15 +190,15 @@ def _compose(text: str, name: str) -> yaml.Node | None:
         place = f":{mark.line + 1}:{mark.column + 1}" if mark else ""
         problem = error.problem or error.context
         message = f"{name}{place}: The text is not valid YAML: {problem}."
-        raise ConfigError([message], remedy=_FIX_FILE) from error
+        raise ConfigError([message], remedy=kind.remedy) from error
     except RecursionError as error:
         raise ConfigError(
             [f"{name}: The text is nested deeper than {_MAX_DEPTH} levels."],
-            remedy=_FIX_FILE,
+            remedy=kind.remedy,
         ) from error
     except yaml.YAMLError as error:
         raise ConfigError(
-            [f"{name}: The text is not valid YAML: {error}."], remedy=_FIX_FILE
+            [f"{name}: The text is not valid YAML: {error}."], remedy=kind.remedy
         ) from error
     return root
 
@@ -173,9 +206,10 @@ def _compose(text: str, name: str) -> yaml.Node | None:
 class _Builder:
     """Turn PyYAML's nodes into plain data and note their positions."""
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, kind: TextKind) -> None:
         self.positions: dict[KeyPath, tuple[int, int]] = {}
         self._name = name
+        self._kind = kind
         self._open: list[yaml.Node] = []
         self._count = 0
 
@@ -192,12 +226,15 @@ class _Builder:
         if len(self._open) >= _MAX_DEPTH:
             raise self._refuse(node, path, f"is nested deeper than {_MAX_DEPTH} levels")
         self._count += 1
-        if self._count > _MAX_VALUES:
+        if self._count > self._kind.values:
             raise self._refuse(
                 node,
                 path,
-                f"makes more than {_MAX_VALUES} values, with every alias written out",
+                f"makes more than {self._kind.values} values, with every alias written "
+                "out",
             )
+        if not _is_scalar(node) and node.tag not in _CONTAINERS:
+            raise self._refuse(node, path, f"has the tag {node.tag}, which is unknown")
         self._open.append(node)
         try:
             if isinstance(node, yaml.MappingNode):
@@ -300,7 +337,7 @@ class _Builder:
         mark = node.start_mark
         place = f"{self._name}:{mark.line + 1}:{mark.column + 1}"
         subject = key_text(path) or "The text"
-        return ConfigError([f"{place}: {subject} {problem}."], remedy=_FIX_FILE)
+        return ConfigError([f"{place}: {subject} {problem}."], remedy=self._kind.remedy)
 
 
 def _parse_number(kind: str, text: str) -> int | float:

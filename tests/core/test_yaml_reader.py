@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from station.config.errors import ConfigError
-from station.config.yaml_reader import parse_value, parse_yaml, read_yaml
+from station.core.config_error import ConfigError
+from station.core.yaml_reader import parse_value, parse_yaml, read_yaml
 
 
 @pytest.mark.parametrize(
@@ -72,6 +72,7 @@ def test_scalar_with_two_meanings_is_refused(text):
         ("a: *nothing", r"f\.yaml:1:4: The text is not valid YAML"),
         ("a: &x [*x]", r"f\.yaml:1:4: a\[0\] is an alias that contains itself"),
         ("a: !!python/name:os.system", r"f\.yaml:1:4: .* is unknown"),
+        ("a: !!python/object/apply:os.getcwd []", r"f\.yaml:1:4: a has the tag .* unk"),
         ("a: !!float x", r"f\.yaml:1:4: a is 'x', which is not a number"),
         ("<<: 1", r"f\.yaml:1:5: The text merges 1 with `<<`, which takes a mapping"),
         ("- a", r"f\.yaml:1:1: .*must hold a mapping"),

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from station.config.angle_expression import parse_angle
+from station.core.angle_expression import parse_angle
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,1 @@
+"""The channels of a recording, live, for Foxglove and whoever speaks its protocol."""

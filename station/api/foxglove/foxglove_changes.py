@@ -1,0 +1,206 @@
+"""What a Foxglove client may change: gains, as parameters, and running controllers."""
+
+import json
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from starlette.websockets import WebSocket
+
+from station.api.audit import EventRecorder, origin_of
+from station.api.auth import Access, Role
+from station.core.control.switching import SwitchRequest
+from station.core.errors import (
+    InvalidCommandError,
+    InvalidGainError,
+    StationError,
+    suggest,
+)
+from station.events import EventKind, Origin, Severity
+
+if TYPE_CHECKING:
+    from station.api.control import Control
+    from station.core.facade.station import Station
+
+SWITCH_SERVICE = "/switch_controllers"
+_SLASH = "/"
+
+
+class ChangeRefusedError(StationError, PermissionError):
+    """Who asks for a change may not make it."""
+
+    code = "change_refused"
+
+
+@dataclass(frozen=True, slots=True)
+class GainsAnswer:
+    """What became of parameters that a client has set.
+
+    Attributes:
+        values: Those that were asked for and exist, as they are in force now.
+        problems: Why some were not set, one sentence each.
+    """
+
+    values: dict[str, float]
+    problems: list[str]
+
+
+class FoxgloveChanges:
+    """The changes of one client. Its methods may wait: for worker threads.
+
+    Args:
+        websocket: Its connection.
+        access: What it may do.
+        lease: The lease of control that it names; None without one.
+    """
+
+    def __init__(self, websocket: WebSocket, access: Access, lease: str | None) -> None:
+        state = websocket.app.state
+        self._station: Station = state.station
+        self._control: Control = state.control
+        self._recorder: EventRecorder = state.event_recorder
+        self._websocket = websocket
+        self._access = access
+        self._lease = lease
+
+    def gains(self, names: list[str]) -> dict[str, float]:
+        """Return gains by `controller/gain`; all when `names` is empty."""
+        found = {
+            f"{controller}{_SLASH}{name}": value
+            for controller, values in self._station.tuning.all_gains().items()
+            for name, value in values.items()
+        }
+        return {name: found[name] for name in names or found if name in found}
+
+    def set_gains(self, wanted: dict[str, object]) -> GainsAnswer:
+        """Set gains; those that can be set do not fall with those that cannot.
+
+        Args:
+            wanted: Values by `controller/gain`.
+        """
+        what = f"setParameters {', '.join(wanted)}"
+        try:
+            self._check(what)
+        except StationError as error:
+            return GainsAnswer(self.gains(list(wanted)), [_sentence(error)])
+        problems: list[str] = []
+        known, good = self.gains([]), {}
+        for name, value in wanted.items():
+            if name not in known:
+                problems.append(f"There is no gain '{name}'. {suggest(name, known)}")
+            elif isinstance(value, bool) or not isinstance(value, int | float):
+                problems.append(f"The gain '{name}' cannot be {value!r:.40}.")
+            else:
+                good[name] = float(value)
+        problems += self._set(good)
+        result = "done" if not problems else "refused: " + " ".join(problems)
+        self._record(what, result, is_done=not problems)
+        return GainsAnswer(self.gains(list(wanted)), problems)
+
+    def switch(self, payload: bytes) -> bytes:
+        """Start and stop controllers; return the answer as JSON.
+
+        Args:
+            payload: JSON with lists of names, `start` and `stop`.
+
+        Raises:
+            StationError: It is refused.
+            InvalidCommandError: It did not succeed; the same runs as before.
+            ValueError: The payload is no JSON.
+            RecursionError: The payload is too deeply nested.
+        """
+        self._check(SWITCH_SERVICE)
+        try:
+            asked = json.loads(payload)
+            start, stop = _names(asked, "start"), _names(asked, "stop")
+            result = self._station.switch_controllers(SwitchRequest(start, stop))
+        except (StationError, ValueError, RecursionError) as error:
+            self._record(SWITCH_SERVICE, f"refused: {error}", is_done=False)
+            raise
+        self._recorder.switch(self._websocket, result)
+        self._record(SWITCH_SERVICE, "done" if result.ok else "failed", result.ok)
+        if not result.ok:
+            failed = (f"{name}: {why}" for name, why in result.failed.items())
+            raise InvalidCommandError(
+                f"The switch was {result.outcome.name.lower()}. {' '.join(failed)}"
+            )
+        return json.dumps({"ok": True, "message": ""}).encode()
+
+    def _set(self, good: dict[str, float]) -> list[str]:
+        """Set gains that exist; return why some could not be set."""
+        if not good:
+            return []
+        try:
+            self._station.tuning.set_many(_by_controller(good))
+        except InvalidGainError as error:
+            if len(good) == 1:
+                return [_sentence(error)]
+            # Which one is it? The others are set nevertheless.
+            return [
+                one for name, value in good.items() for one in self._set({name: value})
+            ]
+        except StationError as error:
+            return [_sentence(error)]
+        return []
+
+    def _check(self, what: str) -> None:
+        """Refuse a change by anybody who may not make it.
+
+        Raises:
+            ChangeRefusedError: The client is no operator, or no longer one.
+            StationError: Somebody else holds control.
+        """
+        try:
+            if self._access.has_ended():
+                raise ChangeRefusedError(
+                    "The token of this connection has been revoked or has expired.",
+                    remedy="Connect with another token.",
+                )
+            if not self._access.role.includes(Role.OPERATOR):
+                raise ChangeRefusedError(
+                    "A viewer may look, but not change anything.",
+                    remedy="Connect with ?token=… of an operator.",
+                )
+            self._control.check(self._access, self._lease)
+        except StationError as error:
+            self._record(what, f"refused: {error.code}", is_done=False)
+            raise
+
+    def _record(self, what: str, result: str, is_done: bool) -> None:  # noqa: FBT001 - private
+        found = origin_of(self._websocket)
+        who = self._control.name_of(self._access, self._lease)
+        ended = "was carried out" if is_done else f"was {result}"
+        self._recorder.repeats.record(
+            EventKind.REQUEST,
+            f"Foxglove's {what} of {who} {ended}.",
+            severity=Severity.INFO if is_done else Severity.WARNING,
+            what=f"foxglove {what}",
+            result=result,
+            origin=Origin(who, found.where, found.request_id),
+        )
+
+
+def _by_controller(gains: dict[str, float]) -> dict[str, dict[str, float]]:
+    found: dict[str, dict[str, float]] = {}
+    for name, value in gains.items():
+        controller, _, gain = name.partition(_SLASH)
+        found.setdefault(controller, {})[gain] = value
+    return found
+
+
+def _sentence(error: StationError) -> str:
+    return f"{error.message} {error.remedy}".strip()
+
+
+def _names(asked: object, key: str) -> list[str]:
+    """Return a list of names of a request.
+
+    Raises:
+        InvalidCommandError: It is none.
+    """
+    names = asked.get(key, []) if isinstance(asked, dict) else None
+    if isinstance(names, list) and all(isinstance(one, str) for one in names):
+        return names
+    raise InvalidCommandError(
+        f"'{key}' is no list of names of controllers.",
+        remedy='Send {"start": ["arm"], "stop": []}.',
+    )

@@ -1,0 +1,287 @@
+"""One Foxglove client: what it subscribes to, asks for and changes.
+
+Source: https://github.com/foxglove/ws-protocol, docs/spec.md; differs: clients publish
+nothing, and there are no assets and no connection graph.
+"""
+
+import asyncio
+import json
+import struct
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import anyio.to_thread
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from station.api.foxglove.foxglove_changes import SWITCH_SERVICE, FoxgloveChanges
+from station.api.foxglove.live_channels import LiveChannels, LiveMessage
+from station.core.errors import StationError
+from station.records.cdr import MessageType
+
+SUBPROTOCOLS = ("foxglove.sdk.v1", "foxglove.websocket.v1")
+MOST_SUBSCRIPTIONS = 1000
+"""Most subscriptions of a client."""
+_SERVICE_ID = 1
+_MESSAGE, _SERVICE_CALL_OPCODE, _SERVICE_ANSWER = 1, 2, 3
+_SERVICE_CALL = struct.Struct("<BIII")
+"""What a call begins with: opcode, service, call, length of the encoding's name."""
+_DATA = struct.Struct("<BIQ")
+_WARNING, _ERROR = 1, 2
+# What clients send that do not keep to the protocol.
+_NO_MESSAGE = (
+    ValueError, TypeError, AttributeError, LookupError, RecursionError, struct.error,
+)  # fmt: skip
+
+
+class FoxgloveSession:
+    """Talks to one client, in the event loop of the API.
+
+    Args:
+        websocket: Its connection, accepted.
+        channels: What there is to see.
+        changes: What it may change.
+        numbers: Numbers of the channels by topic, shared by all clients; grows.
+    """
+
+    def __init__(
+        self,
+        websocket: WebSocket,
+        channels: LiveChannels,
+        changes: FoxgloveChanges,
+        numbers: dict[str, int],
+    ) -> None:
+        self._websocket = websocket
+        self._channels = channels
+        self._changes = changes
+        self._numbers = numbers
+        self._advertised: set[str] = set()
+        self._subscriptions: dict[int, str] = {}
+        self._texts_due: dict[int, str] = {}
+        self._watched: set[str] = set()
+        self._values: dict[str, float] = {}
+        self._newest: list[LiveMessage] = []
+        self._wake = asyncio.Event()
+
+    @property
+    def topics(self) -> set[str]:
+        """The channels that it has subscribed to."""
+        return set(self._subscriptions.values())
+
+    def offer(self, messages: list[LiveMessage]) -> None:
+        """Take the messages of the newest cycle; a slow client misses older ones."""
+        self._newest = messages
+        self._wake.set()
+
+    async def greet(self, boot_id: str) -> None:
+        """Tell what there is.
+
+        Args:
+            boot_id: Tells one start of the station from the next.
+        """
+        await self._send({
+            "op": "serverInfo",
+            "name": "control station",
+            "capabilities": ["parameters", "parametersSubscribe", "services"],
+            "supportedEncodings": ["json"],
+            "metadata": {},
+            "sessionId": boot_id,
+        })
+        await self._advertise()
+        await self._send({"op": "advertiseServices", "services": [_service()]})
+
+    async def feed(self, slow_after: float) -> None:
+        """Send what is offered; return when the client takes nothing for too long.
+
+        Args:
+            slow_after: So long [s].
+        """
+        while True:
+            await self._wake.wait()
+            self._wake.clear()
+            try:
+                async with asyncio.timeout(slow_after):
+                    await self._send_newest()
+            except TimeoutError:
+                return
+
+    async def listen(self) -> None:
+        """Answer what the client asks; return when it is gone."""
+        while True:
+            message = await self._websocket.receive()
+            if message["type"] == "websocket.disconnect":
+                return
+            try:
+                text, data = message.get("text"), message.get("bytes")
+                if text is not None:
+                    await self._take_text(text)
+                elif data:
+                    await self._take_call(data)
+            except WebSocketDisconnect:
+                return
+            except _NO_MESSAGE as error:
+                await self._tell(_ERROR, f"That is no message of Foxglove: {error!r}.")
+
+    async def watch_parameters(self) -> None:
+        """Send the gains that changed since the last call to who has subscribed."""
+        if not self._watched:
+            return
+        found = await anyio.to_thread.run_sync(self._changes.gains, [*self._watched])
+        changed = {n: v for n, v in found.items() if self._values.get(n) != v}
+        self._values = found
+        if changed:
+            await self._send(_parameter_values(changed))
+
+    async def _send_newest(self) -> None:
+        await self._advertise()
+        numbers: dict[str, list[int]] = {}
+        for number, topic in self._subscriptions.items():
+            numbers.setdefault(topic, []).append(number)
+        messages, self._newest = self._newest, []
+        for message in messages:
+            for number in numbers.get(message.topic, ()):
+                await self._send_data(number, message)
+        while self._texts_due:
+            number, topic = self._texts_due.popitem()
+            text = self._channels.text(topic)
+            if text is not None:
+                await self._send_data(number, text)
+
+    async def _send_data(self, number: int, message: LiveMessage) -> None:
+        head = _DATA.pack(_MESSAGE, number, message.stamp)
+        await self._websocket.send_bytes(head + message.data)
+
+    async def _advertise(self) -> None:
+        """Tell of channels that the client does not know yet."""
+        new = [t for t in self._channels.kinds if t not in self._advertised]
+        if not new:
+            return
+        for topic in new:
+            self._numbers.setdefault(topic, len(self._numbers) + 1)
+        self._advertised.update(new)
+        kinds = self._channels.kinds
+        channels = [_channel(self._numbers[t], t, kinds[t]) for t in new]
+        await self._send({"op": "advertise", "channels": channels})
+
+    async def _take_text(self, text: str) -> None:
+        asked = json.loads(text)
+        op = asked["op"]
+        if op == "subscribe":
+            await self._subscribe(asked["subscriptions"])
+        elif op == "unsubscribe":
+            for number in asked["subscriptionIds"]:
+                self._subscriptions.pop(number, None)
+                self._texts_due.pop(number, None)
+        elif op == "getParameters":
+            names = [str(one) for one in asked.get("parameterNames", [])]
+            found = await anyio.to_thread.run_sync(self._changes.gains, names)
+            await self._send(_parameter_values(found, asked.get("id")))
+        elif op == "setParameters":
+            await self._set_parameters(asked["parameters"], asked.get("id"))
+        elif op == "subscribeParameterUpdates":
+            names = [str(one) for one in asked.get("parameterNames", [])]
+            found = await anyio.to_thread.run_sync(self._changes.gains, names)
+            self._watched.update(found)
+            self._values.update(found)
+        elif op == "unsubscribeParameterUpdates":
+            names = asked.get("parameterNames") or [*self._watched]
+            self._watched.difference_update(names)
+        else:
+            await self._tell(_WARNING, f"This station does not do {op!r:.40}.")
+
+    async def _subscribe(self, wanted: Iterable[Mapping[str, Any]]) -> None:
+        topics = {number: topic for topic, number in self._numbers.items()}
+        for one in wanted:
+            number, topic = int(one["id"]), topics.get(one["channelId"])
+            if topic is None or len(self._subscriptions) >= MOST_SUBSCRIPTIONS:
+                why = f"Channel {one['channelId']!r:.40} cannot be subscribed to."
+                await self._tell(_ERROR, why)
+            elif 0 <= number < 2**32:
+                self._subscriptions[number] = topic
+                self._texts_due[number] = topic
+
+    async def _set_parameters(
+        self, parameters: Iterable[Mapping[str, Any]], request: str | None
+    ) -> None:
+        wanted = {str(one["name"]): one.get("value") for one in parameters}
+        answer = await anyio.to_thread.run_sync(self._changes.set_gains, wanted)
+        for problem in answer.problems:
+            await self._tell(_ERROR, problem)
+        await self._send(_parameter_values(answer.values, request))
+
+    async def _take_call(self, data: bytes) -> None:
+        """Call a service; the client learns of a failure, too."""
+        opcode, service, call, length = _SERVICE_CALL.unpack_from(data)
+        if opcode != _SERVICE_CALL_OPCODE:
+            await self._tell(_WARNING, "Clients publish nothing to this station.")
+            return
+        encoding = data[_SERVICE_CALL.size : _SERVICE_CALL.size + length]
+        failure = {"op": "serviceCallFailure", "serviceId": service, "callId": call}
+        if service != _SERVICE_ID or encoding != b"json":
+            why = "There is no such service, or not in that encoding."
+            await self._send({**failure, "message": why})
+            return
+        payload = data[_SERVICE_CALL.size + length :]
+        try:
+            answer = await anyio.to_thread.run_sync(self._changes.switch, payload)
+        except (StationError, ValueError, RecursionError) as error:
+            why = str(error) or type(error).__name__
+            await self._send({**failure, "message": why})
+            return
+        head = _SERVICE_CALL.pack(_SERVICE_ANSWER, service, call, len(encoding))
+        await self._websocket.send_bytes(head + encoding + answer)
+
+    async def _tell(self, level: int, message: str) -> None:
+        await self._send({"op": "status", "level": level, "message": message[:500]})
+
+    async def _send(self, message: dict[str, object]) -> None:
+        await self._websocket.send_text(json.dumps(message))
+
+
+def _channel(number: int, topic: str, kind: MessageType) -> dict[str, object]:
+    return {
+        "id": number,
+        "topic": topic,
+        "encoding": "cdr",
+        "schemaName": kind.name,
+        "schemaEncoding": "ros2msg",
+        "schema": kind.text,
+    }
+
+
+def _parameter_values(
+    values: dict[str, float], request: str | None = None
+) -> dict[str, object]:
+    found: dict[str, object] = {
+        "op": "parameterValues",
+        "parameters": [
+            {"name": name, "value": value, "type": "float64"}
+            for name, value in values.items()
+        ],
+    }
+    return found if request is None else {**found, "id": request}
+
+
+def _service() -> dict[str, object]:
+    """Return what the service that switches controllers takes and answers."""
+    names = {"type": "array", "items": {"type": "string"}}
+    request = {"type": "object", "properties": {"start": names, "stop": names}}
+    answer = {
+        "type": "object",
+        "properties": {"ok": {"type": "boolean"}, "message": {"type": "string"}},
+    }
+
+    def side(name: str, schema: dict[str, object]) -> dict[str, str]:
+        return {
+            "encoding": "json",
+            "schemaName": name,
+            "schemaEncoding": "jsonschema",
+            "schema": json.dumps(schema),
+        }
+
+    return {
+        "id": _SERVICE_ID,
+        "name": SWITCH_SERVICE,
+        "type": "control_station/SwitchControllers",
+        "request": side("SwitchRequest", request),
+        "response": side("SwitchAnswer", answer),
+    }

@@ -1,0 +1,156 @@
+"""Folders of the user that several stations share: private, locked, read with care.
+
+Whoever runs two stations has both in the same folders. What one of them writes is
+locked for as long as that takes, by the system, so that the lock of a station that was
+killed is gone with it.
+"""
+
+import fcntl
+import os
+import stat
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+APPLICATION = "control-station"
+"""The folder among the user's data that has all others of the control station."""
+LONGEST_WAIT = 2.0
+"""Longest wait for another station that changes the same folder [s]."""
+_LOOK = 0.01
+
+
+def user_folder(name: str) -> Path:
+    """Return where files of this user are kept.
+
+    Args:
+        name: Name of the folder among the data of the control station.
+    """
+    data = os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"
+    return Path(data) / APPLICATION / name
+
+
+def make_private_folder(folder: Path) -> None:
+    """Make a folder and those above it, as far as they are missing, for the user alone.
+
+    The control station's own folder is closed to others even if it was open before; a
+    folder that the user made elsewhere stays as open as it is.
+
+    Raises:
+        OSError: It cannot be made.
+    """
+    missing = []
+    for one in (folder, *folder.parents):
+        if one.is_dir():
+            break
+        missing.append(one)
+    for one in reversed(missing):
+        # `parents=True` would make those above readable by everybody.
+        one.mkdir(mode=0o700, exist_ok=True)
+    own = next((p for p in (folder, *folder.parents) if p.name == APPLICATION), None)
+    for one in () if own is None else {own, folder}:
+        info = one.stat()
+        if info.st_uid == os.getuid() and stat.S_IMODE(info.st_mode) & 0o077:
+            one.chmod(0o700)
+
+
+def open_regular(path: Path, flags: int = os.O_RDONLY) -> int:
+    """Open a file, but no pipe and no device, which could be waited for without end.
+
+    Args:
+        path: The file.
+        flags: How, as `os.open` takes it.
+
+    Returns:
+        The descriptor.
+
+    Raises:
+        OSError: It is no regular file, or cannot be opened.
+    """
+    # Without waiting: only an open file can be asked what it is.
+    descriptor = os.open(path, flags | os.O_NONBLOCK | os.O_CLOEXEC, 0o600)
+    if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+        os.close(descriptor)
+        raise OSError(f"{path.name} is no regular file")
+    return descriptor
+
+
+def read_regular(path: Path, most: int) -> str:
+    """Return the text of a regular file.
+
+    Args:
+        path: The file.
+        most: Most bytes that are read.
+
+    Raises:
+        OSError: It is no regular file, is larger, or cannot be read.
+        UnicodeDecodeError: It is no text.
+    """
+    with os.fdopen(open_regular(path), "rb") as file:
+        data = file.read(most + 1)
+    if len(data) > most:
+        raise OSError(f"it is larger than {most} bytes")
+    return data.decode("utf-8")
+
+
+def try_lock(descriptor: int) -> bool:
+    """Lock an open file for its descriptor alone; return whether that was possible.
+
+    A file system without locks has nothing that another station could take.
+    """
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:
+        return True
+    return True
+
+
+def is_locked(path: Path) -> bool:
+    """Return whether somebody writes a file now; False when there is none."""
+    try:
+        descriptor = open_regular(path)
+    except OSError:
+        return False
+    try:
+        # A shared lock: two that look at the same time do not take one another for
+        # the writer.
+        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except OSError:
+        return False
+    finally:
+        os.close(descriptor)
+    return False
+
+
+@contextmanager
+def changing(
+    folder: Path,
+    now: Callable[[], float] = time.monotonic,
+    sleep: Callable[[float], None] = time.sleep,
+) -> Iterator[None]:
+    """Keep other threads and stations from changing a folder in the body of a `with`.
+
+    Args:
+        folder: The folder; it is made if it is missing.
+        now: Monotonic clock [s].
+        sleep: Waits [s].
+
+    Raises:
+        OSError: The folder cannot be used.
+        TimeoutError: Somebody else changes it for too long; an `OSError`, too.
+    """
+    make_private_folder(folder)
+    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    try:
+        deadline = now() + LONGEST_WAIT
+        while not try_lock(descriptor):
+            if now() >= deadline:
+                raise TimeoutError(f"another station changes {folder}")
+            sleep(_LOOK)
+        yield
+    finally:
+        os.close(descriptor)
