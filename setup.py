@@ -109,8 +109,8 @@ class BuildExtensions(build_ext):
             if is_for_here:  # a wheel is built without the station's dependencies
                 self._try_import()
         except BaseException as error:
-            text = str(error).strip() or type(error).__name__
-            compiled.BuildRecord(*sources, "", {}, text).write(package)
+            text = str(error).strip().splitlines() or [type(error).__name__]
+            compiled.BuildRecord(*sources, "", {}, text[-1]).write(package)
             raise
 
     def _build(self) -> None:
@@ -138,12 +138,16 @@ class BuildExtensions(build_ext):
         """Import every extension in another process."""
         names = ", ".join(extension.name for extension in self.extensions)
         environment = {**os.environ, compiled.SWITCH: "1"}
-        subprocess.run(
+        result = subprocess.run(
             [sys.executable, "-c", f"import {names}"],
             cwd=ROOT,
             env=environment,
-            check=True,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
         )
+        if result.returncode:
+            raise SystemExit(result.stderr or f"Python ended: {result.returncode}.")
 
 
 setup(ext_modules=extensions(), cmdclass={"build_ext": BuildExtensions})

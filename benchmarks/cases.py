@@ -15,7 +15,7 @@ from station.core.errors import StationError
 from station.core.facade.station import Station
 from station.core.franka.arms import Arms
 from station.core.hardware.interfaces import EffortJointInterface
-from station.core.numerics.poses import numbers_of
+from station.core.numerics.rigid_motion import numbers_of
 from station.memory.doubles import doubles, zeros
 
 EXAMPLES = Path(__file__).parents[1] / "examples"

@@ -16,7 +16,7 @@ from station.config import load_config
 from station.core.clock import ManualClock
 from station.core.control.switching import SwitchRequest
 from station.core.franka.arms import Arms
-from station.core.numerics.poses import numbers_of
+from station.core.numerics.rigid_motion import numbers_of
 from station.memory.doubles import doubles, zeros
 
 JOINTS = [f"panda_joint{number}" for number in range(1, 8)]

@@ -11,7 +11,8 @@ from station.controllers.cartesian_motion.end_effector_sample import PoseSample
 from station.controllers.franka_arm import PosePort
 from station.core.franka import Frame
 from station.core.hardware.robot_hw import RobotHW
-from station.core.numerics.poses import numbers_of, pose_of
+from station.core.numerics.poses import pose_of
+from station.core.numerics.rigid_motion import numbers_of
 from station.core.parameters import Parameters
 from station.core.ports.set_point import SetPointPort
 from station.memory.doubles import zeros

@@ -4,7 +4,7 @@ from station.core.control.sample_columns import SampleColumns
 from station.core.control.usual_update import UsualUpdate
 from station.core.franka.model_sources import ModelSource
 from station.core.numerics.arm_chain import turn_to_inner_axes, twist_of
-from station.core.numerics.poses import numbers_of
+from station.core.numerics.rigid_motion import numbers_of
 from station.core.ports.set_point_news import SetPointNews
 from station.memory.doubles import Doubles, doubles, zeros
 from station.memory.vectors import copy_into

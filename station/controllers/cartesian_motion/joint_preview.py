@@ -14,7 +14,7 @@ from station.controllers.cartesian_motion.linear_kinematics import (
     way_between,
 )
 from station.controllers.cartesian_motion.pose_motion import PoseMotion
-from station.core.numerics.poses import twist_between
+from station.core.numerics.rigid_motion import twist_between
 from station.memory.doubles import Doubles, own, zeros
 from station.memory.vectors import copy_into
 

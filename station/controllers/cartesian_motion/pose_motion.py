@@ -11,7 +11,7 @@ from station.controllers.cartesian_motion.braking import (
     peak_speed,
     resting_ways,
 )
-from station.core.numerics.poses import displace, rotation_between
+from station.core.numerics.rigid_motion import displace, rotation_between
 from station.memory.doubles import Doubles, own, zeros
 from station.memory.vectors import copy_into
 

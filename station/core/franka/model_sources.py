@@ -5,7 +5,7 @@ from typing import Any
 
 from station.core.numerics.arm_chain import zero_jacobian
 from station.core.numerics.arm_dynamics import ArmDynamics
-from station.core.numerics.poses import compose
+from station.core.numerics.rigid_motion import compose
 from station.memory.doubles import Doubles, Storage, own, own_zeros
 from station.memory.vectors import copy_into
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from station.core.numerics.poses import (
+from station.core.numerics.rigid_motion import (
     compose,
     displace,
     numbers_of,

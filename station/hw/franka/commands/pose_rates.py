@@ -6,7 +6,7 @@ src/rate_limiting.cpp, limitRate; src/control_loop.cpp, convertMotion.
 
 from collections.abc import Iterable
 
-from station.core.numerics.poses import displace, rotation_between, twist_between
+from station.core.numerics.rigid_motion import displace, rotation_between, twist_between
 from station.memory.doubles import Doubles, own, zeros
 from station.memory.functions import square_root
 

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 
 from station.core.franka.command_rates import limited
 from station.core.franka.joint_memory import JointMemory
-from station.core.numerics.poses import displace, twist_between
+from station.core.numerics.rigid_motion import displace, twist_between
 from station.hw.franka.simulated.command_check import CommandCheck
 from station.hw.franka.simulated.inverse_kinematics import InverseKinematics
 from station.memory.doubles import Doubles, own, zeros

@@ -8,7 +8,7 @@ from station.core.numerics.arm_chain import (
     twist_of,
     zero_jacobian,
 )
-from station.core.numerics.poses import compose
+from station.core.numerics.rigid_motion import compose
 from station.memory.doubles import Doubles, zeros
 
 

@@ -10,7 +10,7 @@ from station.core.numerics.arm_chain import (
     torques_of,
     zero_jacobian,
 )
-from station.core.numerics.poses import compose, twist_between
+from station.core.numerics.rigid_motion import compose, twist_between
 from station.core.numerics.wrench_equation import WrenchEquation
 from station.memory.doubles import Doubles, own
 from station.memory.vectors import copy_into

@@ -14,7 +14,7 @@ from station.core.numerics.arm_chain import (
     twist_of,
     zero_jacobian,
 )
-from station.core.numerics.poses import compose, rotation_between
+from station.core.numerics.rigid_motion import compose, rotation_between
 from station.memory.doubles import Doubles, own, zeros
 from station.memory.functions import square_root
 
