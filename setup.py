@@ -135,7 +135,11 @@ class BuildExtensions(build_ext):
         super().run()
 
     def _try_import(self) -> None:
-        """Import every extension in another process."""
+        """Import every extension in another process.
+
+        Raises:
+            SystemExit: One of them cannot be imported.
+        """
         names = ", ".join(extension.name for extension in self.extensions)
         environment = {**os.environ, compiled.SWITCH: "1"}
         result = subprocess.run(

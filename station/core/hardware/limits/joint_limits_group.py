@@ -60,7 +60,7 @@ class JointLimitsGroup:
             slot: The joint.
 
         Returns:
-            The command before and after, and a number of `clamp_codes`.
+            The command before and after, and the code of the limit.
         """
         views = self._views
         return views["asked"][slot], views["command"][slot], int(views["reason"][slot])

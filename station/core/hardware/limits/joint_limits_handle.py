@@ -7,7 +7,6 @@ from typing import ClassVar
 
 from station.core.hardware.interfaces.joint import JointHandle
 from station.core.hardware.interfaces.resource_manager import ResourceHandle
-from station.core.hardware.limits import clamp_codes
 from station.core.hardware.limits.joint_limits import (
     JointLimits,
     JointLimitsError,
@@ -18,7 +17,7 @@ from station.core.hardware.limits.limited_joints import LimitedJoints
 
 
 class ClampReason(Enum):
-    """The limit that changed a command."""
+    """The limit that changed a command, in the order of the codes of `limited_joints`."""
 
     POSITION = "position"
     VELOCITY = "velocity"
@@ -28,7 +27,7 @@ class ClampReason(Enum):
     SOFT_POSITION = "soft_position"
 
 
-_REASONS = tuple(ClampReason(name) for name in clamp_codes.NAMES)
+_REASONS = tuple(ClampReason)
 
 
 @dataclass(frozen=True, slots=True)

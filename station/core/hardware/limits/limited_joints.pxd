@@ -31,3 +31,11 @@ cdef class VelocitySaturation(LimitedJoints):
 
 cdef class VelocitySoftLimits(LimitedJoints):
     cpdef long enforce(self, double period, Py_ssize_t first, Py_ssize_t last) noexcept
+
+
+cdef class PositionSaturation(LimitedJoints):
+    cpdef long enforce(self, double period, Py_ssize_t first, Py_ssize_t last) noexcept
+
+
+cdef class PositionSoftLimits(SoftLimitedJoints):
+    cpdef long enforce(self, double period, Py_ssize_t first, Py_ssize_t last) noexcept

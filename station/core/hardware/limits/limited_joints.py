@@ -7,9 +7,10 @@ the handles of the same names.
 
 from collections.abc import Mapping
 
-from station.core.hardware.limits import clamp_codes as codes
 from station.memory.doubles import Storage, own
 
+POSITION, VELOCITY, ACCELERATION, JERK, EFFORT, SOFT_POSITION = range(6)
+"""Codes of the limits that change a command, in the order of `ClampReason`."""
 MOST_JOINTS = 62
 """Most joints of one group: the bits of a mask."""
 LIMITS = (
@@ -30,11 +31,11 @@ MEMORY = ("previous", "velocity_before", "acceleration_before")
 
 # As C numbers, by the .pxd; the bit with all 64 that a mask has.
 _BIT = 1
-_POSITION = codes.POSITION
-_VELOCITY = codes.VELOCITY
-_ACCELERATION = codes.ACCELERATION
-_EFFORT = codes.EFFORT
-_SOFT_POSITION = codes.SOFT_POSITION
+_POSITION = POSITION
+_VELOCITY = VELOCITY
+_ACCELERATION = ACCELERATION
+_EFFORT = EFFORT
+_SOFT_POSITION = SOFT_POSITION
 _INFINITY = float("inf")
 
 
@@ -45,7 +46,7 @@ class LimitedJoints:
         views: Numbers by name, shape (n,) each: `position`, `velocity` and `command` of
             the joints, those named in `LIMITS` and `MEMORY`, and `asked` and `reason`,
             which are written for the joints whose command was changed; the reason is a
-            number of `clamp_codes`.
+            code of the limit.
     """
 
     def __init__(self, views: Mapping[str, Storage]) -> None:
@@ -334,4 +335,114 @@ class VelocitySoftLimits(LimitedJoints):
                     self.reason[i] = _VELOCITY
                 else:
                     self.reason[i] = _SOFT_POSITION
+        return mask
+
+
+class PositionSaturation(LimitedJoints):
+    """Position commands clipped to the hard limits."""
+
+    def enforce(self, period: float, first: int, last: int) -> int:
+        """See `LimitedJoints.enforce`."""
+        mask = 0
+        position, command, previous = self.position, self.command, self.previous
+        min_position, max_position = self.min_position, self.max_position
+        max_velocity = self.max_velocity
+        for i in range(first, last):
+            lowest = min_position[i]
+            highest = max_position[i]
+            low = lowest
+            high = highest
+            speed = max_velocity[i]
+            if speed == speed:  # not NaN: there is such a limit
+                before = previous[i]
+                if before != before:  # NaN: no command yet
+                    before = position[i]
+                step = speed * period
+                low = before - step
+                if low < lowest:
+                    low = lowest
+                high = before + step
+                if highest < high:
+                    high = highest
+            asked = command[i]
+            given = asked
+            if given < low:
+                given = low
+            if high < given:
+                given = high
+            previous[i] = given
+            if given < asked or asked < given:
+                command[i] = given
+                self.asked[i] = asked
+                mask |= _BIT << (i - first)
+                if given == lowest or given == highest:
+                    self.reason[i] = _POSITION
+                else:
+                    self.reason[i] = _VELOCITY
+        return mask
+
+
+class PositionSoftLimits(SoftLimitedJoints):
+    """Position commands that slow down towards the soft limits and stop there."""
+
+    def enforce(self, period: float, first: int, last: int) -> int:
+        """See `LimitedJoints.enforce`."""
+        mask = 0
+        position, command, previous = self.position, self.command, self.previous
+        soft_min, soft_max, k_position = self.soft_min, self.soft_max, self.k_position
+        min_position, max_position = self.min_position, self.max_position
+        max_velocity = self.max_velocity
+        free_min, free_max = self.free_min, self.free_max
+        for i in range(first, last):
+            before = previous[i]
+            if before != before:  # NaN: no command yet
+                before = position[i]
+            speed = max_velocity[i]
+            asked = command[i]
+            step = speed * period
+            if (
+                before - step <= asked <= before + step
+                and free_min[i] <= before <= free_max[i]
+                and min_position[i] <= asked <= max_position[i]
+            ):
+                previous[i] = asked
+                continue  # the usual case
+            low_velocity = -speed
+            high_velocity = speed
+            bound = soft_min[i]
+            if bound == bound:  # not NaN: the joint has a range
+                gain = -k_position[i]
+                low_velocity = gain * (before - bound)
+                if low_velocity < -speed:
+                    low_velocity = -speed
+                if speed < low_velocity:
+                    low_velocity = speed
+                high_velocity = gain * (before - soft_max[i])
+                if high_velocity < -speed:
+                    high_velocity = -speed
+                if speed < high_velocity:
+                    high_velocity = speed
+            low = before + low_velocity * period
+            if low < min_position[i]:
+                low = min_position[i]
+            high = before + high_velocity * period
+            if max_position[i] < high:
+                high = max_position[i]
+            given = asked
+            if given < low:
+                given = low
+            if high < given:
+                given = high
+            previous[i] = given
+            if given < asked or asked < given:
+                command[i] = given
+                self.asked[i] = asked
+                mask |= _BIT << (i - first)
+                bound = high_velocity if given == high else low_velocity
+                if given == min_position[i] or given == max_position[i]:
+                    self.reason[i] = _POSITION
+                elif -speed < bound < speed:
+                    self.reason[i] = _SOFT_POSITION
+                else:
+                    self.reason[i] = _VELOCITY
         return mask

@@ -25,8 +25,8 @@ from station.core.hardware.limits.joint_limits_handle import (
     JointLimitsHandle,
     SoftLimitsHandle,
 )
-from station.core.hardware.limits.limited_joints import LimitedJoints
-from station.core.hardware.limits.position_limits import (
+from station.core.hardware.limits.limited_joints import (
+    LimitedJoints,
     PositionSaturation,
     PositionSoftLimits,
 )

@@ -4,7 +4,7 @@ A limit that a joint does not have is infinite here. The rules stand in
 `station.core.hardware.limits.rate_joint_limits`.
 """
 
-from station.core.hardware.limits import clamp_codes as codes
+from station.core.hardware.limits import limited_joints as codes
 from station.core.hardware.limits.limited_joints import LimitedJoints
 from station.memory.functions import square_root
 

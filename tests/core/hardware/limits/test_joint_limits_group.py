@@ -5,7 +5,7 @@ from math import inf, nan
 import pytest
 
 from station.core.hardware.interfaces import JointHandle, JointStateHandle
-from station.core.hardware.limits import clamp_codes
+from station.core.hardware.limits import limited_joints as codes
 from station.core.hardware.limits.joint_limits_group import JointLimitsGroup
 from station.core.hardware.limits.limited_joints import LIMITS, VelocitySaturation
 from station.memory.doubles import doubles
@@ -35,7 +35,7 @@ def test_commands_of_a_list_and_of_doubles_are_limited_alike(make_storage):
 
     assert group.enforce(0.001, 0, 3) == 0b101
     assert [*commands] == [0.1, 0.05, -0.1]
-    assert group.clamp(2) == (-1.0, -0.1, clamp_codes.ACCELERATION)
+    assert group.clamp(2) == (-1.0, -0.1, codes.ACCELERATION)
 
 
 @pytest.mark.parametrize("make_storage", [list, doubles])

@@ -5,8 +5,8 @@ from math import nan
 import pytest
 from hypothesis import given, settings
 
-from station.core.hardware.limits import clamp_codes
-from station.core.hardware.limits import limited_joints as kernel
+from station.core.hardware.limits import limited_joints
+from station.core.hardware.limits.joint_limits_handle import ClampReason
 from station.memory.doubles import doubles
 from tests.both_modes import both
 from tests.core.hardware.limits.joints_of_limits import joints, play
@@ -20,8 +20,7 @@ KINDS = [
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_both_modes_agree_to_the_bit(kind):
-    name = "position_limits" if kind.startswith("Position") else "limited_joints"
-    interpreted, compiled = (getattr(module, kind) for module in both(name))
+    interpreted, compiled = (getattr(module, kind) for module in both("limited_joints"))
 
     @settings(derandomize=True)
     @given(joints())
@@ -34,13 +33,20 @@ def test_both_modes_agree_to_the_bit(kind):
 def efforts(commands):
     """Return a group of joints with an effort limit of 10, and its views."""
     count = len(commands)
-    names = (*kernel.LIMITS, *kernel.MEMORY, "position", "velocity", "asked", "reason")
+    names = (
+        *limited_joints.LIMITS,
+        *limited_joints.MEMORY,
+        "position",
+        "velocity",
+        "asked",
+        "reason",
+    )
     views = {name: doubles([0.0] * count) for name in names}
     views["min_position"] = views["max_position"] = doubles([nan] * count)
     views["max_velocity"] = doubles([1.0] * count)
     views["max_effort"] = doubles([10.0] * count)
     views["command"] = doubles(commands)
-    return kernel.EffortSaturation(views), views
+    return limited_joints.EffortSaturation(views), views
 
 
 def test_mask_names_the_joints_whose_command_was_changed():
@@ -49,7 +55,7 @@ def test_mask_names_the_joints_whose_command_was_changed():
     assert group.enforce(0.001, 0, 4) == 0b1010
     assert views["command"].tolist() == [1.0, -10.0, 3.0, 10.0]
     assert [views["asked"][1], views["asked"][3]] == [-20.0, 30.0]
-    assert views["reason"].tolist()[1::2] == [clamp_codes.EFFORT] * 2
+    assert views["reason"].tolist()[1::2] == [limited_joints.EFFORT] * 2
 
 
 def test_only_the_joints_of_the_range_are_limited():
@@ -60,6 +66,14 @@ def test_only_the_joints_of_the_range_are_limited():
 
 
 def test_mask_has_a_bit_for_each_of_the_most_joints():
-    group, _ = efforts([20.0] * kernel.MOST_JOINTS)
+    group, _ = efforts([20.0] * limited_joints.MOST_JOINTS)
 
-    assert group.enforce(0.001, 0, kernel.MOST_JOINTS) == 2**kernel.MOST_JOINTS - 1
+    assert (
+        group.enforce(0.001, 0, limited_joints.MOST_JOINTS)
+        == 2**limited_joints.MOST_JOINTS - 1
+    )
+
+
+def test_codes_are_in_the_order_of_the_reasons():
+    for code, reason in enumerate(ClampReason):
+        assert getattr(limited_joints, reason.name) == code

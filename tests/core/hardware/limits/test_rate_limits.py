@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from station.core.hardware.limits import clamp_codes
+from station.core.hardware.limits import limited_joints as codes
 from station.core.hardware.limits.limited_joints import LIMITS, MEMORY
 from station.core.hardware.limits.rate_limits import (
     RateLimitedJoints,
@@ -80,11 +80,11 @@ def test_a_rate_that_cannot_change_must_be_zero_before_a_bound():
     ("limits", "asked", "ways", "expected"),
     [
         ({}, 7.0, (inf, inf), (7.0, None)),
-        ({"max_velocity": 2.0}, 7.0, (inf, inf), (2.0, clamp_codes.VELOCITY)),
-        ({"max_acceleration": 3.0}, -7.0, (inf, inf), (-0.3, clamp_codes.ACCELERATION)),
-        ({"max_jerk": 5.0}, 7.0, (inf, inf), (0.05, clamp_codes.JERK)),
-        ({}, 7.0, (inf, 0.2), (2.0, clamp_codes.POSITION)),
-        ({}, 7.0, (inf, -0.2), (0.0, clamp_codes.POSITION)),
+        ({"max_velocity": 2.0}, 7.0, (inf, inf), (2.0, codes.VELOCITY)),
+        ({"max_acceleration": 3.0}, -7.0, (inf, inf), (-0.3, codes.ACCELERATION)),
+        ({"max_jerk": 5.0}, 7.0, (inf, inf), (0.05, codes.JERK)),
+        ({}, 7.0, (inf, 0.2), (2.0, codes.POSITION)),
+        ({}, 7.0, (inf, -0.2), (0.0, codes.POSITION)),
         ({}, -7.0, (inf, -0.2), (-7.0, None)),
     ],
 )
