@@ -107,7 +107,9 @@ class StationEnv(gymnasium.Env[Observation, Array]):
         names = [element.name for element in elements]
         self._quaternion = [i for i, name in enumerate(names) if name in _QUATERNION]
         self._low, self._high = _action_bounds(elements)
-        self.action_space: spaces.Space[Array] = self._box(self._low, self._high)
+        self.action_space = cast(
+            "spaces.Space[Array]", self._box(self._low, self._high)
+        )
         self._bounds = _observation_bounds(
             self.station.joint_names, facade.loop.hw.joint_limits()
         )
