@@ -35,7 +35,7 @@ HEAD = struct.Struct("<BQ")
 """What a record begins with: opcode, length."""
 _CHUNK = struct.Struct("<QQQI")
 """What a chunk begins with: first and last time, size, checksum."""
-_MESSAGE = struct.Struct("<HIQQ")
+MESSAGE = struct.Struct("<HIQQ")
 """What a message begins with: channel, number, time, time of publishing."""
 _CHUNK_HEAD = re.compile(
     rb"\x06.{4}\0{4}.{28}(?:\x03\0\0\0lz4|\x04\0\0\0zstd|\0{4})", re.DOTALL
@@ -232,7 +232,7 @@ class McapScan:
             opcode, length = HEAD.unpack_from(records, at)
             begin, at = at, at + HEAD.size
             if opcode == Opcode.MESSAGE:
-                channel, number, stamp, _ = _MESSAGE.unpack_from(records, at)
+                channel, number, stamp, _ = MESSAGE.unpack_from(records, at)
                 entries.setdefault(channel, []).append((stamp, begin))
                 last[channel] = (number, at, at + length)
                 if channel not in content.first_of:
@@ -388,7 +388,7 @@ _KINDS = _ALONE | {
 
 
 def _message(records: bytes, begin: int, end: int) -> bytes:
-    return records[begin + _MESSAGE.size : end]
+    return records[begin + MESSAGE.size : end]
 
 
 def _index(opcode: int, data: bytes) -> MessageIndex | None:
