@@ -5,6 +5,7 @@ import io
 from array import array
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -96,7 +97,9 @@ def _csv_pieces(table: RecordingTable) -> Iterator[str]:
 
 
 def _columns(table: RecordingTable) -> Columns:
-    cells = [array("q" if name in _WHOLE else "d") for name in table.names]
+    cells: list[array[Any]] = [
+        array("q" if name in _WHOLE else "d") for name in table.names
+    ]
     for row in table.rows():
         for column, value in zip(cells, row, strict=True):
             column.append(value)

@@ -185,10 +185,10 @@ class RecordingTable:
                 self._take_channel(number, channel, kind)
         for chunk in self._chunks:
             self._pause()
-            for channel, _, data in _messages(file, chunk):
-                known = self._readings.get(channel)
+            for number, _, data in _messages(file, chunk):
+                known = self._readings.get(number)
                 if known is not None and not any(one.form.fits(data) for one in known):
-                    self._add_form(channel, data)
+                    self._add_form(number, data)
 
     def _take_channel(self, number: int, channel: Channel, kind: MessageType) -> None:
         if channel.topic == CYCLES:
