@@ -46,6 +46,7 @@ StationError
 
 import difflib
 from collections.abc import Iterable, Mapping
+from numbers import Real
 from typing import NoReturn
 
 from typing_extensions import override
@@ -325,6 +326,11 @@ class RecordingFileError(StationError, OSError):
     """The file of a recording cannot be read or written, or is no recording."""
 
     code = "recording_file"
+
+
+def is_number(value: object) -> bool:
+    """Return whether a value of any type is a number; true and false are none."""
+    return isinstance(value, Real) and not isinstance(value, bool)
 
 
 def refuse_non_number(name: str, command: object) -> NoReturn:
