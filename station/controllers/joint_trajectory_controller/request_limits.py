@@ -37,7 +37,7 @@ def check_times(request: JointTrajectory, now: float) -> None:
                 f"Point {index} has the time_from_start {time:.9g} s, which is before "
                 "the start.",
                 remedy="Give every point a time_from_start of 0 s or more.",
-                details={"point": index, "reason": "order"},
+                details={"point": index, "reason": "past"},
             )
         due = ahead + time
         if due > MAX_DURATION:
