@@ -208,6 +208,28 @@ class InvalidCommandError(StationError, ValueError):
     code = "invalid_command"
 
 
+def is_number(value: object) -> bool:
+    """Return whether a value of any type is a number; true and false are none."""
+    return isinstance(value, Real) and not isinstance(value, bool)
+
+
+def refuse_non_number(name: str, command: object) -> NoReturn:
+    """Refuse a command that is no number.
+
+    Args:
+        name: What is commanded, usually a joint.
+        command: The command.
+
+    Raises:
+        InvalidCommandError: Always.
+    """
+    raise InvalidCommandError(
+        f"The command for '{name}' is {show(command)}; it must be a number.",
+        remedy="Send one number per joint.",
+        details={"element": name},
+    )
+
+
 class ArmNotFoundError(StationError, KeyError):
     """There is no arm of that name."""
 
@@ -326,28 +348,6 @@ class RecordingFileError(StationError, OSError):
     """The file of a recording cannot be read or written, or is no recording."""
 
     code = "recording_file"
-
-
-def is_number(value: object) -> bool:
-    """Return whether a value of any type is a number; true and false are none."""
-    return isinstance(value, Real) and not isinstance(value, bool)
-
-
-def refuse_non_number(name: str, command: object) -> NoReturn:
-    """Refuse a command that is no number.
-
-    Args:
-        name: What is commanded, usually a joint.
-        command: The command.
-
-    Raises:
-        InvalidCommandError: Always.
-    """
-    raise InvalidCommandError(
-        f"The command for '{name}' is {show(command)}; it must be a number.",
-        remedy="Send one number per joint.",
-        details={"element": name},
-    )
 
 
 class StaleEpochError(StationError):

@@ -23,7 +23,6 @@ from station.core.description.srdf import group_states
 from station.core.description.urdf import JointType, Urdf
 from station.core.errors import (
     HardwareInterfaceError,
-    ParameterError,
     RobotDescriptionError,
     SwitchRefusedError,
 )
@@ -31,7 +30,7 @@ from station.core.hardware.interfaces import (
     JointHandle,
     JointStateInterface,
 )
-from station.core.hardware.limits import LimitMode, limits_without_effect
+from station.core.hardware.limits import LimitMode
 from station.core.hardware.robot_hw import ControllerInfo, RobotHW
 from station.core.hardware.robot_report import (
     ClampReport,
@@ -154,7 +153,7 @@ class MujocoRobotHW(RobotHW):
             [*joints_of_base(parameters.base_type), *_others(urdf, self._names)],
             interface_of(self, JointStateInterface),
         )
-        limited = _limits_in_force(root_params, hw_params, urdf)
+        limited = hw_params if hw_params.has("joint_limits") else root_params
         self._add_limits(description.xml, urdf, limited, parameters.limit_mode)
         model, data = self.world.model, self.world.data
         self._sensors = WorldSensors(model, data, parameters.sensors)
@@ -376,29 +375,6 @@ def _others(urdf: Urdf, driven: Sequence[str]) -> list[str]:
     """Return the joints that move and have no motor."""
     moving = (joint.name for joint in urdf.joints.values() if joint.type.moves)
     return [name for name in moving if name not in driven]
-
-
-def _limits_in_force(
-    root_params: Parameters, hw_params: Parameters, urdf: Urdf
-) -> Parameters:
-    """Return the namespace whose `joint_limits` count, and tell what in it does not.
-
-    Raises:
-        ParameterError: The robot's own parameters have a limit without effect. Others
-            may come from files written for ROS; the log tells them.
-    """
-    is_own = hw_params.has("joint_limits")
-    params = hw_params if is_own else root_params
-    for problem in limits_without_effect(params, urdf.joints):
-        place = "/".join((*params.path.split("/"), problem)).strip("/")
-        if is_own:
-            raise ParameterError(
-                f"A limit has no effect: {place}",
-                remedy="Correct it, or leave it out.",
-                details={"parameter": params.resolve("joint_limits")},
-            )
-        _logger.warning("A limit has no effect: %s", place)
-    return params
 
 
 def _velocities_of_mimics(urdf: Urdf) -> dict[str, float]:
