@@ -369,3 +369,11 @@ def test_control_that_is_lost_during_the_planning_ends_what_was_planned(arm, fol
 
     assert positions(arm) == [0.0, 0.0]
     assert all(goal.is_final() for goal in arm.motion.goals("arm"))
+
+
+@pytest.mark.parametrize("values", ["0.5", 0.5, {"j1": 0.5}, None])
+def test_a_command_that_is_no_list_is_refused(station, values):
+    station.switch_controllers(SwitchRequest(start=("group",)))
+    with pytest.raises(InvalidCommandError, match="must be a list") as caught:
+        station.motion.set_command("group", values)
+    assert f"'group' is {values!r}" in str(caught.value)
