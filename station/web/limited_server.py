@@ -16,11 +16,11 @@ import resource
 import socket
 from collections.abc import Iterable
 from enum import Enum
-from typing import Any
+from typing import Any, cast
 
 import uvicorn
 from starlette.responses import PlainTextResponse
-from starlette.types import Receive, Scope, Send
+from starlette.types import ASGIApp, Receive, Scope, Send
 from typing_extensions import override
 from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.protocols.websockets.websockets_sansio_impl import (
@@ -176,13 +176,13 @@ class LimitedServer(uvicorn.Server):
         class Protocol(LimitedProtocol):
             most = most_connections or connection_share()
 
-        app = config.app
+        app = cast("ASGIApp", config.app)
 
         async def refusing(scope: Scope, receive: Receive, send: Send) -> None:
-            answer = _TWO_LENGTHS if _has_two_lengths(scope) else app
+            answer: ASGIApp = _TWO_LENGTHS if _has_two_lengths(scope) else app
             await answer(scope, receive, send)
 
-        config.app = refusing
+        config.app = cast("Any", refusing)
         config.http = Protocol
         config.backlog = ACCEPTED_AT_ONCE
         super().__init__(config)

@@ -1,9 +1,11 @@
 """The Controllers tab: list, start, stop, unload and load controllers."""
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, cast
 
 import anyio.to_thread
 import viser
+from pydantic import JsonValue
 from typing_extensions import override
 
 from station.core.config_error import ConfigError
@@ -158,8 +160,10 @@ class LoadForm:
             self._problem.content = warning(f"{error.message} {error.remedy}")
             return
         self._problem.content = ""
+        # What YAML has besides JSON, infinity, the request refuses.
+        params = cast("Mapping[str, JsonValue]", read.values)
         loaded = await self._link.client.load_controller(
-            self._name.value.strip(), self._type.value, read.values
+            self._name.value.strip(), self._type.value, params
         )
         await self._link.refresh_controllers()
         self._reporter.done(f"Loaded {loaded.name}. Start it above.", event.client)
