@@ -1,11 +1,9 @@
 """The Controllers tab: list, start, stop, unload and load controllers."""
 
-from collections.abc import Mapping
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import anyio.to_thread
 import viser
-from pydantic import JsonValue
 from typing_extensions import override
 
 from station.core.config_error import ConfigError
@@ -18,6 +16,11 @@ from station.ui.reporter import Event, Reporter
 from station.ui.station_link import StationLink
 from station.ui.station_view import StationView
 from station.ui.widgets import NONE, set_options, set_value
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from pydantic import JsonValue
 
 
 class ControllersPanel(Panel):
