@@ -179,10 +179,11 @@ def _solve(regressors: Array, target: Array, noise: float) -> tuple[Array, Array
     accelerations contains that of their noise, which is taken out of it (W. A. Fuller:
     Measurement Error Models, 1987, section 1.2).
     """
-    gram, moment = regressors.T @ regressors, regressors.T @ target
+    gram: Array = regressors.T @ regressors
+    moment: Array = regressors.T @ target
     # Not more than half: a motion that hardly shows has no inertia to be found.
     gram[0, 0] -= min(len(target) * noise * noise, 0.5 * gram[0, 0])
-    free: Array = np.linalg.solve(gram, moment)
+    free = np.asarray(np.linalg.solve(gram, moment), np.float64)
     found, kept = free.copy(), [0, 1, 2]
     while found[1:].min() < 0.0:
         kept.remove(1 + int(np.argmin(found[1:])))
