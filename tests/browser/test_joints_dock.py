@@ -134,6 +134,7 @@ def test_a_click_into_a_value_that_was_sent_selects_it_whole(joints, enabled):
     joints.button("joints", "deg").click()
     field = joints.dock("joints").get_by_label("Command of joint3", exact=True)
     keyboard = joints.page.keyboard
+    assert wait_until(field.input_value)  # where the controller was told to be
     joints.type_into("joints", "Command of joint3", "0")
     assert wait_until(lambda: abs(_told(enabled, 3)) < 1e-9)
     for digit in "325":  # the pointer stays in the field
