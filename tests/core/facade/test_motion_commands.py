@@ -225,6 +225,17 @@ def test_an_epoch_that_ends_during_the_check_voids_the_wish(arm, submit, monkeyp
     assert all(goal.status is GoalStatus.PREEMPTED for goal in arm.motion.goals("arm"))
 
 
+@pytest.mark.parametrize("command", [[0.1, 0.1], [0.1, None]])
+def test_what_a_stop_has_ended_is_refused_as_stopped(station, command):
+    station.switch_controllers(SwitchRequest(start=("group",)))
+    station.loop.step(3)
+    station.stop("a test")
+    station.loop.step(1)
+
+    with pytest.raises(StoppedError, match="a test"):
+        station.motion.set_command("group", command)
+
+
 def test_nothing_resumes_after_a_stop(arm):
     goal = arm.motion.submit_goal("arm", GOAL)
     arm.loop.step(200)
