@@ -108,13 +108,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--pairs", type=int, default=500)
     parser.add_argument("--seeds", type=int, default=10)
+    parser.add_argument("--first-seed", type=int, default=0)
     options = parser.parse_args()
     source = random_pairs(1, PANDA_LIMITS)
     # Every named pair at every speed.
     pairs = [pair for pair in named_pairs() for _ in SPEEDS]
     pairs += [next(source) for _ in range(options.pairs)]
     rows: list[list[object]] = []
-    for seed in range(options.seeds):
+    for seed in range(options.first_seed, options.first_seed + options.seeds):
         motions, total, ended = move(pairs, seed, PANDA_LIMITS)
         rows.append([seed, motions, total / 60.0, len(ended)])
         for line in ended:

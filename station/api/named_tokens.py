@@ -18,9 +18,12 @@ from pathlib import Path
 import anyio.to_thread
 
 from station.core.errors import StationError, suggest
+from station.core.user_files import read_regular
 
 MOST_TOKENS = 256
 """Most named tokens of a station."""
+_LARGEST = 1_000_000
+"""Largest file of tokens that is read [bytes]."""
 LOOK_PERIOD = 1.0
 """Longest time between two looks whether a token has expired [s]."""
 RESERVED = frozenset({"operator", "viewer"})
@@ -225,7 +228,7 @@ class NamedTokens:
 
     def _load(self, path: Path) -> None:
         try:
-            listed = json.loads(path.read_text(encoding="utf-8"))
+            listed = json.loads(read_regular(path, _LARGEST))
             found = [NamedToken(**values) for values in listed]
         except (OSError, ValueError, TypeError) as error:
             raise TokensNotKeptError(

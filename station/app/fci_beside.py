@@ -1,5 +1,6 @@
 """The Franka Control Interface beside a running station."""
 
+import logging
 import mmap
 import os
 import socket
@@ -19,19 +20,23 @@ from station.hw.franka.fci.server.client_port import FciPortError
 from station.hw.franka.fci.server.fci_door import (
     ANSWER,
     DATA,
+    LAST_WORDS,
     MEMORY_BYTES,
     OF_HAND,
     OPEN,
     REFUSAL,
     UDP_PORT,
     receive_frame,
+    refusal,
     send_frame,
 )
 from station.hw.franka.fci.server.fci_guest import FciGuest, GuestReading, HandGuest
 from station.hw.franka.fci.server.shared_page import PAGE_BYTES, SharedPage
+from station.hw.franka.fci.wire.messages import FciProtocolError
 from station.hw.franka.franka_hw import FrankaHW
 from station.hw.franka.hand.hand_services import HandServices
 
+_logger = logging.getLogger(__name__)
 _START = 20.0
 """Longest time until the process listens [s]."""
 _END = 2.0
@@ -139,11 +144,12 @@ class FciBeside:
         except OSError as error:
             kind, body = (
                 REFUSAL,
-                f"The server at {host} did not start: {error}".encode(),
+                refusal(f"The server at {host} did not start: {error}"),
             )
         self._pipe.settimeout(None)
         if kind == REFUSAL:
-            raise FciPortError(body.decode(), remedy="Choose another fci.host.")
+            reason = body[LAST_WORDS.size :].decode()
+            raise FciPortError(reason, remedy="Choose another fci.host.")
 
     def _welcome(self) -> None:
         self._hw.guest = self._guest
@@ -162,7 +168,9 @@ class FciBeside:
                     action = partial(self._carry_out, kind, data)
                     answers, port = self._loop.run_in_cycle(action)
                 except StationError as error:
-                    send_frame(pipe, REFUSAL, error.message.encode())
+                    _logger.warning("Franka Control Interface: %s", error.message)
+                    told = error.answers if isinstance(error, FciProtocolError) else b""
+                    send_frame(pipe, REFUSAL, refusal(error.message, told))
                 else:
                     send_frame(pipe, ANSWER, UDP_PORT.pack(port or 0) + answers)
         except OSError:

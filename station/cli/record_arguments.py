@@ -52,6 +52,23 @@ def _add_file_options(parser: "Parser") -> None:
     parser.add_argument(
         "--format", choices=FORMATS, default="mcap", help="get: mcap, or a table"
     )
+    parser.add_argument(
+        "--channels",
+        nargs="+",
+        default=[],
+        metavar="CHANNEL",
+        help="get a table: of these channels, or fields of channels such as "
+        "joint_states/position",
+    )
+    parser.add_argument(
+        "--joints", nargs="+", default=[], metavar="JOINT", help="and of these joints"
+    )
+    parser.add_argument(
+        "--rate",
+        type=float,
+        metavar="HZ",
+        help="and with so many rows per second; default every cycle",
+    )
 
 
 def add_foxglove_option(run: "Parser") -> None:

@@ -61,7 +61,7 @@ def load_request(
     type: str | None,  # noqa: A002 - ros_control's word
     params: Mapping[str, JsonValue] | None,
     timeout: float | None,
-    unknown_params: str,
+    unknown_params: str | None,
 ) -> LoadRequest:
     """Return the request that loads a controller; what is None is left out.
 

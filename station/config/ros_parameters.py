@@ -117,7 +117,7 @@ def _merged(before: Mapping[str, T], after: Mapping[str, T]) -> dict[str, T]:
     for key, value in after.items():
         old = result.get(key)
         both = isinstance(old, dict) and isinstance(value, dict)
-        result[key] = _merged(old, value) if both else value  # type: ignore[arg-type,type-var]  # both are mappings
+        result[key] = _merged(old, value) if both else value  # type: ignore[arg-type]  # both are mappings
     return result
 
 

@@ -47,6 +47,7 @@ StationError
 
 import difflib
 from collections.abc import Iterable, Mapping
+from numbers import Real
 from typing import NoReturn
 
 from typing_extensions import override
@@ -208,6 +209,28 @@ class InvalidCommandError(StationError, ValueError):
     code = "invalid_command"
 
 
+def is_number(value: object) -> bool:
+    """Return whether a value of any type is a number; true and false are none."""
+    return isinstance(value, Real) and not isinstance(value, bool)
+
+
+def refuse_non_number(name: str, command: object) -> NoReturn:
+    """Refuse a command that is no number.
+
+    Args:
+        name: What is commanded, usually a joint.
+        command: The command.
+
+    Raises:
+        InvalidCommandError: Always.
+    """
+    raise InvalidCommandError(
+        f"The command for '{name}' is {show(command)}; it must be a number.",
+        remedy="Send one number per joint.",
+        details={"element": name},
+    )
+
+
 class ArmNotFoundError(StationError, KeyError):
     """There is no arm of that name."""
 
@@ -332,23 +355,6 @@ class RecordingDamagedError(RecordingFileError):
     """The file of a recording has damaged bytes, or lacks its end."""
 
     code = "recording_damaged"
-
-
-def refuse_non_number(name: str, command: object) -> NoReturn:
-    """Refuse a command that is no number.
-
-    Args:
-        name: What is commanded, usually a joint.
-        command: The command.
-
-    Raises:
-        InvalidCommandError: Always.
-    """
-    raise InvalidCommandError(
-        f"The command for '{name}' is {show(command)}; it must be a number.",
-        remedy="Send one number per joint.",
-        details={"element": name},
-    )
 
 
 class StaleEpochError(StationError):

@@ -5,6 +5,8 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
+from typing_extensions import override
+
 from station.core.errors import StationError
 
 NAME = "control-station"
@@ -44,6 +46,11 @@ class MissingExtraError(StationError, ModuleNotFoundError):
             "extra 'all'.",
             details={"package": package, "extras": list(extras)},
         )
+
+    @override
+    def __str__(self) -> str:
+        """Return the remedy, too: this ends programs, whose traceback has no other."""
+        return f"{self.message} {self.remedy}"
 
 
 def missing_extra(error: ImportError) -> MissingExtraError | None:

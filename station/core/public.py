@@ -110,7 +110,7 @@ from station.core.toolbox.realtime import (
     RealtimeServerGoalHandle,
 )
 
-__all__ = [
+__all__: list[str] = [
     "ActuatorHandle",
     "ActuatorStateHandle",
     "ActuatorStateInterface",

@@ -4,7 +4,7 @@ YAML 1.1, as ROS reads it, has traps. Here `1e-3` is a number and a date is text
 Scalars that YAML 1.1 and 1.2 read differently (`010`, `1:30`, `1_000`) are refused, and
 so are duplicate keys and keys that are not text.
 
-Reading is slow (some 25 us a character) and aliases of aliases make a few lines into
+Reading is slow (5 to 50 us a character) and aliases of aliases make a few lines into
 more values than there is memory. So the length of a text, its depth and its values,
 with every alias written out, are bounded before they cost anything.
 """
@@ -16,6 +16,7 @@ from pathlib import Path
 
 import yaml
 from typing_extensions import override
+from yaml.composer import ComposerError
 
 from station.core.angle_expression import parse_angle
 from station.core.config_error import ConfigError, key_text
@@ -54,6 +55,28 @@ class _Loader(yaml.SafeLoader):
             *((tag, re.compile(pattern)) for tag, pattern in _PLAIN_SCALARS),
         ]
     }
+
+    _depth = 0
+
+    @override
+    def compose_node(self, parent: yaml.Node | None, index: object) -> yaml.Node | None:
+        """Return the next node; refuse it where it is nested too deep.
+
+        Here, and not when the whole text is known: the parser needs seconds for some
+        thousand open brackets.
+
+        Raises:
+            ComposerError: It is nested too deep.
+        """
+        if self._depth > _MAX_DEPTH:
+            problem = f"it is nested deeper than {_MAX_DEPTH} levels"
+            mark = self.peek_event().start_mark  # type: ignore[no-untyped-call]  # PyYAML's stubs
+            raise ComposerError(None, None, problem, mark)
+        self._depth += 1
+        try:
+            return super().compose_node(parent, index)  # type: ignore[arg-type]  # likewise
+        finally:
+            self._depth -= 1
 
     @override
     def resolve(
@@ -191,11 +214,6 @@ def _compose(text: str, name: str, kind: TextKind) -> yaml.Node | None:
         problem = error.problem or error.context
         message = f"{name}{place}: The text is not valid YAML: {problem}."
         raise ConfigError([message], remedy=kind.remedy) from error
-    except RecursionError as error:
-        raise ConfigError(
-            [f"{name}: The text is nested deeper than {_MAX_DEPTH} levels."],
-            remedy=kind.remedy,
-        ) from error
     except yaml.YAMLError as error:
         raise ConfigError(
             [f"{name}: The text is not valid YAML: {error}."], remedy=kind.remedy

@@ -31,8 +31,8 @@ class Estimate:
 
     Attributes:
         value: The number.
-        half_width: Half of the interval that has the true number with a probability of
-            95 %, as far as the residuals are noise, >= 0.
+        half_width: Half of the interval of 95 %, >= 0: what noise explains, and how far
+            parts of the motion put the number apart.
         unit: Unit of both.
     """
 
@@ -118,10 +118,14 @@ def identify(trace: Trace, joint: str, smoothing: int = 5) -> JointModel:
             "shows in what changes with the direction.",
             remedy="Move it to and fro, e.g. with a multisine.",
         )
-    return _fit(joint, rows[:, :3], rows[:, 3:-2], rows[:, -2])
+    width = (2 * smoothing + 1) * trace.period
+    noise = math.sqrt(2.0) * _white_noise(trace.velocity[:, column]) / width
+    return _fit(joint, rows[:, :3], rows[:, 3:-2], rows[:, -2], noise)
 
 
-def _fit(joint: str, wanted: Array, known: Array, effort: Array) -> JointModel:
+def _fit(
+    joint: str, wanted: Array, known: Array, effort: Array, noise: float
+) -> JointModel:
     """Return the least-squares fit.
 
     Args:
@@ -129,6 +133,7 @@ def _fit(joint: str, wanted: Array, known: Array, effort: Array) -> JointModel:
         wanted: Acceleration, velocity and its sign, shape (k, 3).
         known: What else acts, shape (k, m).
         effort: The measured efforts [Nm or N], shape (k,).
+        noise: Standard deviation of the accelerations [rad/s^2 or m/s^2].
 
     Raises:
         ExperimentError: The regressors depend on each other.
@@ -148,13 +153,16 @@ def _fit(joint: str, wanted: Array, known: Array, effort: Array) -> JointModel:
             f"{_LEAST_SHARE:g} is needed.",
             remedy="Use several frequencies and both directions, e.g. a multisine.",
         )
-    found, *_ = np.linalg.lstsq(regressors, target, rcond=None)
+    found, free = _solve(regressors, target, noise)
     residuals = target - regressors @ found
     freedom = len(target) - len(found) - known.shape[1]
     # Neighbouring residuals are alike; only so many of them are independent.
     variance = float(residuals @ residuals) / freedom * _correlation_time(residuals)
     covariance = variance * np.linalg.inv(regressors.T @ regressors)
-    widths = _CONFIDENCE * np.sqrt(np.diag(covariance))
+    spread = _model_error(regressors, target, free, noise)
+    widths = np.hypot(_CONFIDENCE * np.sqrt(np.diag(covariance)), spread)
+    # A friction that is 0 because it would be negative is as unsure as that.
+    widths = np.maximum(widths, np.abs(free - found))
     units = ("kg m^2 or kg", "Nm s/rad or N s/m", "Nm or N")
     inertia, viscous, coulomb = (
         Estimate(float(value), float(width), unit)
@@ -162,6 +170,56 @@ def _fit(joint: str, wanted: Array, known: Array, effort: Array) -> JointModel:
     )
     residual = math.sqrt(float(np.mean(residuals**2)))
     return JointModel(joint, inertia, viscous, coulomb, residual, len(target))
+
+
+def _solve(regressors: Array, target: Array, noise: float) -> tuple[Array, Array]:
+    """Return the parameters without negative friction, and those of the free fit.
+
+    Noise of a regressor draws its parameter towards zero: the mean square of the
+    accelerations contains that of their noise, which is taken out of it (W. A. Fuller:
+    Measurement Error Models, 1987, section 1.2).
+    """
+    gram: Array = regressors.T @ regressors
+    moment: Array = regressors.T @ target
+    # Not more than half: a motion that hardly shows has no inertia to be found.
+    gram[0, 0] -= min(len(target) * noise * noise, 0.5 * gram[0, 0])
+    free = np.asarray(np.linalg.solve(gram, moment), np.float64)
+    found, kept = free.copy(), [0, 1, 2]
+    while found[1:].min() < 0.0:
+        kept.remove(1 + int(np.argmin(found[1:])))
+        found = np.zeros(3)
+        found[kept] = np.linalg.solve(gram[np.ix_(kept, kept)], moment[kept])
+    return found, free
+
+
+def _model_error(regressors: Array, target: Array, free: Array, noise: float) -> Array:
+    """Return how far parts of the motion put each parameter apart, shape (3,).
+
+    Friction that is no line over the speed, elasticity and coupling that the model
+    lacks are the same at every repetition: residuals do not show how far they draw a
+    parameter, but they draw it elsewhere when the joint is slow or fast, or when its
+    speed is steady or changes.
+    """
+    speed, direction = np.abs(regressors[:, 1]), regressors[:, 2]
+    acceleration = np.abs(regressors[:, 0])
+    is_slow = speed < np.median(speed)
+    is_steady = acceleration < np.median(acceleration)
+    parts = (is_slow, ~is_slow, is_steady, ~is_steady)
+    apart = [
+        np.abs(_solve(regressors[part], target[part], noise)[1] - free)
+        for part in parts
+        if np.ptp(direction[part]) > 0.0
+    ]
+    return np.max(apart, axis=0) / 2.0 if apart else np.zeros(3)
+
+
+def _white_noise(values: Array) -> float:
+    """Return the standard deviation of the white noise in a smooth signal."""
+    if len(values) < 4:
+        return 0.0
+    # A third difference of white noise has a variance of 20 times the noise's; the
+    # median is not disturbed by the few steps of a motion.
+    return float(np.median(np.abs(np.diff(values, 3)))) / (0.6745 * math.sqrt(20.0))
 
 
 def _without(known: Array, values: Array) -> Array:

@@ -1,9 +1,9 @@
 """A Gymnasium environment whose actions are set-points of a controller."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, SupportsFloat, TypeAlias, cast
+from typing import Any, Literal, SupportsFloat, TypeAlias, cast
 
 import gymnasium
 import numpy as np
@@ -12,9 +12,13 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from station.app.in_process import InProcessStation
+from station.core.errors import InvalidCommandError, ParameterError, show
+from station.core.hardware.limits import JointLimits
+from station.core.hardware.robot_report import JointLimitsReport
 from station.core.ports.set_point import SetPointElement
 
-Array: TypeAlias = NDArray[np.float64]
+Array: TypeAlias = NDArray[np.float64] | NDArray[np.float32]
+Precision: TypeAlias = Literal["float64", "float32"]
 Observation: TypeAlias = dict[str, Array]
 Reward: TypeAlias = Callable[[Observation, Array], float]
 Ended: TypeAlias = Callable[[Observation], bool]
@@ -29,10 +33,16 @@ _VECTORS = {"vx", "vy", "vz", "wx", "wy", "wz"}
 class StationEnv(gymnasium.Env[Observation, Array]):
     """A simulated robot of a station, stepped as fast as the processor can.
 
-    An action is a set-point of one controller, in its units and within its range; it is
-    limited, filtered and checked as every set-point, and the quaternion of a pose is
-    made one of length 1. An observation has `position` [rad
-    or m], `velocity` and `effort` of all joints, shape (n,) each. An episode terminates
+    An action is a set-point of one controller, in its units and within its range; what
+    is beyond the range is clipped to it, as Gymnasium's own environments do, and what
+    is not finite is refused. It is limited, filtered and checked as every set-point,
+    and the quaternion of a pose is made one of length 1.
+
+    An observation has `position` [rad or m], `velocity` and `effort` of all joints,
+    shape (n,) each. The space has the joints' limits as bounds, and 1e6 where a joint
+    has none. What a fault or a yielding stop moves beyond is clipped to them, so that
+    every observation is within the space; `station` has it as it is. An episode
+    terminates
     when the robot or the controller gives up (`info["fault"]` says why) or `terminated`
     says so, and is truncated after `seconds`.
 
@@ -45,21 +55,25 @@ class StationEnv(gymnasium.Env[Observation, Array]):
         cycles_per_step: How many control cycles follow an action. A streaming or jog
             controller brakes when they take longer than its `command_timeout`.
         seconds: Longest episode [s station time].
-        reward: The reward for an observation and the action before it; 0 when None.
-        terminated: Whether the task is over; never when None.
+        reward: Function of two arguments, the observation and the action before it,
+            that returns the reward; 0 when None.
+        terminated: Function of the observation that returns whether the task is over;
+            never when None.
         noise: Standard deviation of the joints' first positions [rad or m], >= 0.
         settings: As for `station.open`.
+        dtype: `float64` or `float32`, of actions and observations.
 
     Attributes:
         station: The station, for everything else.
 
     Raises:
+        ParameterError: `dtype` is neither of the two.
         StationError: The controller takes no set-points, or the robot is not simulated.
     """
 
     metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012 - gymnasium's name
 
-    def __init__(
+    def __init__(  # noqa: PLR0913 - all but one by keyword, as gymnasium.make hands on
         self,
         config: Path | str | Mapping[str, object] | None = None,
         *,
@@ -70,7 +84,14 @@ class StationEnv(gymnasium.Env[Observation, Array]):
         terminated: Ended | None = None,
         noise: float = 0.0,
         settings: Mapping[str, object] | None = None,
+        dtype: Precision = "float64",
     ) -> None:
+        if dtype not in {"float64", "float32"}:
+            raise ParameterError(
+                f"dtype is {show(dtype)}; it must be float64 or float32.",
+                remedy="Choose one of them.",
+            )
+        self._dtype = np.dtype(dtype)
         self.station = InProcessStation(config, settings=settings)
         self.render_mode = None
         facade = self.station.facade
@@ -85,12 +106,16 @@ class StationEnv(gymnasium.Env[Observation, Array]):
         self._begin = 0
         names = [element.name for element in elements]
         self._quaternion = [i for i, name in enumerate(names) if name in _QUATERNION]
-        self.action_space: spaces.Space[Array] = _action_space(elements)
-        count = len(self.station.joint_names)
-        number = spaces.Box(-_WIDEST, _WIDEST, (count,), np.float64)
-        quantities = ("position", "velocity", "effort")
+        self._low, self._high = _action_bounds(elements)
+        self.action_space = cast(
+            "spaces.Space[Array]", self._box(self._low, self._high)
+        )
+        self._bounds = _observation_bounds(
+            self.station.joint_names, facade.loop.hw.joint_limits()
+        )
+        boxes = {name: self._box(*bounds) for name, bounds in self._bounds.items()}
         self.observation_space = cast(
-            "spaces.Space[Observation]", spaces.Dict(dict.fromkeys(quantities, number))
+            "spaces.Space[Observation]", spaces.Dict({**boxes})
         )
 
     @override
@@ -133,15 +158,16 @@ class StationEnv(gymnasium.Env[Observation, Array]):
         """Give the controller a set-point and run some cycles.
 
         Args:
-            action: The set-point, shape (k,), within `action_space`.
+            action: The set-point, shape (k,); clipped to `action_space`.
 
         Returns:
             Observation, reward, whether the episode is over, whether its time is, and
             `info` with `time` [s] and `fault`.
 
         Raises:
-            InvalidCommandError: The action is not finite, or not of this controller.
+            InvalidCommandError: The action is not finite, or has another shape.
         """
+        action = self._within_space(action)
         fault = self._fault()
         if fault is None:
             self.station.command(self._controller, self._set_point(action))
@@ -159,6 +185,27 @@ class StationEnv(gymnasium.Env[Observation, Array]):
     def close(self) -> None:
         """Stop the robot."""
         self.station.close()
+
+    def _box(self, low: Array, high: Array) -> spaces.Box:
+        kind = np.float32 if self._dtype == np.float32 else np.float64
+        return spaces.Box(low.astype(kind), high.astype(kind), dtype=kind)
+
+    def _within_space(self, action: Array) -> Array:
+        """Return an action clipped to the range of the set-points.
+
+        Raises:
+            InvalidCommandError: It is not finite, or has another shape.
+        """
+        values = np.asarray(action)
+        if values.shape != self._low.shape or not np.isfinite(values).all():
+            raise InvalidCommandError(
+                f"The action is {show(values.tolist())}; '{self._controller}' takes "
+                f"{len(self._low)} finite numbers, shape {self._low.shape}.",
+                remedy="Take the shape of action_space.",
+            )
+        # The bounds as they are, not those of the space, which may be rounded up.
+        clipped: Array = np.clip(values, self._low, self._high)
+        return clipped
 
     def _set_point(self, action: Array) -> list[float]:
         """Return the action with a unit quaternion, where it has one."""
@@ -178,10 +225,14 @@ class StationEnv(gymnasium.Env[Observation, Array]):
 
     def _observe(self) -> Observation:
         latest = self.station.latest()
+        measured = {
+            "position": latest.position,
+            "velocity": latest.velocity,
+            "effort": latest.effort,
+        }
         return {
-            "position": np.array(latest.position),
-            "velocity": np.array(latest.velocity),
-            "effort": np.array(latest.effort),
+            name: np.clip(values, *self._bounds[name]).astype(self._dtype)
+            for name, values in measured.items()
         }
 
     def _info(self, fault: str | None) -> dict[str, Any]:
@@ -205,10 +256,33 @@ class StationEnv(gymnasium.Env[Observation, Array]):
         return position
 
 
-def _action_space(elements: tuple[SetPointElement, ...]) -> spaces.Space[Array]:
+def _observation_bounds(
+    joints: Sequence[str], reports: Sequence[JointLimitsReport]
+) -> dict[str, tuple[Array, Array]]:
+    """Return the lowest and highest values of each quantity, shape (n,) each."""
+    limits = {report.joint: report.limits for report in reports}
+    ends: dict[str, list[tuple[float, float]]] = {}
+    for joint in joints:
+        known = limits.get(joint, JointLimits())
+        low, high = known.min_position, known.max_position
+        speed, effort = known.max_velocity, known.max_effort
+        for name, least, most in (
+            ("position", low, high),
+            ("velocity", None if speed is None else -speed, speed),
+            ("effort", None if effort is None else -effort, effort),
+        ):
+            ends.setdefault(name, []).append((
+                -_WIDEST if least is None else least,
+                _WIDEST if most is None else most,
+            ))
+    columns = {name: np.array(pairs).T for name, pairs in ends.items()}
+    return {name: (low, high) for name, (low, high) in columns.items()}
+
+
+def _action_bounds(elements: tuple[SetPointElement, ...]) -> tuple[Array, Array]:
+    """Return the lowest and highest set-point, shape (k,) each."""
     low = np.array([max(e.minimum, -_WIDEST) for e in elements])
     high = np.array([min(e.maximum, _WIDEST) for e in elements])
     # A box inside of the ball: every action of it is a velocity that is allowed.
     inside = np.array([3.0**-0.5 if e.name in _VECTORS else 1.0 for e in elements])
-    low, high = low * inside, high * inside
-    return spaces.Box(low, high, dtype=np.float64)
+    return low * inside, high * inside

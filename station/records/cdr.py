@@ -10,7 +10,7 @@ of encapsulation, then every primitive aligned to its own size.
 
 import re
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -264,6 +264,102 @@ class Layout:
         return self._pack(*row)
 
 
+class Form:
+    """The numbers in messages that have the texts and lengths of one message.
+
+    Reading with a form is one call of `struct`, and skips what nobody wants.
+
+    Args:
+        kind: The message type.
+        data: A message of that form as CDR.
+
+    Attributes:
+        names: Field and element of each number, in their order; an element is called as
+            the text of the same place in the field `name`, or by its place. Of messages
+            inside, only `header` is looked at.
+
+    Raises:
+        struct.error: The data end too early.
+    """
+
+    def __init__(self, kind: MessageType, data: bytes) -> None:
+        self.names: list[tuple[str, str | None]] = []
+        self._size = len(data)
+        self._codes: list[tuple[int, str]] = []
+        self._texts: list[tuple[int, int, bytes]] = []
+        self._kind = kind
+        self._elements: list[str] = []
+        reader = _Reader(data)
+        self._add_fields(reader, kind.fields, "")
+
+    def fits(self, data: bytes) -> bool:
+        """Return whether a message has this form."""
+        if len(data) != self._size:
+            return False
+        return all(data[begin:end] == text for begin, end, text in self._texts)
+
+    def reader(self, wanted: Sequence[int]) -> Callable[[bytes], tuple[float, ...]]:
+        """Return what reads some of the numbers from messages of this form.
+
+        Args:
+            wanted: Places among `names`, growing.
+        """
+        format_, at = "<", 0
+        for place in wanted:
+            begin, code = self._codes[place]
+            format_ += f"{begin - at}x{code}"
+            at = begin + struct.calcsize(f"<{code}")
+        return struct.Struct(f"{format_}{self._size - at}x").unpack
+
+    def _add_fields(
+        self, reader: "_Reader", fields: Sequence[Field], prefix: str
+    ) -> None:
+        for field in fields:
+            name = prefix + field.name
+            begin = reader.at
+            size = field.length
+            if size is not None and size < 0:
+                size = int(reader.take("I"))
+            self._add_text(begin, reader)
+            if field.kind in _PRIMITIVES:
+                self._add_numbers(reader, field, name, size)
+                continue
+            begin, count = reader.at, 1 if size is None else size
+            if field.kind == "string":
+                texts = [reader.take_text() for _ in range(count)]
+                if name == "name":
+                    self._elements = texts
+                self._add_text(begin, reader)
+            elif name == "header" or prefix.startswith("header/"):
+                inner = self._kind.of(field.kind) or ()
+                self._add_fields(reader, inner, f"{name}/")
+            else:
+                for _ in range(count):
+                    reader.skip(self._kind, self._kind.of(field.kind) or ())
+
+    def _add_numbers(
+        self, reader: "_Reader", field: Field, name: str, size: int | None
+    ) -> None:
+        code = _PRIMITIVES[field.kind]
+        elements: Sequence[str | None] = [None]
+        if size is not None:
+            is_named = len(self._elements) == size
+            elements = self._elements if is_named else [*map(str, range(size))]
+        for element in elements:
+            end = reader.pass_over(code)
+            self._codes.append((end - struct.calcsize(f"<{code}"), code))
+            self.names.append((name, element))
+
+    def _add_text(self, begin: int, reader: "_Reader") -> None:
+        """Note that these bytes are the same in all messages of the form."""
+        end = reader.at
+        if begin == end:
+            return
+        if self._texts and self._texts[-1][1] == begin:
+            begin = self._texts.pop()[0]
+        self._texts.append((begin, end, bytes(reader.data[begin:end])))
+
+
 class _Writer:
     def __init__(self) -> None:
         self.data = bytearray(_ENCAPSULATION)
@@ -276,29 +372,55 @@ class _Writer:
 
 class _Reader:
     def __init__(self, data: bytes) -> None:
-        self._data = data
-        self._at = 4
+        self.data = data
+        self.at = 4
 
     def take(self, code: str) -> Any:  # noqa: ANN401 - what the code says
         size = struct.calcsize(code)
-        self._at += -(self._at - 4) % size
-        (value,) = struct.unpack_from(f"<{code}", self._data, self._at)
-        self._at += size
+        self.at += -(self.at - 4) % size
+        (value,) = struct.unpack_from(f"<{code}", self.data, self.at)
+        self.at += size
         return value
 
     def take_doubles(self, size: int) -> list[float]:
         if not size:
             return []
-        self._at += -(self._at - 4) % _DOUBLE
-        values = struct.unpack_from(f"<{size}d", self._data, self._at)
-        self._at += _DOUBLE * size
+        self.at += -(self.at - 4) % _DOUBLE
+        values = struct.unpack_from(f"<{size}d", self.data, self.at)
+        self.at += _DOUBLE * size
         return [*values]
 
     def take_text(self) -> str:
         size = self.take("I")
-        text = self._data[self._at : self._at + size - 1]
-        self._at += size
+        text = self.data[self.at : self.at + size - 1]
+        self.at += size
         return bytes(text).decode()
+
+    def pass_over(self, code: str) -> int:
+        """Go past a number; return where it ends.
+
+        Raises:
+            struct.error: The data end too early.
+        """
+        size = struct.calcsize(code)
+        self.at += -(self.at - 4) % size + size
+        if self.at > len(self.data):
+            raise struct.error("the message ends too early")
+        return self.at
+
+    def skip(self, kind: MessageType, fields: Sequence[Field]) -> None:
+        """Go past a message that lies inside of another one."""
+        for field in fields:
+            count = 1 if field.length is None else field.length
+            if count < 0:
+                count = int(self.take("I"))
+            for _ in range(count):
+                if field.kind in _PRIMITIVES:
+                    self.pass_over(_PRIMITIVES[field.kind])
+                elif field.kind == "string":
+                    self.take_text()
+                else:
+                    self.skip(kind, kind.of(field.kind) or ())
 
 
 def _read_fields(text: str) -> tuple[Field, ...]:

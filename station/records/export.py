@@ -1,30 +1,27 @@
 """A recording as a table: CSV, NPZ for NumPy, Parquet."""
 
 import csv
-from collections.abc import Iterable, Mapping
+import io
+from array import array
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from station.core.errors import RecordingRefusedError
-from station.records.cdr import Values
-from station.records.recording_reader import read_messages
+from station.records.recording_table import Choice, RecordingTable
 
 FORMATS = ("mcap", "csv", "npz", "parquet")
 Columns = dict[str, NDArray[np.float64]]
-"""Columns of a table by name, shape (m,) each."""
-_CYCLES = "/cycles"
-_LEFT_OUT = frozenset({
-    "header",
-    "name",
-    "mode",
-    "current_errors",
-    "last_motion_errors",
-})
+"""Columns of a table by name, shape (m,) each; whole numbers are int64."""
+_WHOLE = frozenset({"cycle", "epoch"})
+_ROWS = 20
+"""Rows of a piece of CSV: a piece takes about a millisecond."""
 
 
-def columns(path: Path, topics: Iterable[str] | None = None) -> Columns:
+def columns(path: Path, topics: Iterable[str] = ()) -> Columns:
     """Return a recording as columns with one row per cycle.
 
     A column is called after its channel, its field and what the number belongs to, e.g.
@@ -33,50 +30,27 @@ def columns(path: Path, topics: Iterable[str] | None = None) -> Columns:
 
     Args:
         path: The file.
-        topics: Which channels, `/cycles` among them; all when None.
+        topics: Which channels; all when there is none.
 
     Raises:
         RecordingFileError: The file is no whole recording.
     """
-    cycles: list[Values] = []
-    rows: dict[int, int] = {}
-    cells: dict[str, list[tuple[int, float]]] = {}
-    waiting: list[tuple[int, str, Values]] = []
-    for topic, message in read_messages(path, topics):
-        stamp = _stamp(message)
-        if topic == _CYCLES:
-            rows[stamp] = len(cycles)
-            cycles.append(message)
-        elif stamp:
-            waiting.append((stamp, topic, message))
-    for stamp, topic, message in waiting:
-        row = rows.get(stamp)
-        if row is not None:
-            for name, value in _numbers(topic.strip("/"), message):
-                cells.setdefault(name, []).append((row, value))
-    found: Columns = {
-        name: np.array([one[name] for one in cycles], dtype=np.float64)
-        for name in ("cycle", "time", "period", "epoch")
-    }
-    for name, entries in cells.items():
-        column = np.full(len(cycles), np.nan)
-        for row, value in entries:
-            column[row] = value
-        found[name] = column
-    return found
+    return _columns(RecordingTable(path, Choice(channels=tuple(topics))))
 
 
-def export(path: Path, target: Path, form: str) -> None:
+def export(path: Path, target: Path, form: str, choice: Choice | None = None) -> None:
     """Write a recording as a table.
 
     Args:
         path: The file of the recording.
         target: The file to be.
         form: `csv`, `npz` or `parquet`.
+        choice: What of the recording is wanted; all when None.
 
     Raises:
         RecordingFileError: The file is no whole recording.
-        RecordingRefusedError: There is no such form.
+        RecordingRefusedError: There is no such form, or the recording does not have
+            what is wanted.
         ModuleNotFoundError: Parquet needs the package pyarrow.
     """
     writers = {"csv": _write_csv, "npz": _write_npz, "parquet": _write_parquet}
@@ -85,52 +59,74 @@ def export(path: Path, target: Path, form: str) -> None:
             f"A recording cannot be written as {form!r}.",
             remedy=f"There are: {', '.join(writers)}.",
         )
-    writers[form](columns(path), target)
+    table = RecordingTable(path, choice)
+    table.check()
+    writers[form](table, target)
 
 
-def _stamp(message: Values) -> int:
-    """Return the stamp of a message [ns]; 0 for one that has none."""
-    header = message.get("header")
-    if header is None:
-        return 0
-    stamp = header["stamp"]
-    return int(stamp["sec"]) * 1_000_000_000 + int(stamp["nanosec"])
+def csv_pieces(
+    path: Path, choice: Choice, pause: Callable[[], None] = lambda: None
+) -> Iterator[str]:
+    """Return the text of a recording as CSV, piece by piece, its header first.
+
+    Args:
+        path: The file of the recording.
+        choice: What of it is wanted.
+        pause: Called between short pieces of work.
+
+    Raises:
+        RecordingFileError: The file is no whole recording; before the first piece.
+        RecordingRefusedError: The recording does not have what is wanted; likewise.
+    """
+    table = RecordingTable(path, choice, pause)
+    table.check()
+    return _csv_pieces(table)
 
 
-def _numbers(prefix: str, message: Values) -> list[tuple[str, float]]:
-    names = message.get("name", [])
-    found: list[tuple[str, float]] = []
-    for field, value in message.items():
-        if field in _LEFT_OUT:
-            continue
-        if isinstance(value, list):
-            elements = names if len(names) == len(value) else range(len(value))
-            found += [
-                (f"{prefix}/{field}/{element}", one)
-                for element, one in zip(elements, value, strict=True)
-            ]
-        elif isinstance(value, int | float):
-            found.append((f"{prefix}/{field}", float(value)))
-    return found
+def _csv_pieces(table: RecordingTable) -> Iterator[str]:
+    buffer = io.StringIO()
+    writer = csv.writer(buffer)
+    writer.writerow(table.names)
+    for number, row in enumerate(table.rows(), 1):
+        writer.writerow(row)
+        if number % _ROWS == 0:
+            yield buffer.getvalue()
+            buffer.seek(0)
+            buffer.truncate()
+    yield buffer.getvalue()
 
 
-def _write_csv(table: Mapping[str, NDArray[np.float64]], target: Path) -> None:
+def _columns(table: RecordingTable) -> Columns:
+    cells: list[array[Any]] = [
+        array("q" if name in _WHOLE else "d") for name in table.names
+    ]
+    for row in table.rows():
+        for column, value in zip(cells, row, strict=True):
+            column.append(value)
+    return {
+        name: np.frombuffer(column, dtype=np.int64 if name in _WHOLE else np.float64)
+        if len(column)
+        else np.empty(0)
+        for name, column in zip(table.names, cells, strict=True)
+    }
+
+
+def _write_csv(table: RecordingTable, target: Path) -> None:
     with target.open("x", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(table)
-        rows = zip(*(column.tolist() for column in table.values()), strict=True)
-        writer.writerows(rows)
+        file.writelines(_csv_pieces(table))
 
 
-def _write_npz(table: Mapping[str, NDArray[np.float64]], target: Path) -> None:
+def _write_npz(table: RecordingTable, target: Path) -> None:
+    arrays: Mapping[str, NDArray[np.float64]] = _columns(table)
     with target.open("xb") as file:
-        np.savez_compressed(file, allow_pickle=False, **table)
+        np.savez_compressed(file, allow_pickle=False, **arrays)
 
 
-def _write_parquet(table: Mapping[str, NDArray[np.float64]], target: Path) -> None:
+def _write_parquet(table: RecordingTable, target: Path) -> None:
     # Imported late: pyarrow is large, and comes with an extra of its own.
     import pyarrow
     from pyarrow import parquet
 
+    arrays = _columns(table)
     with target.open("xb") as file:
-        parquet.write_table(pyarrow.table(dict(table)), file)
+        parquet.write_table(pyarrow.table(dict(arrays)), file)

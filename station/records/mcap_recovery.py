@@ -14,7 +14,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import BinaryIO
+from typing import TYPE_CHECKING, BinaryIO
 
 from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
@@ -31,6 +31,9 @@ from station.core.errors import RecordingFileError, RecordingRefusedError
 from station.core.user_files import open_regular
 from station.records.mcap_scan import HEAD, MAGIC, Chunk, Content, McapScan, Span
 from station.records.messages import CYCLE
+
+if TYPE_CHECKING:
+    from station.records.cdr import Values
 
 _SKIPPED = 0x80
 """Opcode of a record that readers skip."""
@@ -307,7 +310,8 @@ def _found(content: Content, dropped: int, *, is_changed: bool) -> Recovered:
         (n for n, one in content.channels.items() if one.topic == _CYCLES), None
     )
     count = 0 if cycles is None else content.counts.get(cycles, 0)
-    first = last = {"cycle": 0, "time": 0.0}
+    first: Values = {"cycle": 0, "time": 0.0}
+    last = first
     if cycles is not None and count:
         first = CYCLE.decode(content.first_of[cycles])
         last = CYCLE.decode(content.last_of[cycles])

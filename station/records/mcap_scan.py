@@ -13,7 +13,7 @@ import struct
 import zlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import BinaryIO, NamedTuple
+from typing import BinaryIO
 
 import lz4.frame
 from mcap.data_stream import ReadDataStream
@@ -35,13 +35,15 @@ HEAD = struct.Struct("<BQ")
 """What a record begins with: opcode, length."""
 _CHUNK = struct.Struct("<QQQI")
 """What a chunk begins with: first and last time, size, checksum."""
-_MESSAGE = struct.Struct("<HIQQ")
+MESSAGE = struct.Struct("<HIQQ")
 """What a message begins with: channel, number, time, time of publishing."""
 _CHUNK_HEAD = re.compile(
     rb"\x06.{4}\0{4}.{28}(?:\x03\0\0\0lz4|\x04\0\0\0zstd|\0{4})", re.DOTALL
 )
 _END_OF_DATA = bytes((Opcode.DATA_END, 4, 0, 0, 0, 0, 0, 0, 0))
 _BLOCK = 2**20
+_LARGEST = 2**28
+"""Largest record that is believed [bytes]; those of a station have 0.5 MB."""
 _OWN_OPCODES = 0x80
 """From here on opcodes are free for anybody."""
 DAMAGE = (
@@ -50,7 +52,8 @@ DAMAGE = (
 """What damaged bytes make the readers of lz4, of MCAP and of CDR raise."""
 
 
-class Chunk(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Chunk:
     """A chunk that is whole.
 
     Attributes:
@@ -66,7 +69,8 @@ class Chunk(NamedTuple):
     end: int
 
 
-class Span(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Span:
     """Bytes of a file, of which some are damaged.
 
     Attributes:
@@ -203,7 +207,10 @@ class McapScan:
         if held != len(records) or compression not in {"", "lz4"}:
             return None
         if compression:
-            records = lz4.frame.decompress(records)
+            # A damaged chunk may promise, and hold, any number of bytes.
+            decompressor = lz4.frame.LZ4FrameDecompressor()
+            most = min(size, _LARGEST) + 1
+            records = decompressor.decompress(records, max_length=most)
         if len(records) != size or checksum not in {0, zlib.crc32(records)}:
             return None
         entries = self._messages_of(records)
@@ -232,7 +239,7 @@ class McapScan:
             opcode, length = HEAD.unpack_from(records, at)
             begin, at = at, at + HEAD.size
             if opcode == Opcode.MESSAGE:
-                channel, number, stamp, _ = _MESSAGE.unpack_from(records, at)
+                channel, number, stamp, _ = MESSAGE.unpack_from(records, at)
                 entries.setdefault(channel, []).append((stamp, begin))
                 last[channel] = (number, at, at + length)
                 if channel not in content.first_of:
@@ -341,31 +348,40 @@ class McapScan:
 
     def _is_plausible(self, at: int) -> bool:
         """Return whether a record may begin there."""
-        body = self._body(at)
-        if body is None:
+        head = self._head(at)
+        if head is None:
             return False
-        opcode, data = body
+        opcode, length = head
         if opcode == Opcode.CHUNK:
-            (length,) = struct.unpack_from("<I", data, _CHUNK.size)
-            held_at = _CHUNK.size + 4 + length
-            if held_at + 8 > len(data):
+            begin = self._read(at + HEAD.size, _CHUNK.size + 64)
+            (name,) = struct.unpack_from("<I", begin, _CHUNK.size)
+            held_at = _CHUNK.size + 4 + name
+            if held_at + 8 > len(begin):
                 return False
-            (held,) = struct.unpack_from("<Q", data, held_at)
-            return bool(held_at + 8 + held == len(data))
+            (held,) = struct.unpack_from("<Q", begin, held_at)
+            return bool(held_at + 8 + held == length)
         return opcode in _KINDS or opcode >= _OWN_OPCODES
 
     def _body(self, at: int) -> tuple[int, bytes] | None:
         """Return opcode and content of a record; None when it cannot be one."""
+        head = self._head(at)
+        if head is None:
+            return None
+        opcode, length = head
+        return opcode, self._read(at + HEAD.size, length)
+
+    def _head(self, at: int) -> tuple[int, int] | None:
+        """Return opcode and length of a record; None when it cannot be one."""
         head = self._read(at, HEAD.size)
         if len(head) < HEAD.size:
             return None
         opcode, length = HEAD.unpack(head)
-        # Never is more read than the file has, whatever a damaged length says.
-        if opcode == 0 or at + HEAD.size + length > self._size:
+        # Whatever a damaged length says, no more is read than the file has.
+        if opcode == 0 or length > min(_LARGEST, self._size - at - HEAD.size):
             return None
         if opcode == Opcode.CHUNK and length < _CHUNK.size + 12:
             return None
-        return opcode, self._read(at + HEAD.size, length)
+        return opcode, length
 
     def _read(self, at: int, length: int) -> bytes:
         self._file.seek(at)
@@ -388,7 +404,7 @@ _KINDS = _ALONE | {
 
 
 def _message(records: bytes, begin: int, end: int) -> bytes:
-    return records[begin + _MESSAGE.size : end]
+    return records[begin + MESSAGE.size : end]
 
 
 def _index(opcode: int, data: bytes) -> MessageIndex | None:
@@ -396,9 +412,10 @@ def _index(opcode: int, data: bytes) -> MessageIndex | None:
     if opcode != Opcode.MESSAGE_INDEX:
         return None
     try:
-        return MessageIndex.read(ReadDataStream(io.BytesIO(data)))
+        index: MessageIndex = MessageIndex.read(ReadDataStream(io.BytesIO(data)))
     except DAMAGE:
         return None
+    return index
 
 
 def _ending_is_whole(at: int, ending: bytes) -> bool:

@@ -14,7 +14,8 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol, TypeVar
+from types import NoneType
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from station.core.errors import (
     RecordingFileError,
@@ -443,24 +444,21 @@ def _checked(values: Mapping[str, object]) -> RecordingInfo:
     Raises:
         ValueError: A value is of another type than it should be.
     """
-    info = RecordingInfo(str(values["identifier"]))
+    default = RecordingInfo("")
+    known: dict[str, Any] = {}
     for one in fields(RecordingInfo):
-        value = values.get(one.name, getattr(info, one.name))
-        if one.name == "causes":
-            is_good = isinstance(value, list | tuple)
-            value = tuple(map(str, value)) if isinstance(value, list | tuple) else ()
-        elif one.name == "error":
-            is_good = value is None or isinstance(value, str)
-        elif one.name == "duration":
-            is_good = isinstance(value, int | float) and not isinstance(value, bool)
-        else:
-            is_good = type(value) is type(getattr(info, one.name))
-        if not is_good:
-            raise ValueError(f"its '{one.name}' is {value!r}")
-        info = replace(info, **{one.name: value})
-    if info.state not in {RECORDING, STOPPED, FAILED, RECOVERED}:
-        raise ValueError(f"its 'state' is {info.state!r}")
-    return info
+        value = values.get(one.name, getattr(default, one.name))
+        if one.name == "causes" and isinstance(value, list):
+            value = tuple(map(str, value))
+        allowed: tuple[type, ...] = (type(getattr(default, one.name)),)
+        if one.name in {"error", "duration"}:
+            allowed = (str, NoneType) if one.name == "error" else (int, float)
+        if type(value) not in allowed:
+            raise ValueError(f"its '{one.name}' is {value!r:.100}")
+        known[one.name] = value
+    if known["state"] not in {RECORDING, STOPPED, FAILED, RECOVERED}:
+        raise ValueError(f"its 'state' is {known['state']!r:.100}")
+    return RecordingInfo(**known)
 
 
 def _locked(path: Path) -> int | None:

@@ -79,7 +79,7 @@ def _opened(path: Path) -> BinaryIO:
 
 
 @contextmanager
-def _reading(path: Path) -> Iterator[BinaryIO]:
+def reading(path: Path) -> Iterator[BinaryIO]:
     """Open a recording to be read in the body of a `with`.
 
     Raises:
@@ -91,7 +91,7 @@ def _reading(path: Path) -> Iterator[BinaryIO]:
             yield file
         except DAMAGE as error:
             raise RecordingDamagedError(
-                f"{path} is damaged: {error!r:.200}.",
+                f"{path} cannot be read, it is damaged: {error!r:.200}.",
                 remedy="`station recover-file` keeps what is whole of it.",
             ) from error
 
@@ -109,7 +109,7 @@ def read_messages(
         RecordingFileError: The file is no whole recording.
     """
     chosen = None if topics is None else list(topics)
-    with _reading(path) as file:
+    with reading(path) as file:
         reader: McapReader = make_reader(file, validate_crcs=True)
         for schema, channel, message in reader.iter_messages(topics=chosen):
             kind = None if schema is None else TYPES.get(schema.name)
@@ -123,7 +123,7 @@ def read_facts(path: Path) -> Mapping[str, str]:
     Raises:
         RecordingFileError: The file is no whole recording.
     """
-    with _reading(path) as file:
+    with reading(path) as file:
         for record in make_reader(file).iter_metadata():
             if record.name == "control_station":
                 return dict(record.metadata)

@@ -276,13 +276,10 @@ class LiveBench:
 
     def _fastest(self) -> list[float]:
         """Return the speed of each joint that ends a measurement [rad/s or m/s]."""
-        limits = {
-            r.joint: r.limits.max_velocity for r in self._station.loop.hw.joint_limits()
-        }
-        return [
-            math.inf if limits.get(name) is None else SPEED_SHARE * limits[name]
-            for name in self._station.joint_names
-        ]
+        reports = self._station.loop.hw.joint_limits()
+        limits = {report.joint: report.limits.max_velocity for report in reports}
+        found = [limits.get(name) for name in self._station.joint_names]
+        return [math.inf if limit is None else SPEED_SHARE * limit for limit in found]
 
     def _check_speeds(self, fastest: list[float]) -> None:
         """End a measurement in which a joint comes near its velocity limit.

@@ -6,7 +6,6 @@ logged out, nothing more is sent, and the joints stay where they were told to be
 """
 
 import asyncio
-import contextlib
 import json
 import time
 from collections.abc import Awaitable, Callable
@@ -248,25 +247,12 @@ class DeskSocket:
             )
         except ApiError as error:
             self._let_go()
-            if await self._is_of_a_stop(error):
+            # A stop is no mistake of whoever moved the robot; the strip shows it.
+            if error.code == "stopped":
                 return
             await self._tell(refused=error.detail, code=error.code, remedy=error.remedy)
         else:
             self._joints.confirm(set_point.controller)
-
-    async def _is_of_a_stop(self, error: ApiError) -> bool:
-        """Return whether a stop has ended the motion: its user did nothing wrong.
-
-        The strip says that the robot is stopped. What the station refuses names only
-        what the stop has done, e.g. a controller that would have to be started.
-        """
-        if error.code == "stopped":
-            return True
-        if error.code != "controller_state":
-            return False
-        with contextlib.suppress(ApiError):
-            return (await self._client.status()).stop_state != "armed"
-        return False
 
     async def _tell(self, **more: str) -> None:
         """Tell the page what is commanded, what was refused, and how the link is.

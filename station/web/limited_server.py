@@ -16,11 +16,11 @@ import resource
 import socket
 from collections.abc import Iterable
 from enum import Enum
-from typing import Any
+from typing import Any, cast
 
 import uvicorn
 from starlette.responses import PlainTextResponse
-from starlette.types import Receive, Scope, Send
+from starlette.types import ASGIApp, Receive, Scope, Send
 from typing_extensions import override
 from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.protocols.websockets.websockets_sansio_impl import (
@@ -36,7 +36,8 @@ EXTRA_CONNECTIONS = 16
 ACCEPTED_AT_ONCE = 8
 """Connections accepted in one turn of the event loop; counted only after the turn."""
 LEAST_CONNECTIONS = 4
-"""Most connections of a process that may hardly open any file."""
+"""Most connections of a process that may hardly open any file; the others of these
+numbers are two then."""
 WAITING_CONNECTIONS = 1024
 """Connections that the system keeps until they are accepted."""
 LOOK_PERIOD = 0.5
@@ -69,11 +70,13 @@ class LimitedProtocol(H11Protocol):
 
     Attributes:
         most: Most connections of the server at a time.
+        extra: How many more are taken when all of those are at work.
         phase: What the connection is busy with, as far as it has been looked at.
         since: When that phase began [s, clock of the event loop].
     """
 
     most = MOST_CONNECTIONS
+    extra = EXTRA_CONNECTIONS
     phase = Phase.REQUEST
     since = 0.0
 
@@ -101,7 +104,7 @@ class LimitedProtocol(H11Protocol):
 
     def _make_room(self) -> None:
         """End the connection that has kept the server waiting longest, or this one."""
-        is_crowded = len(self.connections) > self.most + EXTRA_CONNECTIONS
+        is_crowded = len(self.connections) > self.most + self.extra
         if not make_room(self.connections - {self}) and is_crowded:
             self.transport.abort()
 
@@ -175,16 +178,18 @@ class LimitedServer(uvicorn.Server):
     ) -> None:
         class Protocol(LimitedProtocol):
             most = most_connections or connection_share()
+            extra = EXTRA_CONNECTIONS if most > LEAST_CONNECTIONS else 2
 
-        app = config.app
+        app = cast("ASGIApp", config.app)
 
         async def refusing(scope: Scope, receive: Receive, send: Send) -> None:
-            answer = _TWO_LENGTHS if _has_two_lengths(scope) else app
+            answer: ASGIApp = _TWO_LENGTHS if _has_two_lengths(scope) else app
             await answer(scope, receive, send)
 
-        config.app = refusing
+        config.app = cast("Any", refusing)
         config.http = Protocol
-        config.backlog = ACCEPTED_AT_ONCE
+        is_tight = Protocol.most <= LEAST_CONNECTIONS
+        config.backlog = 2 if is_tight else ACCEPTED_AT_ONCE
         super().__init__(config)
 
     @override

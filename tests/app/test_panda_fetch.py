@@ -14,6 +14,7 @@ from station.app.panda_fetch import PANDA, VERSION, fetch_panda, fetch_what_is_m
 from station.core.description import robot_data
 from station.core.description.robot_files import known_robots, load_robot_files
 from station.core.errors import RobotDescriptionError
+from station.core.installation import install_command
 
 ROOT = Path(__file__).parents[2]
 IN_WHEEL = "cmeel.prefix/share/example-robot-data"
@@ -150,7 +151,7 @@ def test_fetched_version_is_the_locked_one():
 def test_missing_robots_are_refused_with_the_way_to_get_them():
     with pytest.raises(RobotDescriptionError, match="'ur5'") as caught:
         load_robot_files("example-robot-data:ur5")
-    assert "control-station[robots]" in caught.value.remedy
+    assert install_command("robots") in caught.value.remedy
 
     with pytest.raises(RobotDescriptionError, match="'panda'") as caught:
         load_robot_files(PANDA)

@@ -91,6 +91,7 @@ def test_only_what_nobody_here_has_is_not_loaded(loaded):
     known = CONTROLLERS.keys() - TWO_ARMED
     unknown = {name for name, kind in kinds.items() if kind not in known}
     assert set(composition.not_loaded) == unknown
+    assert not [each for each in composition.warnings() if "is unknown" in each]
     loaded_here = {status.name for status in composition.station.controllers()}
     assert loaded_here == set(kinds) - unknown
 

@@ -109,6 +109,7 @@ def _announced(process):
     return SimpleNamespace(
         api=told["api_url"],
         ui=told["ui_url"],
+        robot=told["robot"],
         token=known["token"],
         viewer_token=known["viewer_token"],
     )

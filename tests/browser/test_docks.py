@@ -6,6 +6,7 @@ from station.wire import Fault
 from tests.browser.conftest import logged_in
 from tests.browser.workspace_page import (
     CONTROLLER,
+    OTHER,
     WorkspacePage,
     position,
     wait_until,
@@ -265,3 +266,24 @@ def test_gains_are_searched_previewed_applied_and_taken_back(workspace, enabled)
     workspace.button("tuning", "Undo").click()
     assert wait_until(lambda: enabled.gains(CONTROLLER).values[name] == other[name])
     enabled.set_gains(CONTROLLER, before)
+
+
+def test_a_controller_keeps_its_row_when_it_is_started(workspace, enabled):
+    page, dock = workspace.page, workspace.dock("controllers")
+    rows = dock.locator("tbody th[scope=row]")
+    before = rows.all_inner_texts()
+    start = workspace.button("controllers", f"Start {OTHER}")
+    start.hover()
+    page.mouse.down()
+    page.mouse.up()  # and the pointer stays where it is
+    preview = dock.locator(".preview")
+    preview.get_by_text(f"Started {OTHER}").wait_for()
+    assert enabled.controller(OTHER).state == "running"
+    assert rows.all_inner_texts() == before
+    # What the table was drawn anew for has come by then; nothing took the line's place.
+    page.wait_for_timeout(1500)
+    assert preview.inner_text().startswith(f"Started {OTHER}")
+    enabled.switch_controllers(start=[CONTROLLER], stop=[OTHER])
+    workspace.button("controllers", f"Stop {CONTROLLER}").wait_for()
+    assert rows.all_inner_texts() == before
+    assert preview.inner_text().startswith(f"Started {OTHER}")

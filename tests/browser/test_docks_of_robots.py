@@ -48,14 +48,18 @@ def test_the_dock_of_the_simulation_is_not_there_for_a_real_robot(
 def _expect_no_simulation(browser, running):
     with StationClient(running.api, running.token) as client:
         assert client.status().simulation is None
+        label = client.status().robot_label
+    assert label == running.robot == f"REAL ARM {ARM_HOST}"
     context = browser.new_context(viewport={"width": 1280, "height": 800})
     without_scene(context)
     page = context.new_page()
     page.goto(f"{running.ui}/login?token={running.token}")
     assert WorkspacePage(page).dock("timeline").is_visible()
+    page.locator("#robot").get_by_text(label, exact=True).wait_for()
     page.locator('.dock[data-dock="simulation"]').wait_for(state="hidden")
     page.set_viewport_size({"width": 390, "height": 844})
     page.locator('#docks-nav [data-dock="timeline"]').wait_for()
+    assert page.locator("#robot").is_visible()
     assert page.locator('#docks-nav [data-dock="simulation"]').is_hidden()
     context.close()
 

@@ -128,3 +128,74 @@ def test_sliders_are_enabled_once_however_often_the_button_is_pressed(joints, en
     page.unroute("**/controllers/switch")
     button.wait_for(state="hidden")
     assert enabled.controller(CONTROLLER).state == "running"
+
+
+def test_a_click_into_a_value_that_was_sent_selects_it_whole(joints, enabled):
+    joints.button("joints", "deg").click()
+    field = joints.dock("joints").get_by_label("Command of joint3", exact=True)
+    keyboard = joints.page.keyboard
+    assert wait_until(field.input_value)  # where the controller was told to be
+    joints.type_into("joints", "Command of joint3", "0")
+    assert wait_until(lambda: abs(_told(enabled, 3)) < 1e-9)
+    for digit in "325":  # the pointer stays in the field
+        field.click()
+        keyboard.type(digit)
+        keyboard.press("Enter")
+        wanted = math.radians(int(digit))
+        assert wait_until(lambda wanted=wanted: abs(_told(enabled, 3) - wanted) < 1e-9)
+        assert field.input_value() == digit
+
+
+def test_a_click_into_what_is_being_typed_sets_the_caret(joints, enabled):
+    joints.button("joints", "deg").click()
+    before = _told(enabled, 3)
+    field = joints.dock("joints").get_by_label("Command of joint3", exact=True)
+    field.click()
+    joints.page.keyboard.type("12")
+    field.click(position={"x": 20, "y": 8})
+    joints.page.keyboard.type("9")
+    assert "9" in field.input_value()
+    assert len(field.input_value()) == 3
+    joints.page.keyboard.press("Tab")
+    assert _told(enabled, 3) == before
+
+
+def test_a_far_value_shows_its_ghost_before_it_moves_anything(joints, enabled):
+    page, here = joints.page, _told(enabled, 1)
+    joints.button("joints", "deg").click()
+    dock = joints.dock("joints")
+    field, question = (
+        dock.get_by_label("Command of joint1", exact=True),
+        dock.locator(".far"),
+    )
+    far = math.degrees(here) - math.copysign(40, here)
+    field.click()
+    page.keyboard.type(f"{far:.1f}")
+    with page.expect_response("**/ui/ghost") as shown:
+        page.keyboard.press("Enter")
+    (wanted,) = shown.value.request.post_data_json["positions"].values()
+    assert math.degrees(wanted) == pytest.approx(far, abs=0.06)
+    question.get_by_text("This moves joint1 by 40.").wait_for()
+    assert _told(enabled, 1) == here
+    with page.expect_response("**/ui/ghost") as hidden:
+        question.get_by_role("button", name="Leave it").click()
+    assert hidden.value.request.method == "DELETE"
+    page.keyboard.type(f"{far:.1f}")  # the focus stayed in the field
+    page.keyboard.press("Enter")
+    question.wait_for()
+    page.keyboard.press("Enter")
+    question.wait_for(state="hidden")
+    assert wait_until(lambda: abs(_told(enabled, 1) - wanted) < 1e-9)
+
+
+def test_a_stop_during_a_motion_is_no_refusal(joints, enabled):
+    page, here = joints.page, _told(enabled, 4)
+    joints.button("joints", "rad").click()
+    joints.type_into("joints", "Command of joint4", f"{here - 0.33:.3f}")
+    assert _moves(enabled, 4)
+    before = page.locator("#log-count").inner_text()
+    page.locator("#stop").click()
+    page.locator("#motion").get_by_text("STOPPED").wait_for()
+    page.wait_for_function("() => document.querySelector('.joints input').disabled")
+    assert page.locator("#log-count").inner_text() == before
+    assert page.locator("#notice").is_hidden()

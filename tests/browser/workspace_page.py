@@ -34,10 +34,12 @@ class WorkspacePage:
         return self.dock(dock).get_by_role("button", name=name, exact=True)
 
     def type_into(self, dock, label, text):
-        """Type a value into a field and press Enter."""
+        """Type a value into a field and press Enter; twice if it is a far one."""
         field = self.dock(dock).get_by_label(label, exact=True)
         field.fill(text)
         field.press("Enter")
+        if self.page.locator(".far").is_visible():
+            field.press("Enter")
 
 
 def position(client, joint):

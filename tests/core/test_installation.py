@@ -82,6 +82,7 @@ def test_a_missing_package_names_its_extra_and_the_command():
     assert isinstance(error, ModuleNotFoundError)
     assert "'mujoco' is not installed; control-station brings it" in error.message
     assert install_command("sim") in error.remedy
+    assert error.remedy in str(error)
     assert missing_extra(ModuleNotFoundError("No module", name="elsewhere")) is None
     assert missing_extra(ImportError("cannot import name", name="mujoco")) is None
 

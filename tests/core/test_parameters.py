@@ -139,28 +139,6 @@ def test_a_wrong_type_is_refused_with_the_full_path(method, keys):
         assert caught.value.details == {"parameter": f"arm/{key}"}
 
 
-def test_a_list_may_need_a_length():
-    params = Parameters(ParameterTree(TYPED))
-
-    assert params.get_float_list("float_list", 2) == [1.0, 2.5]
-    with pytest.raises(ParameterError, match="3 numbers"):
-        params.get_float_list("float_list", 3)
-
-
-@pytest.mark.parametrize(
-    ("method", "default"),
-    [
-        ("get_float", 0.5),
-        ("get_int", 0),
-        ("get_bool", False),
-        ("get_str", ""),
-        ("get_str_list", []),
-    ],
-)
-def test_defaults_are_for_what_is_missing(method, default):
-    assert getattr(Parameters(), method)("missing", default) == default
-
-
 def test_what_nobody_read_or_knows_is_found_with_the_nearest_name():
     reads = set()
     tree = ParameterTree({
@@ -211,3 +189,25 @@ def test_a_key_with_a_slash_is_found_by_its_path(gains):
     assert not params.has("pid/p")
     assert not params.tree.delete("gains/arm/j/pid/p")
     assert Parameters(params.tree, "gains").keys() == list(gains)
+
+
+def test_a_list_may_need_a_length():
+    params = Parameters(ParameterTree(TYPED))
+
+    assert params.get_float_list("float_list", 2) == [1.0, 2.5]
+    with pytest.raises(ParameterError, match="3 numbers"):
+        params.get_float_list("float_list", 3)
+
+
+@pytest.mark.parametrize(
+    ("method", "default"),
+    [
+        ("get_float", 0.5),
+        ("get_int", 0),
+        ("get_bool", False),
+        ("get_str", ""),
+        ("get_str_list", []),
+    ],
+)
+def test_defaults_are_for_what_is_missing(method, default):
+    assert getattr(Parameters(), method)("missing", default) == default

@@ -94,6 +94,13 @@ def reading(request, monkeypatch):
 
     for name in ("get", *GETTERS):
         watch(name)
+    has = Parameters.has
+
+    def looked_at(view, key):
+        note(view, key)
+        return has(view, key)
+
+    monkeypatch.setattr(Parameters, "has", looked_at)
     bench = bench_for(request.param)
     (status,) = bench.manager.list_controllers()
     return Reading(bench, status, bench.manager.get_controller("it"), asked)

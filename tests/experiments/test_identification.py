@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from station.experiments.identification import identify
+from station.experiments.trial_world import TrialWorld
 from station.trials.errors import ExperimentError, UnknownParameterError
 from station.trials.script import Script
+from station.trials.setup import Setup
 from station.trials.trial import Trial
 from station.wire.excitations import Multisine, Waypoints
 from tests.experiments.conftest import GROUP
@@ -71,3 +73,39 @@ def test_motions_that_tell_nothing_are_refused(world):
     with pytest.raises(ExperimentError, match=r"moves in|does not tell"):
         identify(resting, JOINT)
     assert np.isfinite(trace.output).all()
+
+
+@pytest.fixture(scope="module")
+def erring(tmp_path_factory):
+    """A world whose arm errs as a measured one: friction is no line over the speed."""
+    path = tmp_path_factory.mktemp("erring") / "station.yaml"
+    path.write_text("robot: {realism: typical}\n", encoding="utf-8")
+    with TrialWorld(Setup.load(path, controllers=())) as made:
+        yield made
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [1, 2, 4])
+def test_interval_has_the_inertia_of_an_arm_that_errs(erring, number):
+    joint = f"panda_joint{number}"
+    motion = Multisine(joint=joint, amplitude=0.1, frequencies=(0.5, 1.1, 1.9, 3.1))
+    script = Script(controller=GROUP, duration=4.0, commands=(motion,))
+    trace = erring.record(Trial(erring.setup, script, {}))[1]
+
+    found = identify(trace, joint).inertia
+
+    rotor = erring.model().dof_armature[number - 1]
+    truth = erring.joint_inertia(joint) - rotor
+    assert abs(found.value - truth) < 1.5 * found.half_width
+    assert found.half_width < 0.03 * truth
+
+
+def test_friction_is_never_negative(world):
+    for number in (3, 6, 7):
+        joint = f"panda_joint{number}"
+        motion = Multisine(joint=joint, amplitude=0.1, frequencies=(0.7, 1.7, 3.1))
+        script = Script(controller=GROUP, duration=2.0, commands=(motion,))
+        found = identify(world.record(Trial(world.setup, script))[1], joint)
+
+        assert min(found.coulomb.value, found.viscous.value) >= 0.0
+        assert min(found.coulomb.half_width, found.viscous.half_width) > 0.0

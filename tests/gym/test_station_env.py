@@ -6,7 +6,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import station.gym
-from station.core.errors import InvalidCommandError
+from station.core.errors import InvalidCommandError, ParameterError
 from station.gym import StationEnv
 
 GROUP = "effort_group_position_controller"
@@ -31,6 +31,7 @@ def make():
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings(UNITS)
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
 @pytest.mark.parametrize(
     "controller",
     [
@@ -43,8 +44,8 @@ def make():
         "cartesian_jog_controller",
     ],
 )
-def test_gymnasiums_own_checker_finds_nothing(controller):
-    env = gymnasium.make(ENV, controller=controller)
+def test_gymnasiums_own_checker_finds_nothing(controller, dtype):
+    env = gymnasium.make(ENV, controller=controller, dtype=dtype)
     check_env(env.unwrapped)
     env.close()
 
@@ -112,6 +113,62 @@ def test_action_that_is_not_finite_is_refused(make):
 
     with pytest.raises(InvalidCommandError):
         env.step(np.full(7, np.nan))
+
+
+def test_action_of_another_shape_is_refused(make):
+    env = make(controller=GROUP)
+    env.reset()
+
+    with pytest.raises(InvalidCommandError, match="takes 7 finite numbers"):
+        env.step(np.zeros(6))
+
+
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
+def test_action_outside_of_the_space_is_clipped_to_it(make, dtype):
+    """As Pendulum and MountainCarContinuous do."""
+    rewarded = []
+    env = make(
+        controller=GROUP,
+        dtype=dtype,
+        reward=lambda _, action: rewarded.append(action) or 0.0,
+    )
+    env.reset()
+    far = np.full(7, 100.0, dtype=dtype)
+    *_, info = env.step(far)
+
+    elements = env.station.facade.motion.set_point(GROUP).elements
+    assert rewarded[0].tolist() == [element.maximum for element in elements]
+    assert "fault" not in info
+    assert env.action_space.contains(rewarded[0].astype(dtype))
+
+
+def test_observations_have_the_limits_of_the_joints_as_bounds(make):
+    env = make(controller=GROUP)
+    space = env.observation_space
+    for report in env.station.facade.loop.hw.joint_limits():
+        joint = env.station.joint_names.index(report.joint)
+        limits = report.limits
+        assert space["position"].low[joint] == limits.min_position
+        assert space["position"].high[joint] == limits.max_position
+        assert space["velocity"].high[joint] == limits.max_velocity
+        assert space["effort"].high[joint] == limits.max_effort
+    assert np.isfinite(space["velocity"].high).all()
+
+
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
+def test_every_observation_is_within_the_space(make, dtype):
+    """Also of a joint that is pressed into its stop, whose place is beyond."""
+    env = make(controller="effort_group_effort_controller", dtype=dtype, noise=0.01)
+    observation, _ = env.reset(seed=1)
+    assert observation["position"].dtype == np.dtype(dtype)
+    for _ in range(100):
+        assert env.observation_space.contains(observation)
+        observation, *_ = env.step(env.action_space.high)
+
+
+def test_another_precision_is_refused():
+    with pytest.raises(ParameterError, match="float64 or float32"):
+        StationEnv(controller=GROUP, dtype="float16")
 
 
 def test_controller_without_set_points_is_refused():

@@ -110,7 +110,7 @@ def test_a_trajectory_is_decimated_by_station_time():
 def test_what_is_no_recording_cannot_be_read(tmp_path):
     path = tmp_path / "x.mcap"
     path.write_bytes(b"nothing of the kind, but long enough for a magic number")
-    with pytest.raises(RecordingFileError, match="is damaged"):
+    with pytest.raises(RecordingFileError, match="cannot be read"):
         read_trajectory(path)
 
 

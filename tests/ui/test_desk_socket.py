@@ -31,13 +31,9 @@ class _Client:
     def __init__(self):
         self.sent = []
         self.refusal = None
-        self.stop_state = "armed"
         self.lease = None
         self.view = VIEW
         self.movers = Movers()
-
-    async def status(self):
-        return status(self.stop_state)
 
     async def command(self, name, values, *, epoch):
         if self.refusal is not None:
@@ -120,37 +116,14 @@ def test_a_refusal_of_the_station_ends_the_motion_and_is_told(desk, client):
     assert _hear(desk, lambda told: "refused" not in told)["remaining"] == 0.0
 
 
-_NOT_RUNNING = ApiError(
-    "Controller 'group' is stopped.",
-    status=409,
-    code="controller_state",
-    remedy="Start it first.",
-)
-
-
-@pytest.mark.parametrize(
-    ("error", "state"),
-    [
-        (_NOT_RUNNING, "stopped"),
-        (_NOT_RUNNING, "released"),
-        (ApiError("The station is stopped.", status=409, code="stopped"), "armed"),
-    ],
-)
-def test_a_stop_ends_a_motion_without_a_reproach(desk, client, error, state):
+def test_a_stop_ends_a_motion_without_a_reproach(desk, client):
     _say(desk, do="go", targets={"joint1": 0.9})
     assert _hear(desk, lambda told: told["remaining"] > 0.0)
-    client.refusal, client.stop_state = error, state
+    client.refusal = ApiError("The station is stopped.", status=409, code="stopped")
     told = []
     _hear(desk, lambda one: told.append(one) or one["remaining"] == 0.0)
     told.extend(json.loads(desk.recv(timeout=5)) for _ in range(2))
     assert not any("refused" in one for one in told)
-
-
-def test_a_controller_that_ended_without_a_stop_is_told(desk, client):
-    client.refusal = _NOT_RUNNING
-    _say(desk, do="go", targets={"joint1": 0.9})
-    told = _hear(desk, lambda told: "refused" in told)
-    assert told["remedy"] == "Start it first."
 
 
 @pytest.mark.parametrize(

@@ -270,7 +270,7 @@ def _service() -> dict[str, object]:
         "properties": {"ok": {"type": "boolean"}, "message": {"type": "string"}},
     }
 
-    def side(name: str, schema: dict[str, object]) -> dict[str, str]:
+    def side(name: str, schema: Mapping[str, object]) -> dict[str, str]:
         return {
             "encoding": "json",
             "schemaName": name,

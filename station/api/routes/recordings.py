@@ -3,12 +3,13 @@
 from typing import TYPE_CHECKING, Annotated, Any
 
 from fastapi import APIRouter, Depends, Path, Query, Request
-from starlette.responses import FileResponse
+from starlette.responses import FileResponse, StreamingResponse
 
-from station.api.dependencies import Operator, Viewer
+from station.api.dependencies import Operator, StationDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
 from station.core.errors import RecordingRefusedError
+from station.core.facade.station import Station
 from station.records.record_store import RECORDING, RecordingInfo, RecordStore
 from station.wire import Recording, RecordingRequest, Recordings, Trajectory
 from station.wire.recordings import RecordingId
@@ -33,6 +34,33 @@ Rate = Annotated[
         le=1000.0,
         description="Cycles per second of station time [Hz].",
         examples=[30.0],
+    ),
+]
+
+Channels = Annotated[
+    list[str],
+    Query(
+        max_length=100,
+        description="Channels, or channels with a field, such as "
+        "`joint_states/position`; all when left out.",
+        examples=[["joint_states", "commands/effort"]],
+    ),
+]
+Joints = Annotated[
+    list[str],
+    Query(
+        max_length=100,
+        description="Joints, or other elements with a name; all when left out.",
+        examples=[["panda_joint1"]],
+    ),
+]
+RowRate = Annotated[
+    float | None,
+    Query(
+        gt=0.0,
+        le=10_000.0,
+        description="Rows per second of station time [Hz]; every cycle when left out.",
+        examples=[100.0],
     ),
 ]
 
@@ -74,6 +102,12 @@ _FILE: dict[int | str, dict[str, Any]] = {
     200: {
         "description": "The MCAP file.",
         "content": {MEDIA_TYPE: {"schema": {"type": "string", "format": "binary"}}},
+    }
+}
+_TABLE: dict[int | str, dict[str, Any]] = {
+    200: {
+        "description": "The table, a row per cycle.",
+        "content": {"text/csv": {"schema": {"type": "string"}}},
     }
 }
 router = APIRouter(tags=["recordings"], dependencies=[Viewer], route_class=JsonRoute)
@@ -135,6 +169,28 @@ def get_recording_file(identifier: Id, recorder: RecorderDep) -> FileResponse:
     return _file(recorder.store, identifier)
 
 
+@router.get(
+    "/recordings/{identifier}/table",
+    responses={**_TABLE, **problems(404, 409, 422)},
+    response_class=StreamingResponse,
+)
+def get_recording_table(
+    identifier: Id,
+    recorder: RecorderDep,
+    station: StationDep,
+    channels: Channels = [],  # noqa: B006 - FastAPI copies it
+    joints: Joints = [],  # noqa: B006
+    rate: RowRate = None,
+) -> StreamingResponse:
+    """Return a recording that has ended as CSV, a row per cycle.
+
+    A column is called after its channel, its field and what the number belongs to, e.g.
+    `joint_states/position/panda_joint1`; `cycle`, `time`, `period` and `epoch` come
+    first. Where a channel has no message in a cycle, it has `nan`.
+    """
+    return _table(recorder.store, identifier, station, channels, joints, rate)
+
+
 @router.get("/recordings/{identifier}/trajectory", responses=problems(404, 409, 422))
 def get_recording_trajectory(
     identifier: Id, recorder: RecorderDep, rate: Rate = 30.0
@@ -169,6 +225,23 @@ def get_incident_file(identifier: Id, store: IncidentsDep) -> FileResponse:
     return _file(store, identifier)
 
 
+@router.get(
+    "/incidents/{identifier}/table",
+    responses={**_TABLE, **problems(404, 409, 422)},
+    response_class=StreamingResponse,
+)
+def get_incident_table(
+    identifier: Id,
+    store: IncidentsDep,
+    station: StationDep,
+    channels: Channels = [],  # noqa: B006 - FastAPI copies it
+    joints: Joints = [],  # noqa: B006
+    rate: RowRate = None,
+) -> StreamingResponse:
+    """Return an incident as CSV, as that of a recording."""
+    return _table(store, identifier, station, channels, joints, rate)
+
+
 @router.get("/incidents/{identifier}/trajectory", responses=problems(404, 409, 422))
 def get_incident_trajectory(
     identifier: Id, store: IncidentsDep, rate: Rate = 30.0
@@ -184,6 +257,28 @@ def _file(store: RecordStore, identifier: str) -> FileResponse:
         media_type=MEDIA_TYPE,
         filename=f"{info.identifier}.mcap",
     )
+
+
+def _table(
+    store: RecordStore,
+    identifier: str,
+    station: Station,
+    channels: list[str],
+    joints: list[str],
+    rate: float | None,
+) -> StreamingResponse:
+    # Imported late, as in `_trajectory`.
+    from station.records.export import csv_pieces
+    from station.records.recording_table import Choice
+
+    choice = Choice(tuple(channels), tuple(joints), rate)
+    info = _ended(store, identifier)
+    # A file that cannot be read is refused here, before the answer begins.
+    pause = station.loop.right_of_way.give
+    pieces = csv_pieces(store.file(info.identifier), choice, pause)
+    name = f'attachment; filename="{info.identifier}.csv"'
+    headers = {"Content-Disposition": name}
+    return StreamingResponse(pieces, media_type="text/csv", headers=headers)
 
 
 def _trajectory(store: RecordStore, identifier: str, rate: float) -> Trajectory:
@@ -213,7 +308,7 @@ def _ended(store: RecordStore, identifier: str) -> RecordingInfo:
             remedy="Stop it first.",
             details={"id": info.identifier},
         )
-    if not store.file(info.identifier).exists():
+    if not store.file(info.identifier).is_file():
         raise RecordingRefusedError(
             f"The file of '{info.identifier}' is gone.",
             remedy="Somebody has deleted it; delete the recording, too.",

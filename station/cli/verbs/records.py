@@ -140,7 +140,8 @@ def _get(client: "StationClient", options: Namespace, *, is_incident: bool) -> i
     """Fetch the file, and make a table of it if need be.
 
     Raises:
-        UsageError: There is a file already where it is to be written.
+        UsageError: There is a file already where it is to be written, or the choice
+            makes no sense.
     """
     source = client.incidents if is_incident else client.recordings
     target = options.output or Path(f"{options.name}.{options.format}")
@@ -148,14 +149,27 @@ def _get(client: "StationClient", options: Namespace, *, is_incident: bool) -> i
         raise UsageError(
             f"There is a file {target} already.", remedy="Give another one with -o."
         )
+    is_part = bool(options.channels or options.joints or options.rate is not None)
+    if options.format == "mcap" and is_part:
+        raise UsageError(
+            "--channels, --joints and --rate choose of a table, not of an MCAP file.",
+            remedy="Add --format csv, npz or parquet.",
+        )
+    if options.rate is not None and not 0.0 < options.rate < float("inf"):
+        raise UsageError(
+            f"--rate {options.rate:g} is no number of rows per second.",
+            remedy="Give one above 0.",
+        )
     if options.format == "mcap":
         source.download(options.name, target)
     else:
         from station.records.export import export
+        from station.records.recording_table import Choice
 
+        choice = Choice(tuple(options.channels), tuple(options.joints), options.rate)
         with tempfile.TemporaryDirectory() as folder:
             file = source.download(options.name, Path(folder, "recording.mcap"))
-            export(file, target, options.format)
+            export(file, target, options.format, choice)
     if options.json:
         say_json({"file": str(target)})
     else:

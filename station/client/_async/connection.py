@@ -178,12 +178,15 @@ class AsyncConnection:
             method, path, answer, content=content, headers=sent, patience=patience
         )
 
-    async def download(self, path: str, target: Path) -> None:
+    async def download(
+        self, path: str, target: Path, query: Query | None = None
+    ) -> None:
         """Write what a GET request answers to a new file.
 
         Args:
             path: Path below the prefix of the API.
             target: The file to be.
+            query: Query parameters; a list repeats its parameter.
 
         Raises:
             ApiError: The station refuses; no file is made.
@@ -192,7 +195,9 @@ class AsyncConnection:
             FileExistsError: There is such a file.
         """
         try:
-            async with self._http.stream("GET", PREFIX + path) as response:
+            async with self._http.stream(
+                "GET", PREFIX + path, params=query
+            ) as response:
                 if not response.is_success:
                     body = await response.aread()
                     refusal = ApiError.from_body(response.status_code, body)

@@ -1,9 +1,10 @@
 """The client of a station's recordings, and of its incidents."""
 
+from collections.abc import Iterable
 from pathlib import Path
 
 from station.client._async.alarms_client import AsyncAlarmsClient
-from station.client._async.connection import AsyncConnection
+from station.client._async.connection import AsyncConnection, Query
 from station.client._async.experiments_client import AsyncExperimentsClient
 from station.client._async.gain_sets_client import AsyncGainSetsClient
 from station.client._async.waypoint_paths_client import AsyncWaypointPathsClient
@@ -55,6 +56,35 @@ class _AsyncFiles:
         """
         target = Path(target)
         await self._connection.download(f"{self._of(identifier)}/file", target)
+        return target
+
+    async def download_table(
+        self,
+        identifier: str,
+        target: Path | str,
+        *,
+        channels: Iterable[str] = (),
+        joints: Iterable[str] = (),
+        rate: float | None = None,
+    ) -> Path:
+        """Write one that has ended as CSV to a new file; return its path.
+
+        Args:
+            identifier: Which one.
+            target: The file to be; it is not there yet.
+            channels: Channels, or channels with a field, e.g. `joint_states/position`;
+                all when there is none.
+            joints: Joints, or other elements with a name; all when there is none.
+            rate: Rows per second of station time [Hz], > 0; every cycle when None.
+
+        Raises:
+            FileExistsError: There is such a file.
+        """
+        target = Path(target)
+        query: Query = {"channels": [*channels], "joints": [*joints]}
+        if rate is not None:
+            query = {**query, "rate": repr(rate)}
+        await self._connection.download(f"{self._of(identifier)}/table", target, query)
         return target
 
     def _of(self, identifier: str) -> str:

@@ -179,12 +179,13 @@ class Connection:
             method, path, answer, content=content, headers=sent, patience=patience
         )
 
-    def download(self, path: str, target: Path) -> None:
+    def download(self, path: str, target: Path, query: Query | None = None) -> None:
         """Write what a GET request answers to a new file.
 
         Args:
             path: Path below the prefix of the API.
             target: The file to be.
+            query: Query parameters; a list repeats its parameter.
 
         Raises:
             ApiError: The station refuses; no file is made.
@@ -193,7 +194,7 @@ class Connection:
             FileExistsError: There is such a file.
         """
         try:
-            with self._http.stream("GET", PREFIX + path) as response:
+            with self._http.stream("GET", PREFIX + path, params=query) as response:
                 if not response.is_success:
                     body = response.read()
                     refusal = ApiError.from_body(response.status_code, body)

@@ -1,10 +1,11 @@
 # Generated from _async/recordings_client.py by tools/generate_client.py.
 """The client of a station's recordings, and of its incidents."""
 
+from collections.abc import Iterable
 from pathlib import Path
 
 from station.client._sync.alarms_client import AlarmsClient
-from station.client._sync.connection import Connection
+from station.client._sync.connection import Connection, Query
 from station.client._sync.experiments_client import ExperimentsClient
 from station.client._sync.gain_sets_client import GainSetsClient
 from station.client._sync.waypoint_paths_client import WaypointPathsClient
@@ -56,6 +57,35 @@ class _Files:
         """
         target = Path(target)
         self._connection.download(f"{self._of(identifier)}/file", target)
+        return target
+
+    def download_table(
+        self,
+        identifier: str,
+        target: Path | str,
+        *,
+        channels: Iterable[str] = (),
+        joints: Iterable[str] = (),
+        rate: float | None = None,
+    ) -> Path:
+        """Write one that has ended as CSV to a new file; return its path.
+
+        Args:
+            identifier: Which one.
+            target: The file to be; it is not there yet.
+            channels: Channels, or channels with a field, e.g. `joint_states/position`;
+                all when there is none.
+            joints: Joints, or other elements with a name; all when there is none.
+            rate: Rows per second of station time [Hz], > 0; every cycle when None.
+
+        Raises:
+            FileExistsError: There is such a file.
+        """
+        target = Path(target)
+        query: Query = {"channels": [*channels], "joints": [*joints]}
+        if rate is not None:
+            query = {**query, "rate": repr(rate)}
+        self._connection.download(f"{self._of(identifier)}/table", target, query)
         return target
 
     def _of(self, identifier: str) -> str:

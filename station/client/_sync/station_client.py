@@ -199,7 +199,7 @@ class StationClient:
         params: Mapping[str, JsonValue] | None = None,
         *,
         timeout: float | None = None,
-        unknown_params: Literal["refuse", "tell"] = "refuse",
+        unknown_params: Literal["refuse", "tell"] | None = None,
         idempotency_key: str | None = None,
     ) -> wire.ControllerState:
         """Load a controller; loading the same one again changes nothing.
@@ -211,7 +211,7 @@ class StationClient:
             timeout: How long its import, constructor and init may take [s]; None for
                 the station's default.
             unknown_params: Whether parameters that its type does not know are refused,
-                or told in its `notes`, as is right for files written for ROS.
+                as when None, or told in its `notes`, as is right for files of ROS.
             idempotency_key: Random name of the request, 1 to 200 visible ASCII
                 characters: sent again with the same key within 10 minutes, e.g. after a
                 lost connection, it is carried out once.

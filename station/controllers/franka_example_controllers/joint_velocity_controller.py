@@ -26,10 +26,11 @@ HALF_PERIOD = 8.0
 class JointVelocityExampleController(Controller[VelocityJointInterface]):
     """Moves all joints back and forth at the same velocity.
 
-    Parameters: `joint_names`, 7 names.
+    Parameters: `joint_names`, 7 names. `arm_id` is accepted and has no effect.
     """
 
     hardware_interface: ClassVar[type] = VelocityJointInterface
+    accepted_parameters: ClassVar[tuple[str, ...]] = ("arm_id",)
 
     def __init__(self) -> None:
         super().__init__()

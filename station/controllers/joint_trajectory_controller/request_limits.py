@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from math import comb, isfinite, nan
+from operator import mul
 
 from station.core.description.robot_description import JointDescription
 from station.core.errors import InvalidTrajectoryError
@@ -15,6 +16,13 @@ _PEAK_RATIO = 1.1
 """Largest speed between two points over the limit: planners bound the points only."""
 _ROUNDING = 1e-6
 """Relative excess that rounding may cause."""
+_SHARES = {
+    degree: [
+        [comb(j, k) / comb(degree, k) for k in range(j + 1)] for j in range(degree + 1)
+    ]
+    for degree in (4, 5)
+}
+"""Shares of the powers of time in the control points of a polynomial, by its degree."""
 
 
 def check_times(request: JointTrajectory, now: float) -> None:
@@ -37,7 +45,7 @@ def check_times(request: JointTrajectory, now: float) -> None:
                 f"Point {index} has the time_from_start {time:.9g} s, which is before "
                 "the start.",
                 remedy="Give every point a time_from_start of 0 s or more.",
-                details={"point": index, "reason": "order"},
+                details={"point": index, "reason": "past"},
             )
         due = ahead + time
         if due > MAX_DURATION:
@@ -181,14 +189,13 @@ def _extremes(
         low: Returned when no value is less.
         high: Returned when no value is greater.
     """
-    degree = len(powers) - 1
-    scaled = [value * duration**power for power, value in enumerate(powers)]
+    scaled, factor = [], 1.0
+    for value in powers:
+        scaled.append(value * factor)
+        factor *= duration
     # The control points of its Bézier curve, whose hull holds the whole polynomial.
-    points = [
-        sum(comb(j, k) / comb(degree, k) * scaled[k] for k in range(j + 1))
-        for j in range(degree + 1)
-    ]
-    if not all(map(isfinite, points)):
+    points = [sum(map(mul, row, scaled)) for row in _SHARES[len(powers) - 1]]
+    if not isfinite(sum(points)):
         return nan, nan
     slack = _ROUNDING * max(map(abs, points))
     return _extremes_of_curve(points, low, high, slack)

@@ -144,12 +144,15 @@ class MotionCommands:
             ControllerNotFoundError: None of that name is loaded.
             ControllerStateError: It is not running.
             InvalidCommandError: What is in force is not known.
+            StoppedError: The station is stopped.
+            LoopError: The loop died.
         """
         given = [value for value in values if value is not None]
         if len(given) == len(values):
             return given
+        # What a stop has ended is told as a stop: the controller does not run any more.
+        self._check_may_move(name, None)
         controller = self.manager.get_controller(name)
-        self._check_running(name, controller)
         size, in_force = len(port.elements), port.newest
         if in_force is None and (sample := controller.sample) is not None:
             in_force = list(sample.desired)

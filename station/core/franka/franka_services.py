@@ -112,7 +112,8 @@ class FrankaServices(RecoverableRobot):
 
         Raises:
             InvalidCommandError: A value is out of range.
-            ArmCommandError: The arm moves or is not connected.
+            ArmCommandError: The arm moves or is not connected, or `internal_controller`
+                is set to another controller.
         """
 
     @service(ServiceKind.SETTING)
@@ -120,14 +121,16 @@ class FrankaServices(RecoverableRobot):
     def set_cartesian_impedance(self, cartesian_stiffness: Sequence[float]) -> None:
         """Set the internal Cartesian impedance; refused while the arm moves.
 
-        The axes are those of the stiffness frame.
+        The axes are those of the stiffness frame. It acts in the motions of the end
+        effector that begin after the call, until a joint impedance is set.
 
         Args:
             cartesian_stiffness: 10 to 3000 [N/m] three times, then 1 to 300 [Nm/rad].
 
         Raises:
             InvalidCommandError: A value is out of range.
-            ArmCommandError: The arm moves or is not connected.
+            ArmCommandError: The arm moves or is not connected, or `internal_controller`
+                is set to another controller.
         """
 
     @service(ServiceKind.SETTING)

@@ -117,7 +117,6 @@ class PidGains:
         for name in ("pid", "gains"):
             if not where.has("p") and where.has(name):
                 where = where.namespace(name)
-        where.get("publish_state")  # it is known, and has no effect here
         clamp = abs(_CLAMP.read_float(where))
         return cls(
             p=_P.read_float(where),

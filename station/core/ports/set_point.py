@@ -3,10 +3,9 @@
 from collections import deque
 from dataclasses import dataclass
 from math import inf
-from numbers import Real
 
 from station.core.clock import Clock, SystemClock
-from station.core.errors import InvalidCommandError, refuse_non_number
+from station.core.errors import InvalidCommandError, is_number, refuse_non_number
 from station.core.ports.receipt import Receipt
 from station.core.ports.set_point_news import SetPointNews
 
@@ -248,7 +247,7 @@ def _check_values(elements: list[SetPointElement], values: list[float]) -> None:
             details={"expected": [e.name for e in elements]},
         )
     for element, value in zip(elements, values, strict=True):
-        if isinstance(value, bool) or not isinstance(value, Real):
+        if not is_number(value):
             refuse_non_number(element.name, value)
         allowed = element.minimum <= value <= element.maximum or (
             element.unit in _LENGTHS

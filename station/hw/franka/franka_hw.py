@@ -167,6 +167,7 @@ class FrankaHW(RobotHW):
             models.handles()[0],
             collision_behavior=self._parameters.collision_behavior,
             limits=self._parameters.service_limits,
+            internal_controller=lambda: self._settings.internal_controller,
         )
         services.register_handle(self._services)
         for interface in (state_interface(self.arm, arm_id, model), models, services):

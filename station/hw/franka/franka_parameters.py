@@ -175,14 +175,17 @@ def read_command_settings(params: Parameters) -> CommandSettings:
     frequency = params.get_float("cutoff_frequency", 100.0)
     if frequency <= 0.0:
         _refuse(params, "cutoff_frequency", frequency, "above 0 Hz")
-    controller = params.get_str("internal_controller", "joint_impedance")
-    if controller not in _INTERNAL_CONTROLLERS:
-        wanted = f"one of {', '.join(_INTERNAL_CONTROLLERS)}"
-        _refuse(params, "internal_controller", controller, wanted)
+    chosen = None
+    if params.has("internal_controller"):
+        controller = params.get_str("internal_controller")
+        if controller not in _INTERNAL_CONTROLLERS:
+            wanted = f"one of {', '.join(_INTERNAL_CONTROLLERS)}"
+            _refuse(params, "internal_controller", controller, wanted)
+        chosen = _INTERNAL_CONTROLLERS[controller]
     return CommandSettings(
         rate_limiting=params.get_bool("rate_limiting", default=True),
         cutoff_frequency=frequency,
-        internal_controller=_INTERNAL_CONTROLLERS[controller],
+        internal_controller=chosen,
     )
 
 

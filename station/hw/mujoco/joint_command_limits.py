@@ -1,11 +1,13 @@
 """The limits of a simulated robot's joints, and the handles that enforce them."""
 
-from collections.abc import Mapping, Sequence
+import logging
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from math import inf
 
 from station.core.description.urdf import Joint
 from station.core.description.urdf_parser import parse_urdf
+from station.core.errors import ParameterError
 from station.core.hardware.interfaces import JointHandle
 from station.core.hardware.limits import (
     JointLimits,
@@ -14,6 +16,7 @@ from station.core.hardware.limits import (
     LimitMode,
     joint_limits_from_parameters,
     joint_limits_from_urdf,
+    limits_without_effect,
     make_limits_handle,
     soft_joint_limits_from_parameters,
     soft_joint_limits_from_urdf,
@@ -27,6 +30,7 @@ from station.core.hardware.robot_report import (
 from station.core.parameters import Parameters
 from station.hw.mujoco.command_kinds import COMMAND_INTERFACES
 
+_logger = logging.getLogger(__name__)
 _PARAMETERS = "parameters"
 _Handles = Mapping[str, JointHandle]
 """The command handles of a joint by quantity."""
@@ -47,6 +51,8 @@ class JointCommandLimits:
         reports: The limits of every added joint with their sources.
 
     Raises:
+        ParameterError: An entry of `joint_limits` in the robot's own parameters limits
+            nothing. Those at the root may be of files written for ROS: the log tells.
         RobotDescriptionError: The URDF cannot be read.
 
     Source: gazebo_ros_control@2.9.2 default_robot_hw_sim.cpp, registerJointLimits;
@@ -55,6 +61,7 @@ class JointCommandLimits:
 
     def __init__(self, xml: str, params: Parameters, mode: LimitMode) -> None:
         self._joints = parse_urdf(xml).joints
+        _tell_limits_without_effect(params, self._joints)
         self._params = params
         self._mode = mode
         self._handles: dict[tuple[str, str], JointLimitsHandle] = {}
@@ -156,3 +163,14 @@ class JointCommandLimits:
 
 def _source_in_urdf(kind: str) -> str:
     return "urdf safety_controller" if kind == "soft" else "urdf limit"
+
+
+def _tell_limits_without_effect(params: Parameters, joints: Collection[str]) -> None:
+    for problem in limits_without_effect(params, joints):
+        if params.path:
+            raise ParameterError(
+                f"A limit has no effect: {params.path}/{problem}",
+                remedy="Correct it, or leave it out.",
+                details={"parameter": params.resolve("joint_limits")},
+            )
+        _logger.warning("A limit has no effect: %s", problem)

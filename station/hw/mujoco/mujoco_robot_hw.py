@@ -23,7 +23,6 @@ from station.core.description.srdf import group_states
 from station.core.description.urdf import JointType, Urdf
 from station.core.errors import (
     HardwareInterfaceError,
-    ParameterError,
     RobotDescriptionError,
     SwitchRefusedError,
 )
@@ -31,11 +30,7 @@ from station.core.hardware.interfaces import (
     JointHandle,
     JointStateInterface,
 )
-from station.core.hardware.limits import (
-    LimitMode,
-    joint_limits_from_parameters,
-    limits_without_effect,
-)
+from station.core.hardware.limits import LimitMode, joint_limits_from_parameters
 from station.core.hardware.robot_hw import ControllerInfo, RobotHW
 from station.core.hardware.robot_report import (
     ClampReport,
@@ -163,7 +158,6 @@ class MujocoRobotHW(RobotHW):
             [*joints_of_base(parameters.base_type), *_others(urdf, self._names)],
             interface_of(self, JointStateInterface),
         )
-        _check_effect(limited, hw_params, urdf)
         self._add_limits(description.xml, urdf, limited, parameters.limit_mode)
         model, data = self.world.model, self.world.data
         self._sensors = WorldSensors(model, data, parameters.sensors)
@@ -393,24 +387,6 @@ def _others(urdf: Urdf, driven: Sequence[str]) -> list[str]:
     """Return the joints that move and have no motor."""
     moving = (joint.name for joint in urdf.joints.values() if joint.type.moves)
     return [name for name in moving if name not in driven]
-
-
-def _check_effect(limited: Parameters, hw_params: Parameters, urdf: Urdf) -> None:
-    """Tell which of the `joint_limits` in a namespace have no effect.
-
-    Raises:
-        ParameterError: The robot's own parameters have such a limit. Others may come
-            from files written for ROS; the log tells them.
-    """
-    for problem in limits_without_effect(limited, urdf.joints):
-        place = "/".join((*limited.path.split("/"), problem)).strip("/")
-        if limited is hw_params:
-            raise ParameterError(
-                f"A limit has no effect: {place}",
-                remedy="Correct it, or leave it out.",
-                details={"parameter": limited.resolve("joint_limits")},
-            )
-        _logger.warning("A limit has no effect: %s", place)
 
 
 def _velocities_of_mimics(urdf: Urdf) -> dict[str, float]:

@@ -1,6 +1,6 @@
 """The Controllers tab: list, start, stop, unload and load controllers."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
 
 import anyio.to_thread
 import viser
@@ -16,6 +16,11 @@ from station.ui.reporter import Event, Reporter
 from station.ui.station_link import StationLink
 from station.ui.station_view import StationView
 from station.ui.widgets import NONE, set_options, set_value
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from pydantic import JsonValue
 
 
 class ControllersPanel(Panel):
@@ -158,8 +163,10 @@ class LoadForm:
             self._problem.content = warning(f"{error.message} {error.remedy}")
             return
         self._problem.content = ""
+        # What YAML has besides JSON, infinity, the request refuses.
+        params = cast("Mapping[str, JsonValue]", read.values)
         loaded = await self._link.client.load_controller(
-            self._name.value.strip(), self._type.value, read.values
+            self._name.value.strip(), self._type.value, params
         )
         await self._link.refresh_controllers()
         self._reporter.done(f"Loaded {loaded.name}. Start it above.", event.client)

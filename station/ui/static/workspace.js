@@ -277,6 +277,14 @@ function start() {
   watchScene(element("view"), element("progress"), () => store.docks?.triangles ?? null);
   showViewTools(element("view-tools"));
   showTour(element("tour"), openDock);
+  showLoaded();
+}
+
+/** Say that the docks are there, or that the strip with its STOP is not. */
+function showLoaded() {
+  document.body.dataset.docks = "ready";
+  element("unloaded").hidden = document.body.dataset.strip === "ready";
+  element("unloaded").classList.add("now");
 }
 
 start();

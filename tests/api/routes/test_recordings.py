@@ -62,6 +62,52 @@ def test_incidents_are_listed_and_read(client, station, recorder, tmp_path):
     assert client.incidents.trajectory(incident.identifier).name == ["j"]
 
 
+def test_a_table_is_streamed_with_a_choice_of_its_columns(
+    client, station, recorder, tmp_path
+):
+    client.recordings.start("pick")
+    _run(station, recorder, 400)
+    client.recordings.stop()
+
+    path = client.recordings.download_table(
+        "pick",
+        tmp_path / "x.csv",
+        channels=["joint_states/position", "commands/effort"],
+        joints=["j"],
+        rate=100.0,
+    )
+
+    head, *rows = path.read_text().splitlines()
+    assert head == (
+        "cycle,time,period,epoch,joint_states/position/j,commands/effort/command/j"
+    )
+    assert len(rows) == 40
+    assert rows[0].split(",")[:1] + rows[0].split(",")[4:] == ["2", "0.25", "0.0"]
+    with pytest.raises(ApiError, match="no joint 'k'") as caught:
+        client.recordings.download_table("pick", tmp_path / "y.csv", joints=["k"])
+    assert caught.value.status == 409
+    assert not (tmp_path / "y.csv").exists()
+
+
+def test_a_damaged_file_is_a_problem_with_a_remedy(client, station, recorder, tmp_path):
+    identifier = client.recordings.start().identifier
+    _run(station, recorder, 400)
+    client.recordings.stop()
+    path = recorder.store.file(identifier)
+    data = bytearray(path.read_bytes())
+    data[data.index(b"lz4") + 60] ^= 1
+    path.write_bytes(data)
+
+    for ask in (
+        lambda: client.recordings.trajectory(identifier),
+        lambda: client.recordings.download_table(identifier, tmp_path / "x.csv"),
+    ):
+        with pytest.raises(ApiError, match="damaged") as caught:
+            ask()
+        assert (caught.value.status, caught.value.code) == (409, "recording_damaged")
+        assert "recover-file" in caught.value.remedy
+
+
 @pytest.mark.parametrize(
     ("ask", "status"),
     [

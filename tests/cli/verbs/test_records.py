@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from station.app.rerun import Difference, RerunResult
+from station.records.recording_table import Choice
 from station.wire import Recording
 
 
@@ -103,15 +104,31 @@ def test_a_file_is_fetched_and_never_overwritten(run, tmp_path, verb):
 
 
 def test_a_table_is_made_of_the_file(run, tmp_path, monkeypatch):
-    def export(source, target, form):
-        target.write_text(f"{form} of {source.read_bytes()!r}")
+    def export(source, target, form, choice):
+        target.write_text(f"{form} of {source.read_bytes()!r}: {choice}")
 
     monkeypatch.setattr("station.records.export.export", export)
     target = tmp_path / "x.csv"
 
-    run(f"record get a -o {target} --format csv")
+    chosen = "--channels joint_states commands/effort --joints j --rate 100"
+    run(f"record get a -o {target} --format csv {chosen}")
 
-    assert target.read_text() == "csv of b'bytes'"
+    choice = Choice(("joint_states", "commands/effort"), ("j",), 100.0)
+    assert target.read_text() == f"csv of b'bytes': {choice}"
+
+
+@pytest.mark.parametrize(
+    ("chosen", "told"),
+    [
+        ("--rate 100", "choose of a table"),
+        ("--format csv --rate 0", "no number of rows"),
+        ("--format csv --rate nan", "no number of rows"),
+    ],
+)
+def test_a_choice_that_makes_no_sense_is_wrong_usage(run, tmp_path, chosen, told):
+    found = run(f"record get a -o {tmp_path / 'x'} {chosen}")
+    assert found.code == 2
+    assert told in found.err
 
 
 def test_a_recording_is_deleted(run, recordings):

@@ -9,6 +9,7 @@ from station.core.errors import (
 )
 from station.core.facade.gain_tuning import HISTORY
 from tests.api.spring import make_station
+from tests.two_joint_station import make_station as make_two_joint_station
 
 
 @pytest.fixture
@@ -82,3 +83,19 @@ def test_only_the_latest_changes_are_remembered(station):
     with pytest.raises(NothingToUndoError):
         station.tuning.undo()
     assert stiffness(station)["one"] == 0.004
+
+
+def test_a_gain_without_effect_is_told_with_the_change_and_the_controller():
+    station = make_two_joint_station()
+    kind = "effort_controllers/JointPositionController"
+    pid = {"p": 1.0, "i": 5.0, "i_clamp": 1.0}
+    station.load_controller("pid", kind, {"joint": "j1", "pid": pid})
+    station.loop.step()
+    assert station.controller("pid").notes == ()
+
+    bounds = {"j1/i_clamp_max": 0.0, "j1/i_clamp_min": 0.0}
+    (note,) = station.set_gains("pid", bounds).notes
+
+    assert "'j1/i' is 5 and has no effect" in note
+    assert station.controller("pid").notes == (note,)
+    assert station.set_gains("pid", {"j1/i": 0.0}).notes == ()

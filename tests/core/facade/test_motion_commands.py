@@ -225,6 +225,17 @@ def test_an_epoch_that_ends_during_the_check_voids_the_wish(arm, submit, monkeyp
     assert all(goal.status is GoalStatus.PREEMPTED for goal in arm.motion.goals("arm"))
 
 
+@pytest.mark.parametrize("command", [[0.1, 0.1], [0.1, None]])
+def test_what_a_stop_has_ended_is_refused_as_stopped(station, command):
+    station.switch_controllers(SwitchRequest(start=("group",)))
+    station.loop.step(3)
+    station.stop("a test")
+    station.loop.step(1)
+
+    with pytest.raises(StoppedError, match="a test"):
+        station.motion.set_command("group", command)
+
+
 def test_nothing_resumes_after_a_stop(arm):
     goal = arm.motion.submit_goal("arm", GOAL)
     arm.loop.step(200)
@@ -369,3 +380,11 @@ def test_control_that_is_lost_during_the_planning_ends_what_was_planned(arm, fol
 
     assert positions(arm) == [0.0, 0.0]
     assert all(goal.is_final() for goal in arm.motion.goals("arm"))
+
+
+@pytest.mark.parametrize("values", ["0.5", 0.5, {"j1": 0.5}, None])
+def test_a_command_that_is_no_list_is_refused(station, values):
+    station.switch_controllers(SwitchRequest(start=("group",)))
+    with pytest.raises(InvalidCommandError, match="must be a list") as caught:
+        station.motion.set_command("group", values)
+    assert f"'group' is {values!r}" in str(caught.value)

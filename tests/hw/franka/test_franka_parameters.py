@@ -5,7 +5,6 @@ import pytest
 from station.core.errors import ParameterError
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.arm.collision_behavior import DEFAULT_COLLISION_BEHAVIOR
-from station.hw.franka.arm.robot_arm import ControllerMode
 from station.hw.franka.arm.service_limits import ServiceLimits
 from station.hw.franka.franka_parameters import (
     INITIAL_POSITIONS,
@@ -27,7 +26,7 @@ def test_default_parameters_equal_the_files_of_franka_ros() -> None:
     assert read.initial_positions == INITIAL_POSITIONS
     assert settings.rate_limiting
     assert settings.cutoff_frequency == 100.0
-    assert settings.internal_controller is ControllerMode.JOINT_IMPEDANCE
+    assert settings.internal_controller is None
 
 
 def test_a_simulated_arm_errs_unless_it_is_ideal() -> None:

@@ -7,10 +7,9 @@ other group accesses the joints one by one, with the same result.
 
 from array import array
 from collections.abc import Callable, Sequence
-from numbers import Real
 from typing import cast
 
-from station.core.errors import refuse_non_number
+from station.core.errors import is_number, refuse_non_number
 from station.core.hardware.interfaces.joint import JointHandle, JointStateHandle
 from station.core.hardware.slots import side_by_side
 from station.memory.doubles import Doubles, Storage, zeros
@@ -140,6 +139,6 @@ class JointGroup(JointStateGroup):
 
     def _refuse(self, commands: list[float], error: TypeError) -> None:
         for name, command in zip(self.names, commands, strict=True):
-            if not isinstance(command, Real):
+            if not is_number(command):
                 refuse_non_number(name, command)
         raise error

@@ -1,6 +1,6 @@
 """The services of one arm behind FrankaHW: setters, recovery, connection, faults."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from typing_extensions import override
@@ -21,7 +21,7 @@ from station.hw.franka.arm.collision_behavior import (
 )
 from station.hw.franka.arm.control_mode import ControlMode
 from station.hw.franka.arm.load import Load
-from station.hw.franka.arm.robot_arm import RobotArm
+from station.hw.franka.arm.robot_arm import ControllerMode, RobotArm
 from station.hw.franka.arm.service_limits import (
     ServiceLimits,
     check_load,
@@ -52,6 +52,8 @@ class ArmServices(FrankaServices):
         model: The model of the arm.
         collision_behavior: The configured thresholds, set again at every connection.
         limits: The largest load.
+        internal_controller: Returns the configured controller of motions; None when
+            none is configured.
     """
 
     def __init__(
@@ -63,6 +65,7 @@ class ArmServices(FrankaServices):
         *,
         collision_behavior: CollisionBehavior,
         limits: ServiceLimits,
+        internal_controller: Callable[[], ControllerMode | None] = lambda: None,
     ) -> None:
         super().__init__(arm_id)
         self._arm = arm
@@ -70,6 +73,7 @@ class ArmServices(FrankaServices):
         self._model = model
         self._collision_behavior = collision_behavior
         self._limits = limits
+        self._internal_controller = internal_controller
         self._is_connected = True
 
     @override
@@ -114,14 +118,18 @@ class ArmServices(FrankaServices):
     def set_joint_impedance(self, joint_stiffness: Sequence[float]) -> None:
         self._check_connected()
         values = _in_range(joint_stiffness, [JOINT_STIFFNESS] * 7, "joint_stiffness")
+        self._check_use(ControllerMode.JOINT_IMPEDANCE)
         self._arm.set_joint_impedance(values)
+        self._motion.impedance = ControllerMode.JOINT_IMPEDANCE
 
     @override
     def set_cartesian_impedance(self, cartesian_stiffness: Sequence[float]) -> None:
         self._check_connected()
         ranges = [TRANSLATIONAL_STIFFNESS] * 3 + [ROTATIONAL_STIFFNESS] * 3
         values = _in_range(cartesian_stiffness, ranges, "cartesian_stiffness")
+        self._check_use(ControllerMode.CARTESIAN_IMPEDANCE)
         self._arm.set_cartesian_impedance(values)
+        self._motion.impedance = ControllerMode.CARTESIAN_IMPEDANCE
 
     @override
     def set_EE_frame(self, NE_T_EE: Sequence[float]) -> None:
@@ -214,6 +222,24 @@ class ArmServices(FrankaServices):
                 remedy="Stop the controllers of this arm first.",
             )
         self._is_connected = False
+
+    def _check_use(self, needed: ControllerMode) -> None:
+        """Refuse an impedance that no motion would have.
+
+        Args:
+            needed: The internal controller that would use it.
+
+        Raises:
+            ArmCommandError: Another internal controller is configured.
+        """
+        configured = self._internal_controller()
+        if configured not in (None, needed):
+            raise ArmCommandError(
+                f"Arm '{self.name}' would not use this impedance: internal_controller "
+                f"is '{configured.value}'.",
+                remedy=f"Set internal_controller of the robot to '{needed.value}'; "
+                "without this parameter the impedance that is set last acts.",
+            )
 
     def _check_connected(self) -> None:
         if not self._is_connected:

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from station.hw.franka.arm.control_mode import GENERATOR_OF_MODE, ControlMode
 from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
 
+_CARTESIAN = ControlMode.CARTESIAN_POSE | ControlMode.CARTESIAN_VELOCITY
+
 
 @dataclass(frozen=True, slots=True)
 class CommandSettings:
@@ -16,22 +18,31 @@ class CommandSettings:
         cutoff_frequency: Cutoff frequency of the low-pass filter on commands [Hz], > 0;
             a frequency of 1000 Hz or more turns the filter off.
         internal_controller: Which controller of the arm makes the torques of a motion
-            for which no controller of the station commands torques.
+            for which no controller of the station commands torques; None: the one
+            whose impedance was set last, in Cartesian motions, and else joint
+            impedance.
     """
 
     rate_limiting: bool
     cutoff_frequency: float
-    internal_controller: ControllerMode
+    internal_controller: ControllerMode | None
 
     def arm_modes(
-        self, mode: ControlMode
+        self, mode: ControlMode, impedance: ControllerMode
     ) -> tuple[ControllerMode, MotionGeneratorMode]:
         """Return the modes in which the arm carries out what controllers command.
 
         Args:
             mode: What the controllers command; supported, and not NONE.
+            impedance: The controller whose impedance was set last.
         """
         generator = GENERATOR_OF_MODE[mode & ~ControlMode.JOINT_TORQUE]
         if mode & ControlMode.JOINT_TORQUE:
             return ControllerMode.EXTERNAL_CONTROLLER, generator
-        return self.internal_controller, generator
+        chosen = self.internal_controller
+        if chosen is None:
+            # An end effector gives way along the axes in which its stiffness was set;
+            # motions of joints go on to follow their positions.
+            is_cartesian = mode & (_CARTESIAN)
+            chosen = impedance if is_cartesian else ControllerMode.JOINT_IMPEDANCE
+        return chosen, generator

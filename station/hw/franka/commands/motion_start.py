@@ -15,7 +15,12 @@ from station.core.errors import ArmCommandError
 from station.core.franka.franka_robot_state import RobotMode
 from station.hw.franka.arm.control_mode import ControlMode
 from station.hw.franka.arm.flags import MotionFlags
-from station.hw.franka.arm.robot_arm import MEASURED_REST, REST_VELOCITY, RobotArm
+from station.hw.franka.arm.robot_arm import (
+    MEASURED_REST,
+    REST_VELOCITY,
+    ControllerMode,
+    RobotArm,
+)
 from station.hw.franka.commands.command_sender import CommandSender
 from station.hw.franka.commands.command_settings import CommandSettings
 
@@ -37,6 +42,7 @@ class MotionStart(MotionFlags):
         is_active: Whether controllers give any command.
         is_waiting: Whether the arm is coming to rest before a motion.
         has_failed: Whether the arm refused the last motion.
+        impedance: The controller of the arm whose impedance was set last.
     """
 
     def __init__(self, arm: RobotArm, sender: CommandSender) -> None:
@@ -47,6 +53,7 @@ class MotionStart(MotionFlags):
         self._waited = 0
         self.mode = ControlMode.NONE
         self.has_failed = False
+        self.impedance = ControllerMode.JOINT_IMPEDANCE
 
     def refusal(
         self, mode: ControlMode, settings: CommandSettings, kept: ControlMode
@@ -59,7 +66,7 @@ class MotionStart(MotionFlags):
             kept: The kinds of command that running controllers continue to give.
         """
         arm, motion = self._arm, kept & ~ControlMode.JOINT_TORQUE
-        reason = arm.refusal(*settings.arm_modes(mode))
+        reason = arm.refusal(*settings.arm_modes(mode, self.impedance))
         state = arm.state
         # A rule of the station, not of the arm, which has no error for it: the arm ends
         # the motion that runs, and checks the first command of the next one alone.
@@ -103,7 +110,8 @@ class MotionStart(MotionFlags):
         settings = self._settings
         if not self.is_waiting or settings is None:
             return
-        arm, modes = self._arm, settings.arm_modes(self.mode)
+        arm = self._arm
+        modes = settings.arm_modes(self.mode, self.impedance)
         if arm.refusal(*modes) is not None:
             self.is_waiting, self.has_failed = False, True
             return

@@ -53,10 +53,12 @@ class ArmDrive:
                 -d * dq for d, dq in zip(_GUIDING_DAMPING, state.dtheta, strict=True)
             ])
             return
-        if mode is not RobotMode.MOVE:
+        if mode is RobotMode.AUTOMATIC_ERROR_RECOVERY:
+            if not self._modes.advance_return():
+                self._motion.hold()
+            self._modes.finish_recovery()
+        elif mode is not RobotMode.MOVE:
             self._motion.hold()
-            if mode is RobotMode.AUTOMATIC_ERROR_RECOVERY:
-                self._modes.finish_recovery()
         elif wants_torques is not motors.torques_act:
             self._follower.ignore()
         else:

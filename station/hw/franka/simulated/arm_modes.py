@@ -13,7 +13,9 @@
 A recovery ends when the arm itself is at rest, not only its desired motion: a hand that
 bounces off a table would go on moving in Idle, and torques of a client that began a
 motion then would not act before the arm has settled. An arm that trembles in a contact
-never rests; its recovery ends after `LONGEST_SETTLING`.
+never rests; its recovery ends after `LONGEST_SETTLING`. Before that, joints beyond
+their limits are brought back into their range, because clients check the start of a
+motion.
 
 An arm that still touches something when it recovers goes to Idle and holds its pose.
 The contact becomes an error again when the contact ends and another one begins, or when
@@ -22,7 +24,7 @@ an error again when the value moves further out.
 
 Source: libfranka@0.9.2 include/franka/robot_state.h, RobotMode; Franka Control
 Interface documentation; differs: the transitions are not published as such. A real arm
-is guided back from a limit by hand; the simulated arm can be commanded back as well.
+is guided back from a limit by hand; the simulated arm comes back in its recovery.
 """
 
 from collections.abc import Sequence
@@ -38,6 +40,7 @@ from station.hw.franka.arm.robot_arm import (
 from station.hw.franka.simulated.arm_parts import ArmParts
 from station.hw.franka.simulated.motion_follower import CARTESIAN_GENERATORS
 from station.hw.mujoco.world import World
+from station.memory.doubles import put
 
 HALTED = (
     RobotMode.REFLEX,
@@ -56,6 +59,14 @@ _REMEDIES = {
 
 LONGEST_SETTLING = 500
 """Cycles of the arm after which it counts as settled although it still trembles."""
+_INSIDE = 0.005
+"""How far inside of its limit a recovery brings a joint that is beyond it [rad]."""
+_RETURN_VELOCITY = 0.1
+"""How fast at most [rad/s]."""
+_RETURN_TIME = 0.05
+"""Time constant with which the joint comes to rest there [s]."""
+_RETURNED = 1e-4
+"""Distance at which it has come back [rad]."""
 INTERNAL_CONTROLLERS = (
     ControllerMode.JOINT_IMPEDANCE,
     ControllerMode.CARTESIAN_IMPEDANCE,
@@ -80,16 +91,21 @@ class ArmModes:
         self._world = world
         self._state = parts.state
         self._motion = parts.cycle.motion
+        self._memory = parts.cycle.memory
         self._positions = parts.cycle.memory.positions
         self._step = parts.cycle.step
         self._follower = parts.follower
         self._motors = parts.motors
         self._frames = parts.frames
+        self._limits = parts.limits
         self._supervisor = parts.supervisor
         self._contact = parts.contact
         self.controller: ControllerMode | None = None
         self.generator = MotionGeneratorMode.NONE
         self._settling = 0
+        # Where each joint that was beyond a limit is to go; None until the arm has come
+        # to rest in a recovery.
+        self._returns: dict[int, float] | None = None
 
     def remedy(self) -> str | None:
         """Return what to do before the arm can move; None when the arm can move."""
@@ -201,16 +217,52 @@ class ArmModes:
         self._supervisor.recover()
         self._contact.recover()
         self._settling = 0
+        self._returns = None
         self._state.robot_mode = RobotMode.AUTOMATIC_ERROR_RECOVERY
         self.finish_recovery()
 
     def finish_recovery(self) -> None:
-        """Go from AutomaticErrorRecovery to Idle if the arm is at rest."""
+        """Go from AutomaticErrorRecovery to Idle if the arm is at rest in its range."""
         if not self._motion.is_at_rest():
+            return
+        if self._returns is None:
+            self._returns = self._find_returns()
+        if self._returns:
             return
         self._settling += 1
         if self.is_still() or self._settling > LONGEST_SETTLING:
             self._state.robot_mode = RobotMode.IDLE
+
+    def advance_return(self) -> bool:
+        """Move joints back that were beyond their limits; return whether any moves."""
+        if not self._returns:
+            return False
+        memory, period = self._memory, self._world.timestep
+        put(memory.target, [0.0] * memory.size)
+        for joint, goal in list(self._returns.items()):
+            way, velocity = goal - memory.q_d[joint], memory.dq_d[joint]
+            if abs(way) < _RETURNED:
+                del self._returns[joint]
+                continue
+            wanted = max(-_RETURN_VELOCITY, min(way / _RETURN_TIME, _RETURN_VELOCITY))
+            most = _RETURN_VELOCITY * period / _RETURN_TIME
+            change = max(-most, min(wanted - velocity, most))
+            memory.target[joint] = velocity + change
+        self._motion.follow_velocities()
+        return True
+
+    def _find_returns(self) -> dict[int, float]:
+        """Return how far each joint beyond a limit has to come back [rad]."""
+        found: dict[int, float] = {}
+        memory, limits = self._memory, self._limits
+        ranges = zip(limits.lower, limits.upper, strict=True)
+        for joint, (lower, upper) in enumerate(ranges):
+            both = memory.q_d[joint], memory.positions[joint]
+            if max(both) > upper:
+                found[joint] = upper - _INSIDE
+            elif min(both) < lower:
+                found[joint] = lower + _INSIDE
+        return found
 
     def is_still(self) -> bool:
         """Return whether no joint moves, whatever is desired."""

@@ -86,12 +86,16 @@ class ArmSupervisor(AlertFlag):
         self.log: list[ArmRecord] = []
         self.has_hand = False
 
-    def examine(self, *, is_quiet: bool, is_following: bool) -> list[ArmError]:
+    def examine(
+        self, *, is_quiet: bool, is_following: bool, is_recovering: bool
+    ) -> list[ArmError]:
         """Look closer at a cycle that the watch has looked at.
 
         Args:
             is_quiet: Whether the watch has found everything in order.
             is_following: Whether the arm follows a desired motion.
+            is_recovering: Whether the arm only brakes and comes to rest: what is out of
+                range then is accepted, or a push that lasts would undo every recovery.
 
         Returns:
             Errors of measured values that were out of range for too long.
@@ -104,6 +108,9 @@ class ArmSupervisor(AlertFlag):
             return []
         self.is_alert = True
         power = self._watch.total_power
+        if is_recovering:
+            self._accept(q, power)
+            return []
         found = self._new(self._find(q, power, is_following=is_following))
         self._bad_cycles = self._bad_cycles + 1 if found else 0
         return found if self._bad_cycles >= self._thresholds.debounce else []
@@ -161,9 +168,13 @@ class ArmSupervisor(AlertFlag):
             abs(dq * tau) for dq, tau in zip(state.dtheta, state.tau_J, strict=True)
         )
         self._watch.room = 0.0
+        self._accept(q, power)
+        self.is_alert = True
+
+    def _accept(self, q: Sequence[float], power: float) -> None:
+        """Take what is out of range now for known."""
         found = self._find(q, power, is_following=False)
         self._known = {(e.name, e.where): _excess(e) for e in found}
-        self.is_alert = True
 
     def look_again(self) -> None:
         """Compute all distances in the next cycle: the arm was set to a new pose."""

@@ -308,10 +308,12 @@ class SimulatedArm(RobotArm):
         if has_diverged and self.state.robot_mode is not RobotMode.OTHER:
             self._modes.end_motion(RobotMode.OTHER)
         errors = self.contact.update()
-        if self.state.robot_mode in _SUPERVISED:
-            is_quiet = not found & UNUSUAL
+        mode = self.state.robot_mode
+        if mode in _SUPERVISED:
             errors = errors + self.supervisor.examine(
-                is_quiet=is_quiet, is_following=self._step.is_following
+                is_quiet=not found & UNUSUAL,
+                is_following=self._step.is_following,
+                is_recovering=mode is RobotMode.AUTOMATIC_ERROR_RECOVERY,
             )
             if errors:
                 self._modes.raise_errors(errors)

@@ -21,7 +21,7 @@ export function watchScene(view, line, triangles) {
       line.hidden = true;
       return;
     }
-    const late = Date.now() - began > LONG_MS ? " This takes long; everything else works already." : "";
+    const late = Date.now() - began > LONG_MS ? ` This takes long; everything else works already.${inside.__viserTestpoints ? "" : " Reload the page if it stays so."}` : "";
     const step = !inside.__viserTestpoints
       ? "Loading the 3D view …"
       : drawn === 0

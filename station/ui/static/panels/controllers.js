@@ -19,6 +19,7 @@ class Controllers extends Panel {
     heads[3].title = "Median time that an update takes in the control cycle; 99 of 100 in the tooltip of each cell";
     this.body = h("tbody", {});
     this.looks = 0;
+    for (const name of ["pointermove", "pointerdown"]) this.addEventListener(name, ({ clientX, clientY }) => (this.pointer = { clientX, clientY }));
     this.preview = h("p", { class: "hint preview", role: "status" }, "Point at Start to see what a switch stops. After a start, this line says how far each joint stepped.");
     this.form = h("st-load-form", { class: "form", hidden: true });
     this.append(
@@ -34,10 +35,14 @@ class Controllers extends Panel {
       this.shown = key;
       const focused = document.activeElement?.dataset?.key;
       this.cells = new Map();
-      const rank = (c) => (c.state === "running" ? 0 : c.resources.length ? 1 : 2);
+      // What moves the robot comes first, and in the order of loading: a row that changed its
+      // place when it is started would lie under a pointer that meant another one.
+      const rank = (c) => (c.resources.length ? 0 : 1);
       const rows = [...store.docks.controllers].sort((a, b) => rank(a) - rank(b));
+      this.isDrawing = true;
       this.body.replaceChildren(...rows.map((c) => this.row(c)));
       if (focused) this.body.querySelector(`[data-key="${CSS.escape(focused)}"]`)?.focus();
+      this.isDrawing = false;
     }
     for (const c of store.docks.controllers) {
       const cell = this.cells.get(c.name);
@@ -52,7 +57,10 @@ class Controllers extends Panel {
       made.setAttribute("aria-label", `${label} ${c.name}`);
       made.dataset.key = `${label} ${c.name}`;
       made.addEventListener("click", run);
-      if (look) for (const name of ["pointerenter", "focus"]) made.addEventListener(name, look);
+      if (look) {
+        made.addEventListener("focus", () => this.isDrawing || look());
+        made.addEventListener("pointerenter", (event) => this.isPointedAt(event) && look());
+      }
       return made;
     };
     const update = h("td", { class: "update" });
@@ -77,6 +85,11 @@ class Controllers extends Panel {
       update,
       h("td", { class: "actions" }, ...actions),
     );
+  }
+
+  /** Whether a pointer came to a button: one that was drawn anew under a pointer at rest is entered, too. */
+  isPointedAt({ clientX, clientY }) {
+    return clientX !== this.pointer?.clientX || clientY !== this.pointer.clientY;
   }
 
   /** Say something that is newer than what is asked for. */

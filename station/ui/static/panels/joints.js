@@ -1,5 +1,6 @@
 // Joints: where each is, what it is told, exact typed values, and hold-to-run buttons.
 import { h, holdButton, kept, number, shortNames, show, typed } from "../lib/dom.js";
+import { hideGhost, showGhost } from "../lib/ghost.js";
 import { Panel } from "../lib/panel.js";
 import { refusals } from "../lib/refusals.js";
 import { desk, follow } from "../lib/station.js";
@@ -9,6 +10,8 @@ const DEGREES = 180 / Math.PI;
 const NEAR_LIMIT = 0.05; // part of the range at each end
 const POSITIONS = ["rad", "m"]; // units of what a held button can move
 const SHOW_SENT_MS = 500; // until the desk says how far it is
+/** A typed value further away than this shows its ghost first [rad], [m]. */
+const FAR = { rad: 20 / DEGREES, m: 0.1 };
 
 class Joints extends Panel {
   build() {
@@ -34,7 +37,8 @@ class Joints extends Panel {
     this.head = h("tr", {});
     this.body = h("tbody", {});
     this.state = h("p", { class: "hint state" }, "Waiting for the station …");
-    this.append(h("div", { class: "scroll" }, h("table", { class: "joints" }, h("thead", {}, this.head), this.body)), this.state, this.poses());
+    this.far = h("div", { class: "line far", role: "alert", hidden: true });
+    this.append(h("div", { class: "scroll" }, h("table", { class: "joints" }, h("thead", {}, this.head), this.body)), this.far, this.state, this.poses());
     this.setUnit(this.unit);
     this.showSpeed();
     this.drawWithJoints(12, () => this.draw());
@@ -82,7 +86,53 @@ class Joints extends Panel {
     const pose = kept.get("poses", {})[this.poseList.value];
     if (!pose) return;
     const known = Object.fromEntries(Object.entries(pose).filter(([joint]) => this.rows.has(joint)));
-    this.move(known);
+    if (this.isAgreed(known)) this.move(known);
+  }
+
+  /** Whether these values may be sent now: a far one is shown as a ghost, and sent when it is asked for again. */
+  isAgreed(targets) {
+    const away = Object.entries(targets).map(([joint, target]) => [joint, this.awayBy(joint, target)]);
+    const far = away.filter(([, { size, most }]) => size > most);
+    const key = JSON.stringify(targets);
+    const isAgreed = !far.length || key === this.asked;
+    this.forgetFar();
+    if (isAgreed) return true;
+    this.asked = key;
+    const names = shortNames([...this.rows.keys()]);
+    const ways = far.map(([joint, { text }]) => `${names.get(joint)} by ${text}`);
+    const go = h("button", { class: "s primary", type: "button" }, "Move there");
+    go.addEventListener("click", () => {
+      this.forgetFar();
+      this.move(targets);
+    });
+    const leave = h("button", { class: "s", type: "button" }, "Leave it");
+    leave.addEventListener("click", () => this.forgetFar());
+    // The field keeps the focus, and with it Enter, while one of the two is clicked.
+    for (const button of [go, leave]) button.addEventListener("mousedown", (event) => event.preventDefault());
+    this.far.replaceChildren(h("span", {}, `This moves ${ways.join(", ")}. The ghost shows where; the same again moves the robot.`), go, leave);
+    this.far.hidden = false;
+    this.far.scrollIntoView({ block: "nearest" });
+    showGhost(targets, "not sent yet");
+    return false;
+  }
+
+  /** How far a value is from what its joint is told; what is no position, or is refused anyway, is near. */
+  awayBy(joint, target) {
+    const { element, limits, position } = this.rows.get(joint);
+    const size = Math.abs(target - (this.desired.get(joint) ?? position));
+    const isRefused = limits && (target < limits[0] || target > limits[1]);
+    if (isRefused || !POSITIONS.includes(element?.unit)) return { size: 0, most: Infinity };
+    const isAngle = element.unit === "rad" && this.unit === "deg";
+    const text = isAngle ? `${number(size * DEGREES, 1)}°` : `${number(size, 3)} ${element.unit}`;
+    return { size, most: FAR[element.unit], text };
+  }
+
+  /** Take back what was asked: another value was typed, or it was decided. */
+  forgetFar() {
+    if (!this.asked) return;
+    this.asked = "";
+    this.far.hidden = true;
+    hideGhost();
   }
 
   get wantedSpeed() {
@@ -180,12 +230,21 @@ class Joints extends Panel {
     here.hidden = !limits; // A joint that turns without end has no place within limits.
     const row = { here, told, bar, cells, input, limits, sent: null, position: 0, hold: [], edited: false };
     // What nobody has typed is only shown: Enter on it moves nothing.
-    input.addEventListener("input", () => (row.edited = true));
-    input.addEventListener("blur", () => (row.edited = false));
+    input.addEventListener("input", () => {
+      row.edited = true;
+      this.forgetFar();
+    });
+    input.addEventListener("blur", () => {
+      row.edited = false;
+      this.forgetFar();
+    });
     input.addEventListener("keydown", (event) => {
       if (event.key === "Enter" && row.edited) this.send(joint, row);
     });
     input.addEventListener("focus", () => input.select());
+    // A second click would put the caret into a value that is only shown or was sent, and
+    // what is typed then would become one number with it. What is being typed keeps its caret.
+    input.addEventListener("click", () => !row.edited && input.select());
     row.hold = [-1, 1].map((sign) =>
       holdButton(
         sign < 0 ? "−" : "+",
@@ -216,6 +275,7 @@ class Joints extends Panel {
       return;
     }
     const target = value / this.scaleOf(row.element);
+    if (!this.isAgreed({ [joint]: target })) return;
     row.sent = { text: row.input.value.trim(), target, at: performance.now() };
     row.edited = false;
     this.move({ [joint]: target });

@@ -167,10 +167,11 @@ class Timeline extends Panel {
       this.running = items.find((item) => item.state === "recording")?.identifier;
       show(this.record, this.running ? "Stop recording" : "Record");
     }
-    const key = JSON.stringify(items.slice(-SHOWN));
+    const shown = (this.chosen === "events" ? folded(items) : items).slice(-SHOWN);
+    const key = JSON.stringify(shown);
     if (key === this.drawn) return;
     this.drawn = key;
-    const rows = items.slice(-SHOWN).reverse().map((item) => this.row(item));
+    const rows = shown.reverse().map((item) => this.row(item));
     this.list.replaceChildren(...(rows.length ? rows : [h("p", { class: "hint" }, `No ${this.chosen} yet.`)]));
   }
 
@@ -180,7 +181,8 @@ class Timeline extends Panel {
     const row = (...parts) => h("div", { class: `row ${item.severity ?? ""}`, title: JSON.stringify(item, null, 1) }, time, ...parts);
     if (this.chosen === "events") {
       const sign = { warning: "▲ ", error: "✖ " }[item.severity] ?? "";
-      return row(item.who && !item.text.includes(item.who) ? h("b", {}, `${item.who} `) : null, h("span", {}, `${sign}${item.text || `${item.kind} ${item.what} ${item.result}`}`));
+      const since = item.times > 1 ? ` (${item.times} alike since ${new Date(item.since * 1e3).toLocaleTimeString("en-GB")})` : "";
+      return row(item.who && !item.text.includes(item.who) ? h("b", {}, `${item.who} `) : null, h("span", {}, `${sign}${item.text || `${item.kind} ${item.what} ${item.result}`}${since}`));
     }
     const name = item.identifier;
     const size = `${(item.size / 1e6).toFixed(1)} MB, ${item.duration.toFixed(1)} s`;
@@ -200,6 +202,18 @@ class Timeline extends Panel {
     else await act("POST", "/recordings", {});
     this.ask();
   }
+}
+
+/** Return events with those that repeat one after the other as one: the newest, how often, and since when. */
+function folded(events) {
+  const found = [];
+  for (const event of events) {
+    const last = found.at(-1);
+    const isAlike = last && ["kind", "what", "who", "severity"].every((key) => event[key] === last[key]);
+    if (isAlike && (event.kind === "overrun" || event.text === last.text)) found[found.length - 1] = { ...event, times: last.times + 1, since: last.since };
+    else found.push({ ...event, times: 1, since: event.time });
+  }
+  return found;
 }
 
 customElements.define("st-timeline", Timeline);

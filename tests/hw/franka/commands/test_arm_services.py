@@ -4,10 +4,12 @@ from dataclasses import replace
 
 import pytest
 
+import station
 from station.core.errors import ArmCommandError, InvalidCommandError
 from station.core.franka import FrankaServicesInterface
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.arm.collision_behavior import DEFAULT_COLLISION_BEHAVIOR
+from station.hw.franka.commands.arm_services import ArmServices
 from station.hw.franka.franka_hw import FrankaHW
 from tests.hw.franka.scripted_arm import ScriptedArm
 
@@ -77,3 +79,38 @@ def test_connecting_sets_the_configured_thresholds_again(real, scripted):
     real.disconnect()
     real.connect()
     assert scripted.behavior == DEFAULT_COLLISION_BEHAVIOR
+
+
+@pytest.mark.parametrize(("stiffness", "moved"), [(200.0, 0.05), (2000.0, 0.005)])
+def test_cartesian_impedance_acts_in_the_motions_of_the_default_robot(stiffness, moved):
+    with station.open(settings={"robot.realism": "ideal"}) as robot:
+        robots = robot.facade.robots
+        arm = robots.get("panda", ArmServices)
+        values = [stiffness] * 3 + [50.0] * 3
+        robots.run(lambda: arm.set_cartesian_impedance(values))
+        robot.switch(start=["cartesian_streaming_controller"])
+        robot.run(0.5)
+        before = arm.get_robot_state().O_T_EE[13]
+        push = [0.0, 10.0, 0.0], [0.0] * 3, 2.5
+        robots.run(lambda: arm.simulation().apply_force("panda_hand", *push))
+        robot.run(2.3)
+        assert arm.get_robot_state().O_T_EE[13] - before == pytest.approx(
+            moved, rel=0.1
+        )
+
+
+@pytest.mark.parametrize(
+    ("configured", "service", "values"),
+    [
+        ("joint_impedance", "set_cartesian_impedance", [200.0] * 6),
+        ("cartesian_impedance", "set_joint_impedance", [3000.0] * 7),
+    ],
+)
+def test_impedance_that_no_motion_would_have_is_refused(configured, service, values):
+    settings = {"robot.internal_controller": configured}
+    with station.open(settings=settings) as robot:
+        arm = robot.facade.robots.get("panda", ArmServices)
+        with pytest.raises(
+            ArmCommandError, match=f"internal_controller is '{configured}"
+        ):
+            robot.facade.robots.run(lambda: getattr(arm, service)(values))

@@ -1,5 +1,7 @@
 """What the arm is told for each mode."""
 
+from dataclasses import replace
+
 import pytest
 
 from station.hw.franka.arm.control_mode import ControlMode
@@ -28,4 +30,22 @@ SETTINGS = CommandSettings(
     ],
 )
 def test_torque_command_replaces_the_internal_controller(mode, controller, generator):
-    assert SETTINGS.arm_modes(ControlMode(mode)) == (controller, generator)
+    joint = ControllerMode.JOINT_IMPEDANCE
+    assert SETTINGS.arm_modes(ControlMode(mode), joint) == (controller, generator)
+
+
+@pytest.mark.parametrize(
+    ("mode", "set_last", "acts"),
+    [
+        (8, "joint", "joint"),
+        (8, "cartesian", "cartesian"),
+        (16, "cartesian", "cartesian"),
+        (2, "cartesian", "joint"),
+        (4, "cartesian", "joint"),
+    ],
+)
+def test_impedance_that_was_set_last_acts_in_cartesian_motions(mode, set_last, acts):
+    settings = replace(SETTINGS, internal_controller=None)
+    impedance = ControllerMode(f"{set_last}_impedance")
+    controller, _ = settings.arm_modes(ControlMode(mode), impedance)
+    assert controller is ControllerMode(f"{acts}_impedance")

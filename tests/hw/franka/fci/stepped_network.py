@@ -4,6 +4,7 @@ Nothing waits, and every run is the same.
 """
 
 from station.hw.franka.fci.server.robot_session import RobotSession
+from station.hw.franka.fci.wire.messages import FciProtocolError
 from station.hw.franka.fci.wire.robot_protocol import PANDA
 
 
@@ -25,7 +26,10 @@ class SteppedNetwork:
         self._answers = bytearray()
 
     def send(self, data):
-        self._answers += self.session.receive(data)
+        try:
+            self._answers += self.session.receive(data)
+        except FciProtocolError as error:
+            self._answers += error.answers
 
     def receive(self, timeout):
         data = bytes(self._answers)

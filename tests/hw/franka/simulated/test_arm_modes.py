@@ -7,6 +7,7 @@ from station.core.errors import ArmCommandError
 from station.core.franka import FaultKind, RobotMode
 from station.core.franka.arm_simulation import SimulatedFault
 from station.core.franka.franka_errors import error_names
+from station.hw.franka.arm.arm_limits import PANDA_LIMITS
 from station.hw.franka.arm.robot_arm import (
     REST_VELOCITY,
     ControllerMode,
@@ -19,6 +20,7 @@ from station.hw.franka.simulated.franka_world import (
     ArmPlacement,
     simulate,
 )
+from station.hw.franka.simulated.realism import TYPICAL
 from station.hw.franka.simulated.simulated_arm import SimulatedArm
 
 DESCRIPTION = load_robot_files("example-robot-data:panda")
@@ -228,3 +230,50 @@ def test_every_mode_has_its_remedy_or_none(arm):
         arm.state.robot_mode = mode
         needs_something = mode in HALTED and mode is not RobotMode.OTHER
         assert bool(arm.remedy()) is needs_something
+
+
+@pytest.mark.parametrize(("joint", "torque"), [(0, 15.0), (3, -15.0), (5, 6.0)])
+def test_recovery_brings_a_joint_beyond_its_limit_inside(joint, torque):
+    bound = (PANDA_LIMITS.upper if torque > 0.0 else PANDA_LIMITS.lower)[joint]
+    begin = [*INITIAL_POSITIONS]
+    begin[joint] = bound - 0.1 * (1.0 if torque > 0.0 else -1.0)
+    placement = ArmPlacement("panda", DESCRIPTION, positions=tuple(begin))
+    arm = simulate([placement]).arms["panda"]
+    run(arm, 20)
+    arm.start_motion(ControllerMode.EXTERNAL_CONTROLLER, MotionGeneratorMode.NONE)
+    for cycle in range(1000):
+        tau = [0.0] * 7
+        tau[joint] = torque * min(1.0, cycle / 200)
+        arm.command_joint_torques(tau)
+        arm.read_once()
+        if arm.state.robot_mode is RobotMode.REFLEX:
+            break
+    assert abs(arm.state.q[joint]) > abs(bound)
+
+    arm.automatic_error_recovery()
+    begun = arm.state.q[joint]
+    fastest = 0.0
+    while arm.state.robot_mode is RobotMode.AUTOMATIC_ERROR_RECOVERY:
+        run(arm, 1)
+        fastest = max(fastest, abs(arm.state.dq_d[joint]))
+
+    assert arm.state.robot_mode is RobotMode.IDLE
+    assert 0.003 < abs(bound) - abs(arm.state.q[joint]) < 0.007
+    assert abs(begun - arm.state.q[joint]) < 0.02
+    assert arm.state.ddq_d == [0.0] * 7
+
+
+@pytest.mark.parametrize("force", [60.0, 100.0])
+def test_recovery_in_the_middle_of_a_push_succeeds_at_once(force):
+    placement = ArmPlacement("panda", DESCRIPTION, realism=TYPICAL)
+    arm = simulate([placement]).arms["panda"]
+    run(arm, 50)
+    arm.simulation().apply_force("panda_hand", [0.0, force, 0.0], NONE, 0.2)
+    while arm.state.robot_mode is not RobotMode.REFLEX:
+        run(arm, 1)
+    arm.automatic_error_recovery()
+    while arm.state.robot_mode is RobotMode.AUTOMATIC_ERROR_RECOVERY:
+        run(arm, 1)
+    assert arm.state.robot_mode is RobotMode.IDLE
+    run(arm, 500)
+    assert arm.state.robot_mode is RobotMode.IDLE

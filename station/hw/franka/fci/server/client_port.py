@@ -98,12 +98,15 @@ class ClientPort(Generic[_Session]):
     def datagrams(self) -> list[bytes]:
         """Return the datagrams that the client has sent since the last call."""
         found: list[bytes] = []
+        # libfranka sends its commands from the socket at which it hears the states. Any
+        # other program of the same machine, or behind the same address, is a stranger.
+        own = self._peer, None if self.session is None else self.session.udp_port
         while self._connection is not None:
             try:
                 data, address = self._udp.recvfrom(_CHUNK)
             except (BlockingIOError, ConnectionRefusedError):
                 break
-            if address[0] == self._peer:
+            if address == own:
                 found.append(data)
         return found
 
@@ -183,14 +186,27 @@ class ClientPort(Generic[_Session]):
         try:
             answers = self.session.receive(data)
         except FciProtocolError as error:
-            self._drop(error.message)
+            self._turn_away(error)
             return
         self.send(answers)
+
+    def _turn_away(self, error: FciProtocolError) -> None:
+        """Say a last word to the client, and end the connection.
+
+        A client that hears of another version may connect with that one at once, so
+        the port listens before the answer goes out.
+        """
+        _logger.warning("%s: %s", self._what, error.message)
+        self._listener = self._listen()
+        self.send(error.answers)
+        if self._connection is not None:
+            self._hang_up()
 
     def _drop(self, reason: str) -> None:
         _logger.info("%s: %s", self._what, reason)
         self._hang_up()
-        self._listener = self._listen()
+        if self._listener is None:
+            self._listener = self._listen()
 
     def _hang_up(self) -> None:
         if self.session is not None:

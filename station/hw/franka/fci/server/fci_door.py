@@ -34,6 +34,8 @@ ANSWER, REFUSAL = 4, 5
 """Kinds of frames to this process: answers behind the UDP port; why it must go."""
 FRAME = struct.Struct("<BI")
 """Head of a frame: its kind, and the size of what follows [bytes]."""
+LAST_WORDS = struct.Struct("<H")
+"""What a `REFUSAL` begins with: the size of the answers before the reason [bytes]."""
 UDP_PORT = struct.Struct("<H")
 """What an `ANSWER` begins with: the client's UDP port, 0 until it has connected."""
 _LOOK = 0.0002
@@ -48,6 +50,16 @@ class StationGoneError(OSError):
 def send_frame(pipe: socket.socket, kind: int, data: bytes = b"") -> None:
     """Send a frame."""
     pipe.sendall(FRAME.pack(kind, len(data)) + data)
+
+
+def refusal(reason: str, answers: bytes = b"") -> bytes:
+    """Return what a `REFUSAL` holds.
+
+    Args:
+        reason: Why the client must go.
+        answers: What the client is told before.
+    """
+    return LAST_WORDS.pack(len(answers)) + answers + reason.encode()
 
 
 def receive_frame(pipe: socket.socket) -> tuple[int, bytes]:
@@ -103,7 +115,9 @@ class RelayedSession:
         send_frame(self._pipe, kind + self._channel, data)
         kind, body = receive_frame(self._pipe)
         if kind == REFUSAL:
-            raise FciProtocolError(body.decode())
+            (size,) = LAST_WORDS.unpack_from(body)
+            body = body[LAST_WORDS.size :]
+            raise FciProtocolError(body[size:].decode(), answers=body[:size])
         self.udp_port = UDP_PORT.unpack_from(body)[0] or None
         return body[UDP_PORT.size :]
 
@@ -195,7 +209,7 @@ def main(arguments: list[str]) -> None:
         try:
             door = FciDoor(host, pipe, SharedPage(memory), hand)
         except OSError as error:
-            send_frame(pipe, REFUSAL, f"{error}".encode())
+            send_frame(pipe, REFUSAL, refusal(f"{error}"))
             return
         send_frame(pipe, ANSWER)
         door.run()

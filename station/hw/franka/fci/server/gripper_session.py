@@ -21,7 +21,7 @@ from station.hw.franka.fci.wire.gripper_protocol import (
     GripperProtocol,
     GripperStatus,
 )
-from station.hw.franka.fci.wire.messages import FciProtocolError
+from station.hw.franka.fci.wire.messages import FciProtocolError, FciVersionError
 from station.hw.franka.fci.wire.robot_protocol import ConnectStatus
 from station.hw.franka.hand.hand_services import HandServices
 
@@ -128,12 +128,14 @@ class GripperSession:
         return answers
 
     def _connect(self, request: Request[GripperCommand]) -> bytes:
-        own = self._protocol.version
-        status = ConnectStatus.INCOMPATIBLE_LIBRARY_VERSION
-        if request.values["version"] == own:
+        own, asked = self._protocol.version, request.values["version"]
+        if asked == own:
             self.udp_port = request.values["udp_port"]
             status = ConnectStatus.SUCCESS
-        return self._reader.answer(request, status, {"version": own})
+            return self._reader.answer(request, status, {"version": own})
+        status = ConnectStatus.INCOMPATIBLE_LIBRARY_VERSION
+        told = self._reader.answer(request, status, {"version": own})
+        raise FciVersionError("hand", asked, [own], told)
 
     def _begin(self, request: Request[GripperCommand]) -> None:
         hand, values = self._hand, request.values

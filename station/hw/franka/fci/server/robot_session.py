@@ -32,7 +32,7 @@ from station.hw.franka.fci.server.message_reader import (
     Request,
 )
 from station.hw.franka.fci.server.state_writer import StateWriter
-from station.hw.franka.fci.wire.messages import FciProtocolError
+from station.hw.franka.fci.wire.messages import FciProtocolError, FciVersionError
 from station.hw.franka.fci.wire.robot_protocol import (
     HEADER,
     NO_CONTROLLER,
@@ -227,13 +227,16 @@ class RobotSession:
             raise FciProtocolError(
                 "The client connected a second time.", remedy="Connect once."
             )
-        status = ConnectStatus.INCOMPATIBLE_LIBRARY_VERSION
+        asked = request.values["version"]
         for protocol in self._protocols:
-            if request.values["version"] == protocol.version:
+            if asked == protocol.version:
                 self._speak(protocol)
                 self.udp_port = request.values["udp_port"]
-                status = ConnectStatus.SUCCESS
-        return self._say(request, status, {"version": self._protocol.version})
+                return self._say(request, ConnectStatus.SUCCESS, {"version": asked})
+        status = ConnectStatus.INCOMPATIBLE_LIBRARY_VERSION
+        told = self._say(request, status, {"version": self._protocol.version})
+        spoken = [protocol.version for protocol in self._protocols]
+        raise FciVersionError("arm", asked, spoken, told)
 
     def _start_motion(self, request: Request[Command]) -> bytes:
         values = request.values

@@ -1,6 +1,6 @@
 """Requests as bytes, and answers out of a stream of bytes: the client's direction."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any, Generic, TypeVar
@@ -14,9 +14,41 @@ _NOTHING: Mapping[str, Any] = {}
 
 
 class FciProtocolError(StationError):
-    """The other side sent what the protocol does not have; the connection ends."""
+    """The other side sent what the protocol does not have; the connection ends.
+
+    Args:
+        message: What was sent, and what is allowed.
+        remedy: What to do about it.
+        answers: What the other side is still to be told before the connection ends.
+    """
 
     code = "fci_protocol"
+
+    def __init__(self, message: str, *, remedy: str = "", answers: bytes = b"") -> None:
+        super().__init__(message, remedy=remedy)
+        self.answers = answers
+
+
+class FciVersionError(FciProtocolError):
+    """A client asked for a version that is not spoken.
+
+    Args:
+        what: What the client has connected to.
+        asked: The version that it asked for.
+        spoken: The versions that are spoken.
+        answers: The answer, which names a version that is spoken.
+    """
+
+    def __init__(
+        self, what: str, asked: int, spoken: Iterable[int], answers: bytes
+    ) -> None:
+        versions = " and ".join(map(str, spoken))
+        super().__init__(
+            f"The client asked for version {asked} of the {what}'s protocol; spoken is "
+            f"{versions}.",
+            remedy="Use a libfranka that speaks this version.",
+            answers=answers,
+        )
 
 
 @dataclass(frozen=True, slots=True)

@@ -340,7 +340,7 @@ PANDA = RobotProtocol(
     command=Structure(_COMMAND),
     generators=_GENERATORS,
 )
-"""Version 5, which the Panda's libfranka 0.8 and 0.9 speak."""
+"""Version 5, which the Panda's libfranka 0.9 speaks; 0.8 speaks version 4."""
 
 _REMOVED = (Command.GET_CARTESIAN_LIMIT, Command.SET_FILTERS)
 _STATUSES_WITH_SAFETY: dict[Command, Sequence[int]] = {

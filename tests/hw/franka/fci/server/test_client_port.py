@@ -8,7 +8,13 @@ import pytest
 from station.hw.franka.fci.server.client_port import FciPortError
 from station.hw.franka.fci.wire.robot_protocol import HEADER, Command
 from tests.hw.franka.fci.server.robot_client import answers, request
-from tests.hw.franka.fci.server.server_bench import ROBOT, Bench, command, newest
+from tests.hw.franka.fci.server.server_bench import (
+    HOST,
+    ROBOT,
+    Bench,
+    command,
+    newest,
+)
 
 
 @pytest.fixture
@@ -64,6 +70,39 @@ def test_commands_from_elsewhere_are_no_commands(bench):
         stranger.sendto(command(state["message_id"], [0.5] * 7), server)
         bench.run()
     assert bench.arm.sent == []
+
+
+def test_commands_of_another_program_of_the_client_are_no_commands(bench):
+    tcp, udp = bench.connect()
+    bench.move(tcp)
+    state, server = newest(udp)
+    order = command(state["message_id"], [0.5] * 7)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+        stranger.bind((HOST, 0))
+        stranger.sendto(order, server)
+        bench.run()
+    assert bench.arm.sent == []
+    udp.sendto(order, server)
+    bench.run()
+    assert bench.arm.sent
+
+
+def test_client_of_another_version_can_connect_as_soon_as_it_has_the_answer(
+    bench, caplog
+):
+    for version in (10, 4):
+        tcp, _ = bench.open()
+        tcp.sendall(request(Command.CONNECT, 1, {"version": version}))
+        bench.run()
+        # The client has closed nothing when it tries again.
+        with socket.create_connection(ROBOT, timeout=1.0):
+            assert answers(tcp.recv(100)) == [
+                (Command.CONNECT, 1, {"status": 1, "version": 5})
+            ]
+            bench.run()
+        assert f"asked for version {version} of the arm's protocol" in caplog.text
+        bench.run()
+    bench.connect()
 
 
 def test_client_that_does_not_listen_disturbs_nobody(bench):

@@ -19,6 +19,7 @@ from station.hw.franka.fci.server.fci_door import (
     FciDoor,
     StationGoneError,
     receive_frame,
+    refusal,
     send_frame,
 )
 from station.hw.franka.fci.server.shared_page import PAGE_BYTES, SharedPage
@@ -103,7 +104,8 @@ def test_states_and_commands_go_through_the_shared_memory(door, client):
     with socket.create_connection((HOST, PANDA.port), 5.0) as tcp:
         door.expect(OPEN)
         tcp.sendall(b"connect")
-        door.expect(DATA, b"connected", client.getsockname()[1])
+        port = client.getsockname()[1]
+        door.expect(DATA, b"connected", port)
         assert tcp.recv(100) == b"connected"
         door.page.put_state(bytearray(b"s" * PANDA.state.size))
         state, server = client.recvfrom(4096)
@@ -112,9 +114,9 @@ def test_states_and_commands_go_through_the_shared_memory(door, client):
         command = b"c" * PANDA.command.size
         client.sendto(command, server)
         tcp.sendall(b"next")  # a turn of the door later than the command
-        door.expect(DATA)
+        door.expect(DATA, port=port)
         tcp.sendall(b"next")
-        door.expect(DATA)
+        door.expect(DATA, port=port)
         assert door.page.take_command() == command
     door.expect(LEAVE)
 
@@ -152,8 +154,9 @@ def test_client_that_the_station_refuses_is_sent_away(door):
         door.expect(OPEN)
         tcp.sendall(b"nonsense")
         receive_frame(door.station)
-        send_frame(door.station, REFUSAL, b"no command")
+        send_frame(door.station, REFUSAL, refusal("no command", b"last words"))
         door.expect(LEAVE)
+        assert tcp.recv(100) == b"last words"
         assert tcp.recv(100) == b""
     with connect_again():
         door.expect(OPEN)

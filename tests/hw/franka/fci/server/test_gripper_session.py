@@ -10,7 +10,7 @@ from station.hw.franka.fci.wire.gripper_protocol import (
     GripperCommand,
     GripperStatus,
 )
-from station.hw.franka.fci.wire.messages import FciProtocolError
+from station.hw.franka.fci.wire.messages import FciProtocolError, FciVersionError
 from station.hw.franka.hand.hand_services import HandServices
 from station.hw.franka.simulated.franka_world import ArmPlacement, simulate
 
@@ -97,7 +97,11 @@ def test_stop_aborts_the_motion_that_runs(client):
 
 def test_wrong_version_is_not_connected():
     client = GripperClient()
-    assert client.ask(GripperCommand.CONNECT, version=2, udp_port=1) == [(1, 1)]
+    with pytest.raises(
+        FciVersionError, match="asked for version 2 of the hand"
+    ) as caught:
+        client.ask(GripperCommand.CONNECT, version=2, udp_port=1)
+    assert client.read(caught.value.answers) == [(1, 1)]
     with pytest.raises(FciProtocolError, match="before it had connected"):
         client.ask(GripperCommand.HOMING)
 

@@ -11,7 +11,7 @@ import pytest
 from station.core.franka import RobotMode
 from station.core.franka.franka_errors import ERROR_INDEX
 from station.hw.franka.arm.franka_kinematics import IDENTITY
-from station.hw.franka.fci.wire.messages import FciProtocolError
+from station.hw.franka.fci.wire.messages import FciProtocolError, FciVersionError
 from station.hw.franka.fci.wire.robot_protocol import (
     HEADER,
     NO_GENERATOR,
@@ -28,7 +28,12 @@ from station.hw.franka.fci.wire.robot_protocol import (
     StopMoveStatus,
     System,
 )
-from tests.hw.franka.fci.server.robot_client import UDP_PORT, RobotClient, request
+from tests.hw.franka.fci.server.robot_client import (
+    UDP_PORT,
+    RobotClient,
+    answers,
+    request,
+)
 from tests.hw.franka.scripted_arm import ScriptedArm
 
 LOST = "communication_constraints_violation"
@@ -70,8 +75,11 @@ def test_connection_names_the_version_and_keeps_the_port(arm):
 @pytest.mark.parametrize("version", [0, 4, 6, 10])
 def test_other_versions_are_told_the_own_one_and_are_not_connected(arm, version):
     client = RobotClient(arm)
-    assert client.connect(version) == [ConnectStatus.INCOMPATIBLE_LIBRARY_VERSION]
-    assert client.received[0][2]["version"] == 5
+    asked = f"asked for version {version} of the arm's protocol; spoken is 5"
+    with pytest.raises(FciVersionError, match=asked) as caught:
+        client.connect(version)
+    incompatible = {"status": ConnectStatus.INCOMPATIBLE_LIBRARY_VERSION, "version": 5}
+    assert answers(caught.value.answers) == [(Command.CONNECT, 1, incompatible)]
     assert client.session.udp_port is None
     with pytest.raises(FciProtocolError, match="before it had connected"):
         client.move()
