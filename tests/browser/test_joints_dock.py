@@ -142,7 +142,12 @@ def test_a_click_into_a_value_that_was_sent_selects_it_whole(joints, enabled):
         keyboard.type(digit)
         keyboard.press("Enter")
         wanted = math.radians(int(digit))
-        assert wait_until(lambda wanted=wanted: abs(_told(enabled, 3) - wanted) < 1e-9)
+        wait_until(lambda wanted=wanted: abs(_told(enabled, 3) - wanted) < 1e-9)
+        log = joints.page.locator("#log-count").inner_text()
+        assert _told(enabled, 3) == pytest.approx(wanted, abs=1e-9), (
+            field.input_value(),
+            log,
+        )
         assert field.input_value() == digit
 
 

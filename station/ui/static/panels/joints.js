@@ -106,7 +106,10 @@ class Joints extends Panel {
       this.move(targets);
     });
     const leave = h("button", { class: "s", type: "button" }, "Leave it");
-    leave.addEventListener("click", () => this.forgetFar());
+    leave.addEventListener("click", () => {
+      this.forgetFar();
+      if (this.contains(document.activeElement)) document.activeElement.select?.(); // to be typed over
+    });
     // The field keeps the focus, and with it Enter, while one of the two is clicked.
     for (const button of [go, leave]) button.addEventListener("mousedown", (event) => event.preventDefault());
     this.far.replaceChildren(h("span", {}, `This moves ${ways.join(", ")}. The ghost shows where; the same again moves the robot.`), go, leave);
@@ -244,7 +247,13 @@ class Joints extends Panel {
     input.addEventListener("focus", () => input.select());
     // A second click would put the caret into a value that is only shown or was sent, and
     // what is typed then would become one number with it. What is being typed keeps its caret.
-    input.addEventListener("click", () => !row.edited && input.select());
+    // The browser collapses a selection that is clicked only after `click`, so its own way is barred.
+    input.addEventListener("mousedown", (event) => {
+      if (row.edited) return;
+      event.preventDefault();
+      input.focus();
+      input.select();
+    });
     row.hold = [-1, 1].map((sign) =>
       holdButton(
         sign < 0 ? "−" : "+",
