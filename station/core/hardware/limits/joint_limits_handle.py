@@ -17,7 +17,7 @@ from station.core.hardware.limits.limited_joints import LimitedJoints
 
 
 class ClampReason(Enum):
-    """The limit that changed a command, in the order of the codes of `limited_joints`."""
+    """The limit that changed a command, in the order of the codes."""
 
     POSITION = "position"
     VELOCITY = "velocity"
