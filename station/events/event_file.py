@@ -144,13 +144,12 @@ class EventFile:
         values: tuple[int, Collection[EventKind], Severity, int],
     ) -> list[Event]:
         number, kinds, severity, limit = values
-        marks = ", ".join("?" * len(kinds))
-        of_kind = f" AND kind IN ({marks})" if kinds else ""
+        # A newer station may have left kinds of events that this one does not know.
+        names = [kind.value for kind in kinds or EventKind]
         query = (
-            f"SELECT {_COLUMNS} FROM events WHERE {condition} AND severity >= ?"
-            f"{of_kind} ORDER BY id {order} LIMIT ?"
+            f"SELECT {_COLUMNS} FROM events WHERE {condition} AND severity >= ? AND "
+            f"kind IN ({', '.join('?' * len(names))}) ORDER BY id {order} LIMIT ?"
         )
-        names = [kind.value for kind in kinds]
         given = (number, severity.rank, *names, limit)
         # A connection of its own: the writer's is in the middle of a batch.
         with closing(sqlite3.connect(self.path, timeout=BUSY_TIMEOUT)) as connection:

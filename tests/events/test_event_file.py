@@ -38,6 +38,16 @@ def test_events_are_chosen_by_number_kind_and_severity(file):
     assert [e.id for e in file.read(0, 10, (), Severity.WARNING)] == [2]
 
 
+def test_kinds_that_only_a_newer_station_knows_are_passed_over(file):
+    file.append([event(1), event(2), event(3)])
+    with sqlite3.connect(file.path) as newer:
+        newer.execute("UPDATE events SET kind = 'of tomorrow' WHERE id = 2")
+    newer.close()
+
+    assert [e.id for e in file.read(0, 10)] == [1, 3]
+    assert [e.id for e in file.read_newest(10, 10)] == [1, 3]
+
+
 def test_writing_the_same_twice_changes_nothing(file):
     file.append([event(1)])
     file.append([event(1), event(2)])
