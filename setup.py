@@ -21,6 +21,7 @@ ROOT = Path(__file__).parent
 sys.path.insert(0, str(ROOT))
 
 from station import compiled  # noqa: E402 - the package lies beside this file
+from station.compiled_finder import SHARED, SUFFIX  # noqa: E402
 
 # Nothing but the baseline of the processor's family, and no contraction to fused
 # operations, which round differently.
@@ -62,7 +63,7 @@ def extensions() -> list[Extension]:
     }
     return [
         Extension(name, files, extra_compile_args=FLAGS + PLAIN_COUNTS, libraries=["m"])
-        for name, files in {compiled.SHARED: [], **sources}.items()
+        for name, files in {SHARED: [], **sources}.items()
     ]
 
 
@@ -105,6 +106,7 @@ class BuildExtensions(build_ext):
             self._build()
             if compiled.source_digest() != sources[0]:
                 raise SystemExit("The sources have changed during the build.")
+            self._delete_others(package)
             compiled.built_record(package).write(package)
             if is_for_here:  # a wheel is built without the station's dependencies
                 self._try_import()
@@ -112,6 +114,14 @@ class BuildExtensions(build_ext):
             text = str(error).strip().splitlines() or [type(error).__name__]
             compiled.BuildRecord(*sources, "", {}, text[-1]).write(package)
             raise
+
+    def _delete_others(self, package: Path) -> None:
+        """Delete the extensions of modules that are compiled no longer, or are gone."""
+        kept = {extension.name for extension in self.extensions}
+        for path in package.rglob(f"*{SUFFIX}"):
+            inside = path.relative_to(package.parent).as_posix().removesuffix(SUFFIX)
+            if inside.replace("/", ".") not in kept:
+                path.unlink()
 
     def _build(self) -> None:
         from Cython.Build import cythonize
@@ -126,7 +136,7 @@ class BuildExtensions(build_ext):
             compiler_directives=DIRECTIVES,
             nthreads=self.parallel,
             quiet=True,
-            shared_utility_qualified_name=compiled.SHARED,
+            shared_utility_qualified_name=SHARED,
         )
         c_files = {each.name: each for each in made}
         for extension in self.extensions:

@@ -8,7 +8,7 @@ import sys
 from importlib import import_module
 from typing import Any
 
-from station.compiled import CompiledFinder
+from station.compiled_finder import CompiledFinder
 
 __version__ = "0.1.0"
 __all__ = ["__version__", "open"]

@@ -15,22 +15,19 @@ import shutil
 import subprocess
 import sys
 import sysconfig
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from functools import cache
-from importlib.machinery import ExtensionFileLoader, ModuleSpec, SourceFileLoader
-from importlib.util import find_spec, spec_from_file_location
+from importlib.util import find_spec
 from pathlib import Path
-from types import ModuleType
 from typing import Literal
+
+from station.compiled_finder import SHARED, SUFFIX
 
 SWITCH = "STATION_COMPILED"
 """Environment variable: 0 runs the sources, 1 the extensions or nothing."""
-SHARED = "station.memory.shared_by_all"
-"""Module with Cython's own functions, compiled once instead of into each extension."""
 PACKAGE = Path(__file__).parent
-_SUFFIX: str = sysconfig.get_config_var("EXT_SUFFIX") or ".so"
 _MACHINE = os.uname()
 _TARGET = f"{sysconfig.get_config_var('SOABI')} {_MACHINE.sysname} {_MACHINE.machine}"
 _BEING_BUILT = "Compiled extensions are being built; the next start loads them."
@@ -89,7 +86,7 @@ class BuildRecord:
 
 def record_path(package: Path | None = None) -> Path:
     """Return where the record of the extensions for this Python lies."""
-    return (package or PACKAGE) / f"compiled{_SUFFIX.removesuffix('.so')}.json"
+    return (package or PACKAGE) / f"compiled{SUFFIX.removesuffix('.so')}.json"
 
 
 def read_record() -> BuildRecord | None:
@@ -139,7 +136,7 @@ def built_record(package: Path) -> BuildRecord:
         OSError: One of them is missing.
     """
     names = [SHARED, *compiled_modules()]
-    paths = [f"{name.partition('.')[2].replace('.', '/')}{_SUFFIX}" for name in names]
+    paths = [f"{name.partition('.')[2].replace('.', '/')}{SUFFIX}" for name in names]
     found = {path: file_digest(package / path) for path in paths}
     return BuildRecord(source_digest(), recipe_digest() or "", _TARGET, found)
 
@@ -265,6 +262,13 @@ def needs_building() -> bool:
     )
 
 
+def stamps() -> dict[str, int]:
+    """Return when each extension was written [ns], by its path."""
+    record = read_record()
+    paths = [] if record is None else [PACKAGE / path for path in record.extensions]
+    return {str(path): path.stat().st_mtime_ns for path in paths}
+
+
 def _is_checkout() -> bool:
     root = PACKAGE.parent
     return (root / "setup.py").is_file() and os.access(root, os.W_OK)
@@ -326,51 +330,3 @@ def build_in_background() -> None:
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )
-
-
-class CompiledFinder:
-    """Finds the modules that are compiled: all their extensions, or all their sources.
-
-    Python itself would take whatever extension lies beside a source, also a stale one.
-    """
-
-    def __init__(self) -> None:
-        self._stamps: dict[str, int] = {}
-
-    def find_spec(
-        self,
-        fullname: str,
-        path: Sequence[str] | None,
-        target: ModuleType | None = None,  # noqa: ARG002 - the protocol's
-    ) -> ModuleSpec | None:
-        """Return where a compiled module is; None for every other module.
-
-        Raises:
-            ImportError: The extension was built anew since this process has decided.
-        """
-        if path is None or not fullname.startswith("station."):
-            return None
-        stem = os.path.join(next(iter(path)), fullname.rpartition(".")[2])
-        if fullname != SHARED and not os.path.exists(f"{stem}.pxd"):
-            return None
-        if not status().is_compiled:
-            loader = SourceFileLoader(fullname, f"{stem}.py")
-            return spec_from_file_location(fullname, f"{stem}.py", loader=loader)
-        if not self._stamps:
-            self._stamps = _stamps()
-        library = f"{stem}{_SUFFIX}"
-        if self._stamps.get(library) != os.stat(library).st_mtime_ns:
-            raise ImportError(
-                f"'{library}' was built anew while this process was running. Its "
-                "objects may have another layout than those that are loaded. Start the "
-                "process again."
-            )
-        extension = ExtensionFileLoader(fullname, library)
-        return spec_from_file_location(fullname, library, loader=extension)
-
-
-def _stamps() -> dict[str, int]:
-    """Return when each extension was written [ns], by its path."""
-    record = read_record()
-    paths = [] if record is None else [PACKAGE / path for path in record.extensions]
-    return {str(path): path.stat().st_mtime_ns for path in paths}

@@ -9,7 +9,8 @@ import sys
 import pytest
 
 from station import compiled
-from station.compiled import SHARED, SWITCH, BuildRecord, CompiledFinder
+from station.compiled import SWITCH, BuildRecord
+from station.compiled_finder import SHARED, SUFFIX, CompiledFinder
 
 BUILT = "compiled: It was built from these sources for "
 
@@ -41,7 +42,7 @@ def building(checkout):
 
 def library(name):
     stem = compiled.PACKAGE.joinpath(*name.split(".")[1:])
-    return stem.with_name(f"{stem.name}{compiled._SUFFIX}")
+    return stem.with_name(f"{stem.name}{SUFFIX}")
 
 
 def write_extensions(**changed):

@@ -67,13 +67,15 @@ find_uv() {
 
 install_with_uv() {
     "$1" pip sync --quiet --python "$venv_python" --require-hashes "$lock" &&
-        "$1" pip install --quiet --python "$venv_python" --no-deps --no-build-isolation --editable .
+        "$1" pip install --quiet --python "$venv_python" --no-deps --no-build-isolation \
+            --config-settings editable_mode=compat --editable .
 }
 
 install_with_pip() {
     ensure_pip
     "$venv_python" -m pip install --quiet --require-hashes -r "$lock"
-    "$venv_python" -m pip install --quiet --no-deps --no-build-isolation --editable .
+    "$venv_python" -m pip install --quiet --no-deps --no-build-isolation \
+            --config-settings editable_mode=compat --editable .
 }
 
 "$venv_python" -c "$SUPPORTED" 2>/dev/null || create_venv

@@ -105,12 +105,15 @@ def test_collision_shows_in_the_status_and_is_recovered_from(client, panda, stat
 
 def test_torques_and_a_motion_of_two_controllers_share_the_arm(client, panda, station):
     kinds = {
-        "torques": "effort_controllers/JointGroupEffortController",
-        "pose": "franka_example_controllers/CartesianPoseExampleController",
+        "torques": ("effort_controllers/JointGroupEffortController", "joints", JOINTS),
+        "pose": (
+            "franka_example_controllers/CartesianPoseExampleController",
+            "arm_id",
+            "panda",
+        ),
     }
-    for name, kind in kinds.items():
-        params = {"arm_id": "panda", "joints": JOINTS}
-        client.load_controller(name, kind, params)
+    for name, (kind, key, value) in kinds.items():
+        client.load_controller(name, kind, {key: value})
     client.switch_controllers(start=list(kinds))
     start = panda.state()
     station.loop.step(1_500)

@@ -124,7 +124,7 @@ def test_names_never_lead_out_of_the_folder(sets, name):
         ("gains: {one: {k: true}}", "no finite number"),
         ("{", "not valid YAML"),
         ("gains: !!python/object/apply:os.getcwd []", "unknown"),
-        ("#" * 1_000_001, "longer than"),
+        ("#" * 1_000_001, "larger than"),
     ],
 )
 def test_a_malformed_file_is_refused_with_its_name(sets, text, why):

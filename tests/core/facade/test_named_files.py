@@ -47,7 +47,7 @@ def test_a_file_that_is_no_yaml_or_too_large_says_where_it_is(files):
     with pytest.raises(GainSetError, match=str(path)):
         files.read("x")
     path.write_text(" " * (FILE.characters + 1))
-    with pytest.raises(GainSetError, match="longer than the 1000000 characters"):
+    with pytest.raises(GainSetError, match="larger than 1000000 bytes"):
         files.read("x")
 
 

@@ -6,7 +6,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from station.core.hardware.limits import limited_joints as joint_limits
-from station.core.hardware.limits import position_limits
 from station.core.hardware.limits.limited_joints import LIMITS, MEMORY, free_range
 from station.memory.doubles import doubles
 
@@ -82,7 +81,7 @@ def test_positions_follow_the_formula_at_the_edge(place, step):
     views = views_of(low, high, gain, previous=before, position=0.0, velocity=0.0)
     views["command"] = doubles([asked])
 
-    position_limits.PositionSoftLimits(views).enforce(PERIOD, 0, 1)
+    joint_limits.PositionSoftLimits(views).enforce(PERIOD, 0, 1)
 
     slowest, fastest = velocity_bounds(before, low, high, gain)
     least = max(before + slowest * PERIOD, low - 0.1)

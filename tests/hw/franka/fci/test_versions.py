@@ -8,6 +8,7 @@ from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
 from station.hw.franka.fci.driver.fci_arm import FciArm
 from station.hw.franka.fci.driver.fci_client import IncompatibleVersionError
 from station.hw.franka.fci.server.robot_session import RobotSession
+from station.hw.franka.fci.wire.messages import FciVersionError
 from station.hw.franka.fci.wire.robot_protocol import (
     FR3,
     HEADER,
@@ -116,7 +117,9 @@ def test_client_chooses_one_of_the_versions_that_are_spoken(version):
 
 def test_client_of_the_panda_is_told_that_an_fr3_is_no_panda():
     client = Client(5)
-    assert client.ask(Command.CONNECT, version=5, udp_port=1) == [(0, 1)]
+    with pytest.raises(FciVersionError) as refused:
+        client.ask(Command.CONNECT, version=5, udp_port=1)
+    assert client.read(refused.value.answers) == [(0, 1)]
     network = SteppedNetwork(ScriptedArm(), FR3[0])
     with pytest.raises(IncompatibleVersionError, match=r"server version: 6, libr.*: 5"):
         FciArm(network, PlainModel, protocol=PANDA)
