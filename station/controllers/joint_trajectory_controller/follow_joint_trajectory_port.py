@@ -69,7 +69,7 @@ class FollowJointTrajectoryPort(GoalPort):
 
     def _accept(self, request: Mapping[str, object], receipt: Receipt | None) -> Goal:
         wanted = parse_goal(request)
-        self._check_names([*wanted.path_tolerance, *wanted.goal_tolerance])
+        self._check_tolerances([*wanted.path_tolerance, *wanted.goal_tolerance])
         goal = self.new_goal(request, receipt)
         bounds = updated_tolerances(
             self._tolerances,
@@ -81,8 +81,23 @@ class FollowJointTrajectoryPort(GoalPort):
         self.remember(goal)
         return goal
 
-    def _check_names(self, tolerances: Sequence[ToleranceRequest]) -> None:
+    def _check_tolerances(self, tolerances: Sequence[ToleranceRequest]) -> None:
+        """Refuse tolerances that would have no effect.
+
+        Raises:
+            InvalidTrajectoryError: One is for a joint that the controller does not
+                have, or bounds an acceleration.
+        """
         for tolerance in tolerances:
+            # No joint tells its acceleration; the original compares an error of 0.
+            if tolerance.acceleration > 0.0:
+                raise InvalidTrajectoryError(
+                    f"The goal has the acceleration tolerance {tolerance.acceleration} "
+                    f"for '{tolerance.name}'; joints have no measured acceleration, so "
+                    "it would never be checked.",
+                    remedy="Leave it out, or give a velocity tolerance.",
+                    details={"joint": tolerance.name, "quantity": "acceleration"},
+                )
             if tolerance.name not in self._tolerances:
                 known = ", ".join(self._tolerances)
                 raise InvalidTrajectoryError(

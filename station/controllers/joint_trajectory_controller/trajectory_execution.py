@@ -83,6 +83,27 @@ class _Request:
     is_void: bool = False
 
 
+@dataclass(frozen=True, slots=True)
+class _Present:
+    """What a new trajectory continues from.
+
+    Attributes:
+        time: Station time of the last cycle [s].
+        period: Its time since the cycle before [s].
+        uptime: Trajectory time of the cycle [ns].
+        trajectory: What is executed after all queued requests.
+        places: Where each joint is by name: commanded and measured [rad or m].
+        rests: Whether no joint is to move and no request waits.
+    """
+
+    time: float
+    period: float
+    uptime: int
+    trajectory: SegmentTrajectory
+    places: Mapping[str, tuple[float, float]]
+    rests: bool
+
+
 class TrajectoryExecution(TrajectoryTime):
     """The trajectory that is executed, from the request to the desired states.
 
@@ -292,14 +313,15 @@ class TrajectoryExecution(TrajectoryTime):
         Raises:
             InvalidTrajectoryError: The request cannot be followed.
         """
-        time, period, uptime = self.moment
+        present = self._present()
         if receipt is not None:
-            receipt.planned_at = time
-        check_times(request, time)
-        request, tolerances = self._stays(request, tolerances)
-        following = uptime + to_nanoseconds(period * self.speed.factor)
+            receipt.planned_at = present.time
+        check_times(request, present.time)
+        request, tolerances = self._stays(request, tolerances, present)
+        passed = to_nanoseconds(present.period * self.speed.factor)
+        following = present.uptime + passed
         options = TrajectoryOptions(
-            current=self._latest_trajectory(),
+            current=present.trajectory,
             joint_names=self._names,
             angle_wraparound=self._wraps_of(request),
             other_time_base=to_seconds(following),
@@ -308,21 +330,40 @@ class TrajectoryExecution(TrajectoryTime):
             goal=goal,
             tolerances=tolerances,
         )
-        now = time + period
+        now = present.time + present.period
         try:
-            return self._checked(request, now, options)
+            return self._checked(request, now, options, present)
         except InvalidTrajectoryError as error:
             if error.details.get("reason") == "past" and request.is_due_at_once():
-                self._check_arrived(request, tolerances)
+                self._check_arrived(request, tolerances, present)
                 return None
         # Where a moving joint has no room to turn, the line of the original is left.
-        return self._checked(request, now, replace(options, keeps_velocity=False))
+        options = replace(options, keeps_velocity=False)
+        return self._checked(request, now, options, present)
+
+    def _present(self) -> _Present:
+        """Return what a new trajectory continues from, all of it of one cycle.
+
+        A trajectory that is planned here continues from what it will continue from when
+        the recording is run again, which plans between the same two cycles.
+        """
+        while True:
+            moment = self.moment
+            time, period, uptime = moment
+            latest, places = self._latest_trajectory(), self._places()
+            rests = not any(self.tracking.velocities) and not self._requests
+            if self.moment is moment:
+                return _Present(time, period, uptime, latest, places, rests)
 
     def _checked(
-        self, request: JointTrajectory, now: float, options: TrajectoryOptions
+        self,
+        request: JointTrajectory,
+        now: float,
+        options: TrajectoryOptions,
+        present: _Present,
     ) -> SegmentTrajectory:
         planned = init_joint_trajectory(request, now, options)
-        check_positions(request, self._joints, self._places())
+        check_positions(request, self._joints, present.places)
         self._check_segments(planned, options.current or [])
         return planned
 
@@ -345,19 +386,20 @@ class TrajectoryExecution(TrajectoryTime):
         self,
         request: JointTrajectory,
         tolerances: Mapping[str, JointTolerances] | None,
+        present: _Present,
     ) -> tuple[JointTrajectory, Mapping[str, JointTolerances] | None]:
         """Return a request for where the joints stand as one for where they are held.
 
         A loaded joint stands below where it is commanded to be. If it were commanded to
         the place where it stands, it would sink instead of staying there.
         """
-        places, names = self._places(), request.joint_names
+        places, names = present.places, request.joint_names
         point = request.points[0]
         if (
             len(request.points) > 1
             or len(point.positions) != len(names)
-            or any((*point.velocities, *point.accelerations, *self.tracking.velocities))
-            or self._requests
+            or any((*point.velocities, *point.accelerations))
+            or not present.rests
         ):
             return request, tolerances
         offsets: dict[str, float] = {}
@@ -383,13 +425,14 @@ class TrajectoryExecution(TrajectoryTime):
         self,
         request: JointTrajectory,
         tolerances: Mapping[str, JointTolerances] | None,
+        present: _Present,
     ) -> None:
         """Refuse a single point that is due at once where the joints are not.
 
         Raises:
             InvalidTrajectoryError: A joint is somewhere else.
         """
-        places = self._places()
+        places = present.places
         for name, wanted in zip(
             request.joint_names, request.points[0].positions, strict=True
         ):

@@ -2,6 +2,7 @@
 
 import pytest
 
+from station.core.errors import InvalidTrajectoryError
 from station.core.ports.goal import GoalStatus
 
 AWAY = (1.0, [0.1, 0.5, -0.5])
@@ -28,6 +29,21 @@ def test_a_violated_path_tolerance_aborts_and_holds(robot, start, make_goal):
     here = list(robot.position)
     robot.run_with_position(controller, 1000)
     assert robot.position == pytest.approx(here, abs=1e-12)
+
+
+@pytest.mark.parametrize("key", ["path_tolerance", "goal_tolerance"])
+def test_a_tolerance_of_acceleration_is_refused_by_name(start, make_goal, key):
+    controller = start(**TOLERANCES)
+    bounds = [{"name": "elbow", "acceleration": 0.5}]
+
+    with pytest.raises(InvalidTrajectoryError, match=r"acceleration.*elbow") as caught:
+        controller.goals.submit(make_goal(AWAY, **{key: bounds}))
+    assert caught.value.details["error_code"] == -1
+
+    # What ROS programs send when they ask for nothing: the default, and no bound.
+    for nothing in (0.0, -1.0):
+        bounds[0]["acceleration"] = nothing
+        controller.goals.submit(make_goal(AWAY, **{key: bounds}))
 
 
 def test_a_violated_goal_tolerance_aborts_after_the_goal_time(robot, start, make_goal):

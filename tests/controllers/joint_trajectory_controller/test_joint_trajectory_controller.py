@@ -14,6 +14,7 @@ from station.core.errors import (
     RobotDescriptionError,
 )
 from station.core.ports.goal import GoalStatus
+from station.core.ports.receipt import Receipt
 
 JOINTS = ["slide", "elbow", "wheel"]
 HOME = (1.0, [0.0, 0.0, 0.0])
@@ -46,6 +47,26 @@ def test_a_goal_is_reached(robot, start, make_goal):
     assert goal.progress == 1.0
     assert goal.result.code == 0
     assert robot.position == pytest.approx(AWAY[1], abs=1e-12)
+
+
+def test_a_goal_is_planned_from_one_cycle_alone(robot, start, make_goal, monkeypatch):
+    controller = start()
+    controller.goals.submit(make_goal(AWAY))
+    robot.run_with_position(controller, 500)
+    execution, receipt = controller.execution, Receipt(lambda: 0)
+    look = execution._places
+
+    def look_while_a_cycle_passes():
+        monkeypatch.setattr(execution, "_places", look)
+        robot.run_with_position(controller)
+        return look()
+
+    monkeypatch.setattr(execution, "_places", look_while_a_cycle_passes)
+    before = execution.moment
+    controller.goals.submit(make_goal(HOME), receipt)
+
+    assert execution.moment != before
+    assert receipt.planned_at == execution.moment[0]
 
 
 def test_a_trajectory_without_a_goal_is_followed(robot, start):
