@@ -26,6 +26,8 @@ SENT = 20
 """Cycles from one set-point of a moving robot to the next."""
 RADIUS = 0.05
 """Radius of the circle on which an end effector moves [m]."""
+AMPLITUDE = 0.2
+"""How far joints move to either side [rad]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +63,41 @@ def steer_on_a_circle(station: Station, controller: str) -> Callable[[], None]:
         station.motion.set_command(controller, pose)
 
     return send
+
+
+def steer_joints(station: Station, controller: str) -> Callable[[], None]:
+    """Return what keeps all joints of an arm moving by 0.2 rad, there and back in 4 s.
+
+    A controller of trajectories gets a goal for each way, others a set-point each time.
+    """
+    names = [f"panda_{joint}" for joint in PANDA_JOINTS]
+    places = [*Arms(station.robots).state("panda").q]
+    calls = count()
+    per_way = 2000 // SENT
+
+    def send() -> None:
+        call = next(calls)
+        if "trajectory" not in controller:
+            shift = AMPLITUDE * sin(pi * call / per_way)
+            values = [place + shift for place in places]
+            station.motion.set_command(controller, values)
+        elif call % per_way == 0:
+            shift = AMPLITUDE if call % (2 * per_way) == 0 else -AMPLITUDE
+            point = {
+                "positions": [place + shift for place in places],
+                "velocities": [0.0] * len(names),
+                "time_from_start": 2.0,
+            }
+            trajectory = {"joint_names": names, "points": [point]}
+            station.motion.submit_goal(controller, {"trajectory": trajectory})
+
+    return send
+
+
+def steer_anything(station: Station, controller: str) -> Callable[[], None]:
+    """Return what keeps an arm moving under a controller."""
+    steer = steer_on_a_circle if "cartesian" in controller else steer_joints
+    return steer(station, controller)
 
 
 def station_of(values: dict[str, object]) -> Station:
@@ -145,6 +182,12 @@ def _arms(count: int) -> Case:
     )
 
 
+_MOVED: dict[str, tuple[str, ...]] = {
+    "effort group position": ("effort_group_position_controller",),
+    "position joint trajectory": ("position_joint_trajectory_controller",),
+    "cartesian streaming": ("cartesian_streaming_controller",),
+}
+
 _GROUPS: dict[str, tuple[str, ...]] = {
     "none": (),
     "effort group": ("effort_group",),
@@ -162,11 +205,9 @@ CASES: dict[str, Case] = {
             "position joint trajectory": ("position_joint_trajectory_controller",),
         },
     ),
-    "moving": Case(
-        "Panda that moves",
-        make_panda,
-        {"cartesian streaming": ("cartesian_streaming_controller",)},
-        steer_on_a_circle,
+    "moving": Case("Panda that moves", make_panda, _MOVED, steer_anything),
+    "typical-moving": Case(
+        "Panda that errs, moves", make_typical_panda, _MOVED, steer_anything
     ),
     "pandas2": _arms(2),
     "pandas4": _arms(4),
