@@ -119,7 +119,7 @@ def test_without_a_compiler_it_runs_interpreted_and_says_so(bare_checkout):
 @needs_extensions
 @pytest.mark.skipif(missing_tool() is not None, reason=str(missing_tool()))
 def test_stale_extensions_do_not_run_and_the_next_start_has_new_ones(checkout):
-    with (checkout.root / "station" / "kernel" / "functions.py").open("a") as source:
+    with (checkout.root / "station" / "memory" / "functions.py").open("a") as source:
         source.write("# edited\n")
     first = checkout.start()
     told, status = said_by(first)

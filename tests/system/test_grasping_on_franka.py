@@ -12,8 +12,8 @@ PARAMETERS = {
     "stall_timeout": 0.3,
     "stall_velocity_threshold": 0.003,
     "max_effort": 20.0,
-    "gains": {FINGER: {"p": 1000.0, "d": 20.0, "i": 0.0}},
 }
+GAINS = {"gains": {FINGER: {"p": 1000.0, "d": 20.0, "i": 0.0}}}
 HALF_WIDTH = 0.02
 BOX = (
     "{name: box, type: box, size: [0.03, 0.04, 0.03], position: [0.307, 0, 0.487], "
@@ -34,8 +34,9 @@ def make_bench(tmp_path):
     def make(kind, scene):
         bench = ArmBench(tmp_path, SCENES[scene])
         benches.append(bench)
+        parameters = PARAMETERS | (GAINS if kind == "effort" else {})
         kind = f"{kind}_controllers/GripperActionController"
-        bench.client.load_controller("gripper", kind, PARAMETERS)
+        bench.client.load_controller("gripper", kind, parameters)
         bench.client.switch_controllers(start=["gripper", ARM])
         bench.run(0.1)
         return bench

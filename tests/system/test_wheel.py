@@ -12,7 +12,7 @@ import pytest
 from station.compiled import find_misfit
 from tests.system.checkout import copy_checkout
 
-NO_COMPILER = {"PATH": "/nonexistent", "CC": ""}
+NO_COMPILER = {"PATH": "/nonexistent", "CC": "", "STATION_COMPILED": ""}
 SHOW = (
     "from station import compiled; from station.memory import functions; "
     "print(compiled.status().mode, functions.__file__)"
@@ -89,4 +89,6 @@ def test_the_sdist_becomes_a_wheel_without_a_compiler(tmp_path):
 def test_a_wheel_that_must_carry_extensions_is_not_built_without_a_compiler(tmp_path):
     root = copy_checkout(tmp_path / "checkout", keep_extensions=False)
     with pytest.raises(AssertionError, match="No C compiler was found"):
-        build(root, "wheel", tmp_path / "dist", STATION_COMPILED="1", **NO_COMPILER)
+        build(
+            root, "wheel", tmp_path / "dist", **NO_COMPILER | {"STATION_COMPILED": "1"}
+        )

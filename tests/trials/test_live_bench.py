@@ -35,13 +35,15 @@ STEP = Step(joint=JOINT, amplitude=0.1, at=0.05)
 
 
 PAGE = Path(station.ui.__file__).parent / "static" / "panels" / "tuning.js"
+TEXT = PAGE.read_text("utf-8")
 DEFAULTS = {
     name: float(value)
-    for name, value in re.findall(
-        r"(\w+): field\(\"[^\"]+\", \"([\d.]+)\"", PAGE.read_text("utf-8")
-    )
+    for name, value in re.findall(r"(\w+): field\(\"[^\"]+\", \"([\d.]+)\"", TEXT)
 }
 """What stands in the fields of the dock Tuning before anybody types."""
+(LINE,) = re.findall(r"SIZES = \{(.*)\}", TEXT)
+SIZES = {name: float(value) for name, value in re.findall(r"(\w+): ([\d.]+)", LINE)}
+"""The size with which each kind of test begins."""
 
 
 @pytest.fixture(scope="module")
@@ -240,9 +242,10 @@ def default(kind, joint):
         "chirp": ("first", "last"),
     }
     kinds = {"step": Step, "sine": Sine, "chirp": Chirp, "relay": Relay}
-    given = {name: DEFAULTS[name] for name in ("amplitude", *fields[kind])}
+    given = {name: DEFAULTS[name] for name in fields[kind]}
     return BenchRequest(
-        excitation=kinds[kind](joint=joint, **given), duration=DEFAULTS["duration"]
+        excitation=kinds[kind](joint=joint, amplitude=SIZES[kind], **given),
+        duration=DEFAULTS["duration"],
     )
 
 

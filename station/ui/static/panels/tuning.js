@@ -10,6 +10,8 @@ import { store } from "../lib/store.js";
 
 /** What each kind of test asks for besides its size and duration. */
 const EXCITATIONS = { step: [], sine: ["frequency"], chirp: ["first", "last"], relay: ["hysteresis"] };
+/** The size that each kind begins with [rad]: with 0.1 a chirp comes near an arm's velocity limit, and below it friction hides a step. */
+const SIZES = { step: 0.1, sine: 0.1, chirp: 0.05, relay: 0.05 };
 
 class Tuning extends Panel {
   build() {
@@ -191,14 +193,17 @@ class Tuning extends Panel {
       return { input, label: h("label", {}, `${label} `, input, ` ${unit}`) };
     };
     this.bench = {
-      amplitude: field("size", "0.05", "rad"), // with 0.1 a chirp comes near an arm's velocity limit
+      amplitude: field("size", "", "rad"),
       duration: field("for", "2", "s"),
       frequency: field("at", "0.5", "Hz"),
       first: field("from", "0.2", "Hz"),
       last: field("to", "2", "Hz"),
       hysteresis: field("hysteresis", "0.005", "rad"),
     };
+    let isTyped = false;
+    this.bench.amplitude.input.addEventListener("input", () => (isTyped = true));
     const choose = () => {
+      if (!isTyped) this.bench.amplitude.input.value = String(SIZES[this.kind.value]);
       const used = ["amplitude", "duration", ...EXCITATIONS[this.kind.value]];
       for (const [name, { label }] of Object.entries(this.bench)) label.hidden = !used.includes(name);
     };
