@@ -114,7 +114,7 @@ def make_foxglove(
         port=section.port,
         policy=HostPolicy(
             {*policy.hosts, *host_names(section.host)},
-            {*policy.origins, *section.origins},
+            {*policy.origins, *section.allowed_origins},
         ),
         anonymous=is_loopback(section.host),
     )

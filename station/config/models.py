@@ -211,13 +211,13 @@ class FoxgloveSection(_Section):
         enabled: Whether to start it.
         host: Address to listen at. From other machines a client needs a token.
         port: TCP port; 0 for any free one.
-        origins: Origins of web pages that may connect, such as that of Foxglove.
+        allowed_origins: Origins of web pages that may connect, such as that of Foxglove.
     """
 
     enabled: bool
     host: str = Field(min_length=1, pattern=r"^[A-Za-z0-9.:_-]+$")
     port: Port
-    origins: list[str] = Field(default_factory=list)
+    allowed_origins: list[str] = Field(default_factory=list)
 
 
 class FciSection(_Section):

@@ -110,7 +110,7 @@ def test_foxglove_is_served_as_configured(build, host, anonymous):
             "enabled": True,
             "host": host,
             "port": 9,
-            "origins": ["https://app.foxglove.dev"],
+            "allowed_origins": ["https://app.foxglove.dev"],
         }
     )
     config = config.model_copy(update={"foxglove": section})
