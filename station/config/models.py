@@ -211,7 +211,7 @@ class FoxgloveSection(_Section):
         enabled: Whether to start it.
         host: Address to listen at. From other machines a client needs a token.
         port: TCP port; 0 for any free one.
-        allowed_origins: Origins of web pages that may connect, such as that of Foxglove.
+        allowed_origins: Origins of web pages that may connect, e.g. that of Foxglove.
     """
 
     enabled: bool
