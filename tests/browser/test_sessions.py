@@ -74,9 +74,13 @@ class _Place:
     def client(self):
         return StationClient(self.api, self.token)
 
+    def dashboards(self):
+        """Return the processes that say they are a dashboard."""
+        return {int(p.stem) for p in (self.home / "station").glob("*.dashboard")}
+
     def dashboard_pid(self):
-        (path,) = (self.home / "station").glob("*.dashboard")
-        return int(path.stem)
+        (pid,) = self.dashboards()
+        return pid
 
     def end(self):
         for process in self.processes:
@@ -269,11 +273,12 @@ def test_a_killed_dashboard_ends_the_jog_and_comes_back_with_its_session(place, 
         workspace = log_in()
         page = workspace.page
         _hold_joint7(workspace, client)
-        os.kill(place.dashboard_pid(), signal.SIGKILL)
+        killed = place.dashboard_pid()
+        os.kill(killed, signal.SIGKILL)
         assert wait_until(lambda: _stands_still(client))
-        page.wait_for_selector(_NOT_LIVE)
         # Its station starts it again, at the same address.
-        page.wait_for_selector(_LIVE, timeout=20_000)
+        assert wait_until(lambda: place.dashboards() - {killed}, seconds=60.0)
+        page.wait_for_selector(_LIVE, timeout=60_000)
         assert page.url == f"{place.ui}/"
         # What was held before is not held any more.
         assert wait_until(lambda: _stands_still(client))
