@@ -24,7 +24,7 @@ from station.api.foxglove.foxglove_session import SUBPROTOCOLS, FoxgloveSession
 from station.api.foxglove.live_channels import LiveChannels
 from station.api.guard import Guard
 from station.api.host_policy import HostPolicy
-from station.api.streams.broadcaster import PORT
+from station.api.streams.broadcaster import CLOSE_INTERNAL_ERROR, PORT, first_end
 from station.wire import (
     CLOSE_BAD_REQUEST,
     CLOSE_GOING_AWAY,
@@ -47,7 +47,6 @@ SLOW_AFTER = 5.0
 """A client that takes nothing for so long is closed [s]."""
 _PARAMETERS_EVERY = 25
 """Ticks between two looks whether gains have changed."""
-_CLOSE_INTERNAL_ERROR = 1011
 
 _log = logging.getLogger(__name__)
 
@@ -189,24 +188,9 @@ class FoxglovePort:
             (session.feed(SLOW_AFTER), CLOSE_TOO_SLOW, "took no message in time"),
             (broadcaster.wait_closing(), CLOSE_GOING_AWAY, "the station shuts down"),
             (access.wait_for_end(), CLOSE_UNAUTHORIZED, "the token has ended"),
-            (_end_of(ticking), _CLOSE_INTERNAL_ERROR, "no more cycles are sent"),
+            (_end_of(ticking), CLOSE_INTERNAL_ERROR, "no more cycles are sent"),
         ]
-        tasks = [asyncio.create_task(end) for end, _, _ in ends]
-        try:
-            await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
-        finally:
-            for task in tasks:
-                task.cancel()
-            outcomes = await asyncio.gather(*tasks, return_exceptions=True)
-        for outcome, (_, code, reason) in zip(outcomes, ends, strict=True):
-            if outcome is None:
-                return code, reason
-            if isinstance(outcome, WebSocketDisconnect):
-                return 0, ""
-            if not isinstance(outcome, asyncio.CancelledError):
-                _log.error("a Foxglove client's connection failed", exc_info=outcome)
-                return _CLOSE_INTERNAL_ERROR, "see the station's log"
-        return 0, ""
+        return await first_end(ends, "a Foxglove client's connection")
 
     async def _tick_forever(self) -> None:
         loop = asyncio.get_running_loop()

@@ -2,7 +2,7 @@
 
 import asyncio
 import logging
-from typing import TYPE_CHECKING
+from collections.abc import Coroutine, Sequence
 
 import anyio.to_thread
 from starlette.websockets import WebSocket, WebSocketDisconnect
@@ -23,9 +23,6 @@ from station.wire import (
     CLOSE_TRY_LATER,
     CLOSE_UNAUTHORIZED,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Coroutine
 
 CLOSE_INTERNAL_ERROR = 1011
 PORT = "station.port"
@@ -141,22 +138,8 @@ class Broadcaster:
             (self.wait_closing(), CLOSE_GOING_AWAY, "the station shuts down"),
             (access.wait_for_end(), CLOSE_UNAUTHORIZED, "the session has ended"),
         ]
-        tasks = [asyncio.create_task(end) for end, _, _ in ends]
-        try:
-            await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
-        finally:
-            for task in tasks:
-                task.cancel()
-            outcomes = await asyncio.gather(*tasks, return_exceptions=True)
-        for outcome, (_, code, reason) in zip(outcomes, ends, strict=True):
-            if outcome is None:
-                return code, reason
-            if isinstance(outcome, WebSocketDisconnect):
-                return 0, ""
-            if not isinstance(outcome, asyncio.CancelledError):
-                _log.error("stream %s failed", channel.request, exc_info=outcome)
-                return CLOSE_INTERNAL_ERROR, "the stream failed; see the station's log"
-        return 0, ""
+        what = f"stream {channel.request}"
+        return await first_end(ends, what)
 
     async def wait_closing(self) -> None:
         """Return when all streams are to end, because the station does."""
@@ -188,6 +171,36 @@ class Broadcaster:
             format=request.format,
             boot_id=station.boot_id,
         )
+
+
+async def first_end(
+    ends: Sequence[tuple[Coroutine[object, object, None], int, str]], what: str
+) -> tuple[int, str]:
+    """Wait for the first of some ends of a connection; the others are cancelled.
+
+    Args:
+        ends: What returns when the connection is to end, and how to close it then.
+        what: What fails when one of them raises, for the log.
+
+    Returns:
+        How to close: (0, "") when the client is gone already.
+    """
+    tasks = [asyncio.create_task(end) for end, _, _ in ends]
+    try:
+        await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        for task in tasks:
+            task.cancel()
+        outcomes = await asyncio.gather(*tasks, return_exceptions=True)
+    for outcome, (_, code, reason) in zip(outcomes, ends, strict=True):
+        if outcome is None:
+            return code, reason
+        if isinstance(outcome, WebSocketDisconnect):
+            return 0, ""
+        if not isinstance(outcome, asyncio.CancelledError):
+            _log.error("%s failed", what, exc_info=outcome)
+            return CLOSE_INTERNAL_ERROR, "the stream failed; see the station's log"
+    return 0, ""
 
 
 async def _drain(websocket: WebSocket) -> None:
