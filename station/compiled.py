@@ -35,7 +35,7 @@ _BEING_BUILT = "Compiled extensions are being built; the next start loads them."
 
 @dataclass(frozen=True, slots=True)
 class CompilationStatus:
-    """Whether the extensions or the sources run.
+    """State of a process: it runs the extensions or the sources.
 
     Attributes:
         mode: Which of the two.
@@ -59,7 +59,7 @@ class CompilationStatus:
 
 @dataclass(frozen=True, slots=True)
 class BuildRecord:
-    """What complete extensions were built from; a build writes it last.
+    """Origin of complete extensions; a build writes it last.
 
     Attributes:
         sources: Digest of the sources.
