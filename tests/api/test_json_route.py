@@ -54,3 +54,27 @@ def test_json_of_a_named_kind_is_json(operator):
     )
 
     problem_of(answer, 422, "invalid_request")
+
+
+@pytest.mark.parametrize(
+    ("params", "allowed"),
+    [
+        ({"points": [[0.5] * 7] * 2499}, True),
+        ({"points": [[0.5] * 7] * 2501}, False),
+        ({str(i): i for i in range(1000)}, True),
+        ({str(i): i for i in range(1001)}, False),
+        ({"deep": [[[1]]] * 7000}, False),
+    ],
+)
+def test_a_body_of_too_many_values_is_refused_before_it_is_judged(
+    operator, params, allowed
+):
+    answer = operator.post(
+        "/api/v1/controllers", json={"name": "many", "type": "none", "params": params}
+    )
+
+    if allowed:
+        problem_of(answer, 404, "controller_type_not_found")
+    else:
+        problem = problem_of(answer, 413, "body_too_large")
+        assert "allowed" in problem["detail"]
