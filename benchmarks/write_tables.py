@@ -1,4 +1,4 @@
-"""Measure everything anew and write the tables of docs/performance.md and README.md.
+"""Measure everything anew and write the tables of docs/performance.md.
 
 Run `make performance`, or `python benchmarks/write_tables.py [--only cycles peers]`, on
 a machine that does nothing else. What is not measured keeps its table. Each table
@@ -13,7 +13,7 @@ import re
 import statistics
 import subprocess
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import mujoco
@@ -21,14 +21,7 @@ from measuring import processor
 
 FOLDER = Path(__file__).parent
 PAGE = FOLDER.parent / "docs" / "performance.md"
-README = FOLDER.parent / "README.md"
 PANDA = "Panda"
-HEADLINE = {
-    "none": "nothing runs",
-    "effort_group_position_controller": "seven PIDs, torques",
-    "position_joint_trajectory_controller": "trajectories, positions",
-}
-"""What the README tells of the Panda's controllers, by their names."""
 MODES = ("interpreted", "compiled")
 COLUMNS = [(mode, temperature) for temperature in ("hot", "cold") for mode in MODES]
 
@@ -115,23 +108,6 @@ def write_cycles(runs: int) -> None:
     write(PAGE, "machine", machine(rows))
     write(PAGE, "cycles", table(["runs", *headers], panda))
     write(PAGE, "robots", table(["robot", "runs", *headers], others))
-    write(README, "figures", headline(found, rows))
-
-
-def headline(found: Mapping[tuple[object, ...], Row], rows: Sequence[Row]) -> str:
-    """Return the table of the README, and the machine that it was measured on.
-
-    Args:
-        found: Rows by robot, controller, mode and temperature.
-        rows: All rows.
-    """
-    modes = ("compiled", "interpreted")
-    lines = [
-        [label, *(cost(found.get((PANDA, name, mode, "hot"))) for mode in modes)]
-        for name, label in HEADLINE.items()
-    ]
-    text = table(["a control cycle of the Panda", *modes], lines)
-    return f"{text}\n\n{machine(rows)}"
 
 
 def write_model(runs: int) -> None:

@@ -28,14 +28,6 @@ def test_every_table_has_its_place():
     assert "robosuite" in tables["peers"]
 
 
-def test_the_readme_tells_the_headline():
-    (figures,) = PLACE.findall((ROOT / "README.md").read_text())
-
-    told = figures[1]
-    assert len(re.findall(r"\d\.\d\d\W \(\d", told)) == 6
-    assert re.search(r"\d processors, Linux .* one step of the Panda", told)
-
-
 def test_a_table_is_replaced_and_nothing_else(script, tmp_path):
     page = tmp_path / "page.md"
     page.write_text("a\n<!-- t -->\nold\n<!-- end of t -->\nb\n")
