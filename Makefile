@@ -52,6 +52,7 @@ static: $(READY_DEV)
 	.venv/bin/lint-imports --no-logo
 	.venv/bin/python tools/generate_client.py --check
 	.venv/bin/python tools/generate_notebook.py --check
+	.venv/bin/python tools/check_subjects.py
 
 client: $(READY_DEV)
 	.venv/bin/python tools/generate_client.py
