@@ -18,8 +18,6 @@ from station.core.hardware.robot_hw import (
     ResourceConflict,
     RobotHW,
     SwitchState,
-    reading_of,
-    writing_of,
 )
 from station.core.hardware.robot_report import (
     ClampReport,
@@ -27,7 +25,6 @@ from station.core.hardware.robot_report import (
     TransmissionReport,
 )
 from station.core.hardware.simulated_world import SimulatedWorld
-from station.core.hardware.stages import Stage, StageSequence
 from station.core.parameters import Parameters
 
 CreateRobot = Callable[[str], RobotHW]
@@ -51,6 +48,8 @@ class CombinedRobotHW(RobotHW):
         super().__init__()
         self._create = create
         self.robots: dict[str, RobotHW] = {}
+        self._reads: list[Callable[[float, float], None]] = []
+        self._writes: list[Callable[[float, float], None]] = []
 
     @override
     def init(self, root_params: Parameters, hw_params: Parameters) -> None:
@@ -89,25 +88,19 @@ class CombinedRobotHW(RobotHW):
             robot: The robot.
         """
         self.robots[name] = robot
+        self._reads.append(robot.read)
+        self._writes.append(robot.write)
         self.register_interface_manager(robot)
 
     @override
     def read(self, time: float, period: float) -> None:
-        for robot in self.robots.values():
-            robot.read(time, period)
-
-    @override
-    def reading(self) -> Stage:
-        return StageSequence([reading_of(robot) for robot in self.robots.values()])
-
-    @override
-    def writing(self) -> Stage:
-        return StageSequence([writing_of(robot) for robot in self.robots.values()])
+        for read in self._reads:
+            read(time, period)
 
     @override
     def write(self, time: float, period: float) -> None:
-        for robot in self.robots.values():
-            robot.write(time, period)
+        for write in self._writes:
+            write(time, period)
 
     @override
     def check_period(self, period: float) -> None:

@@ -16,7 +16,7 @@ Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, FrankaHW; differs:
 """
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import inf
 from typing import TYPE_CHECKING
 
@@ -35,7 +35,6 @@ from station.core.hardware.robot_hw import (
     SwitchState,
 )
 from station.core.hardware.robot_report import ClampReport, JointLimitsReport
-from station.core.hardware.stages import RobotWatch, Stage
 from station.core.parameters import Parameters
 from station.hw.franka.arm.arm_description import load_arm_description
 from station.hw.franka.arm.arm_names import find_prefix, joint_names
@@ -145,7 +144,7 @@ class FrankaHW(RobotHW):
             CommandFilter(limits, self.arm.state, self.commands),
         )
         self._motion = MotionStart(self.arm, self._sender)
-        self._watch = ArmWatch(self, self._mode, _MODE_NAMES, self._motion)
+        self._watch = ArmWatch(self._mode, _MODE_NAMES, self._motion)
         self._writing = ArmWriting(self._mode, self._sender)
         self._reading = ArmReading(
             cycles_of(self.arm),
@@ -240,16 +239,24 @@ class FrankaHW(RobotHW):
         """The kinds of command that the running controllers give."""
         return self._motion.mode
 
-    @override
-    def mode(self) -> str:
-        return self._watch.mode()
+    # What every cycle calls is compiled: these are its methods, without one of Python
+    # around each.
 
+    @property
     @override
-    def watch(self) -> RobotWatch:
-        return self._watch
+    def mode(self) -> Callable[[], str]:
+        """Return the name of the arm's mode."""
+        return self._watch.mode
 
+    @property
     @override
-    def read(self, time: float, period: float) -> None:
+    def is_interrupted(self) -> Callable[[], bool]:
+        """Return whether the arm has left the motion that controllers command."""
+        return self._watch.is_interrupted
+
+    @property
+    @override
+    def read(self) -> Callable[[float, float], None]:
         """Bring the arm's state up to date, one arm cycle per elapsed cycle time.
 
         When the loop is slower than the arm, the arm gets the last command again in its
@@ -258,11 +265,7 @@ class FrankaHW(RobotHW):
         and stops after 20 of them. Commanded poses are extrapolated by FrankaHW itself,
         so that short delays lose no packet.
         """
-        self._reading.run(time, period)
-
-    @override
-    def reading(self) -> Stage:
-        return self._reading
+        return self._reading.run
 
     def _catch_up(self) -> int:
         """Read the arm once for each cycle that is due; return how many there are."""
@@ -274,14 +277,11 @@ class FrankaHW(RobotHW):
         bad = self._reading.bad
         return None if bad < 0 else self._sensors.describe(bad)
 
+    @property
     @override
-    def write(self, time: float, period: float) -> None:
+    def write(self) -> Callable[[float, float], None]:
         """Limit, filter and send the commands of the present mode."""
-        self._writing.run(time, period)
-
-    @override
-    def writing(self) -> Stage:
-        return self._writing
+        return self._writing.run
 
     @override
     def joint_limits(self) -> Sequence[JointLimitsReport]:
@@ -380,10 +380,6 @@ class FrankaHW(RobotHW):
     @override
     def switch_result_for(self, controller: ControllerInfo) -> SwitchState:
         return self.switch_result()
-
-    @override
-    def is_interrupted(self) -> bool:
-        return self._watch.is_interrupted()
 
     @override
     def interruption_of(self, controller: ControllerInfo) -> str | None:

@@ -1,6 +1,5 @@
 from station.memory.finite_check cimport FiniteCheck
 from station.hw.franka.arm.flags cimport MotionFlags
-from station.core.hardware.stages cimport Stage
 
 cdef class Cycles:
     cpdef read(self)
@@ -12,7 +11,7 @@ cdef class CalledCycles(Cycles):
 cdef class FingerReading:
     cpdef read(self)
 
-cdef class ArmReading(Stage):
+cdef class ArmReading:
     cdef Cycles cycles
     cdef FiniteCheck readings
     cdef MotionFlags motion

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 
-from station.core.hardware.stages import Stage
 from station.hw.franka.arm.flags import MotionFlags
 from station.memory.finite_check import FiniteCheck
 
@@ -38,7 +37,7 @@ class FingerReading:
         raise NotImplementedError
 
 
-class ArmReading(Stage):
+class ArmReading:
     """Reads an arm once per elapsed cycle time.
 
     Args:
@@ -79,7 +78,12 @@ class ArmReading(Stage):
         self.bad = -1
 
     def run(self, time: float, period: float) -> None:
-        """Read the arm; see `Stage.run`."""
+        """Read the arm.
+
+        Args:
+            time: Station time of the cycle [s].
+            period: Time since the last cycle [s], >= 0.
+        """
         self.time_due += period
         share, count = self.time_due / self.cycle_time, 1
         if self.nominal == 1 and 0.5 < share < 1.5:

@@ -1,11 +1,10 @@
 cimport cython
 from station.hw.franka.commands.command_sending cimport CommandSending
 from station.hw.franka.arm.flags cimport MotionFlags
-from station.core.hardware.stages cimport RobotWatch, Stage
 
 cdef int _MOVE
 
-cdef class ArmWatch(RobotWatch):
+cdef class ArmWatch:
     cdef double[::1] code
     cdef dict names
     cdef MotionFlags motion
@@ -15,7 +14,7 @@ cdef class ArmWatch(RobotWatch):
     @cython.locals(code=double)
     cpdef mode(self)
 
-cdef class ArmWriting(Stage):
+cdef class ArmWriting:
     cdef double[::1] code
     cdef CommandSending sender
     cdef object write_fingers

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Sized
 from typing import Protocol
 
-from station.core.hardware.stages import Robot, RobotWatch, Stage
 from station.hw.franka.arm.arm_codes import MOVE
 from station.hw.franka.arm.flags import MotionFlags
 from station.hw.franka.commands.command_sending import CommandSending
@@ -33,20 +32,18 @@ class Fingers(Protocol):
         """Pass on the commands of the fingers."""
 
 
-class ArmWatch(RobotWatch):
+class ArmWatch:
     """Tells how an arm is.
 
     Args:
-        robot: The robot.
         code: The arm's mode, one number.
         names: Name of each mode, by its number.
         motion: What controllers have begun.
     """
 
     def __init__(
-        self, robot: Robot, code: Doubles, names: dict[float, str], motion: MotionFlags
+        self, code: Doubles, names: dict[float, str], motion: MotionFlags
     ) -> None:
-        super().__init__(robot)
         self.code = code
         self.names = names
         self.motion = motion
@@ -68,7 +65,7 @@ class ArmWatch(RobotWatch):
         return self.last_name
 
 
-class ArmWriting(Stage):
+class ArmWriting:
     """Sends the commands of an arm and of its fingers.
 
     Args:
@@ -89,7 +86,12 @@ class ArmWriting(Stage):
         self.claimed = fingers.claimed
 
     def run(self, time: float, period: float) -> None:
-        """Send the commands; see `Stage.run`."""
+        """Send the commands.
+
+        Args:
+            time: Station time of the cycle [s].
+            period: Time since the last cycle [s], >= 0.
+        """
         hand, write = self.hand, self.write_fingers
         if hand is None or write is None:
             pass  # without a simulated hand there are no fingers
