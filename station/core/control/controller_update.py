@@ -112,7 +112,7 @@ class ControllerUpdate:
         period: float,
         stands_still: bool = False,  # noqa: FBT001, FBT002 - a C function
     ) -> None:
-        """Update the running controllers, carry on with a switch, write all commands.
+        """Update the running controllers, advance a switch, write all commands.
 
         Args:
             time: Station time [s], >= 0.
@@ -150,7 +150,7 @@ class ControllerUpdate:
                     self._update_after(last, time, period)
             pending = self.pending
             if pending is not None:
-                self._carry_on(pending, time, period, stands_still=stands_still)
+                self._advance(pending, time, period, stands_still=stands_still)
             if gate.is_stale:
                 gate.note_owners(self.lifecycle.loaded)
             else:
@@ -158,8 +158,8 @@ class ControllerUpdate:
         finally:
             self.is_updating = False
 
-    def carry_on_switch(self, time: float) -> bool:
-        """Carry on with a pending switch while time stands still.
+    def advance_switch(self, time: float) -> bool:
+        """Advance a pending switch while time stands still.
 
         Args:
             time: Station time [s].
@@ -329,7 +329,7 @@ class ControllerUpdate:
         self._finish(pending)
         return involved
 
-    def _carry_on(
+    def _advance(
         self, pending: PendingSwitch, time: float, period: float, *, stands_still: bool
     ) -> None:
         if not stands_still:
@@ -346,7 +346,7 @@ class ControllerUpdate:
                 pending.request.receipt.pick_up()
             transaction = self.transaction = SwitchTransaction(self.lifecycle, pending)
         with self.changes:
-            if not transaction.carry_on(time):
+            if not transaction.advance(time):
                 return
             if pending.request.zero_period:
                 # What was started is updated without any time having passed.

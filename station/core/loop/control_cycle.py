@@ -150,7 +150,7 @@ class ControlCycle:
             changed = True
         else:
             changed = self.carry_out_requests()
-        if self.controllers.carry_on_switch(self.time) or changed:
+        if self.controllers.advance_switch(self.time) or changed:
             self.cycle += 1
             self.read(self.time, 0.0)
             self.leave_row(0.0)

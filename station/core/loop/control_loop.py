@@ -28,7 +28,6 @@ from station.core.loop.loop_report import LoopMeter, LoopReport, LoopState
 from station.core.loop.operations import Operations, guarded
 from station.core.loop.pace import Pace
 from station.core.loop.right_of_way import RightOfWay
-from station.core.loop.robot_pace import RobotPace
 from station.core.loop.scheduling import (
     keep_interpreter,
     let_others_in,
@@ -105,7 +104,7 @@ class ControlLoop:
         self._operations = Operations()
         # Four columns for every joint, twice; what does not fit is kept as objects.
         room = 64 + 8 * len(self._joints.names)
-        self.snapshots.prepare(self._joints.pieces, room)
+        self.snapshots.prepare(self._joints.blocks, room)
         self.control_cycle = ControlCycle(
             hw,
             manager,
@@ -363,12 +362,22 @@ class ControlLoop:
             deadline += (1 + skipped) * wall_period
 
     def _run_at_the_pace_of(self, robot: RobotClock) -> None:
-        pace = RobotPace(robot, self.clock.now, self.period)
+        """Run a cycle for each state of a robot; the wait for it is the sleep.
+
+        The two clocks drift apart, so a state is due one period after the last one.
+        """
+        clock, beats = self.clock, self.heartbeat.beats
+        last = clock.now()
         while not self._stopping:
             let_others_in()
-            elapsed = pace.wait(self._meter, self.heartbeat.beats)
+            elapsed = robot.wait()
+            now = clock.now()
+            beats[0] = now
             keep_interpreter()
             if elapsed:
+                lateness = now - last - elapsed * self.period
+                self._meter.woke(max(0.0, lateness), elapsed - 1)
+                last = now
                 self.control_cycle.run_cycle(elapsed * self.period)
             else:
                 self.control_cycle.run_standstill()
