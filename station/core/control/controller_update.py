@@ -133,7 +133,8 @@ class ControllerUpdate:
         self.is_updating = True
         self.cycle += 1
         self.time = time
-        gate = self.gate
+        # Callers may unload a controller that fails before the rest is updated.
+        gate, loaded = self.gate, self.lifecycle.loaded
         try:
             if not stands_still:
                 if gate.traced_cycles or self.resets or self.is_interrupted():
@@ -147,7 +148,8 @@ class ControllerUpdate:
                             break
                 if gate.is_stale:
                     # Controllers have started or stopped, also by a fault of the last.
-                    self._update_after(last, time, period)
+                    after = 0 if last is None else loaded.index(last) + 1
+                    self._update_all(loaded[after:], time, period)
             pending = self.pending
             if pending is not None:
                 self._advance(pending, time, period, stands_still=stands_still)
@@ -216,12 +218,10 @@ class ControllerUpdate:
                 for one in lifecycle.loaded:
                     lifecycle.reset(one, time)
 
-    def _update_after(
-        self, last: LoadedController | None, time: float, period: float
+    def _update_all(
+        self, loaded: tuple[LoadedController, ...], time: float, period: float
     ) -> None:
-        """Update those that run and were loaded after `last`; all if it is None."""
-        loaded = self.lifecycle.loaded
-        for one in loaded if last is None else loaded[loaded.index(last) + 1 :]:
+        for one in loaded:
             if one.controller.state is _RUNNING:
                 self.update_controller(one, time, period)
 
