@@ -153,8 +153,8 @@ class FciBeside:
 
     def _welcome(self) -> None:
         self._hw.guest = self._guest
-        cycle = self._loop.control_cycle
-        cycle.read = GuestReading(self._guest, cycle.read, self._hand).read
+        hw = self._loop.hw
+        hw.read = GuestReading(self._guest, hw.read, self._hand).read  # type: ignore[method-assign]
 
     def _may_move(self) -> bool:
         return self._loop.stop_latch.state is StopState.ARMED

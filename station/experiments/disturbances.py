@@ -170,8 +170,8 @@ class CommandDelay:
             for handle in interface.handles()
         ]
         self._line: deque[list[float]] = deque()
-        self._cycle = loop.control_cycle
-        self._write = self._cycle.write
+        self._hw = hw
+        self._write = hw.write
 
     def begin(self, cycles: int) -> None:
         """Begin a trial; nothing is on its way.
@@ -182,7 +182,7 @@ class CommandDelay:
         self._cycles = cycles
         self._line.clear()
         # Without a delay the robot's own method is quicker, and does the same.
-        self._cycle.write = self.write if cycles else self._write
+        self._hw.write = self.write if cycles else self._write  # type: ignore[method-assign]
 
     def write(self, time: float, period: float) -> None:
         """Send the commands of some cycles before to the robot.
@@ -218,8 +218,8 @@ class MeasurementNoise:
         self._handles = interface.handles() if interface else []
         self._position = self._velocity = 0.0
         self._random = np.random.default_rng(0)
-        self._cycle = loop.control_cycle
-        self._read = self._cycle.read
+        self._hw = loop.hw
+        self._read = loop.hw.read
 
     def begin(self, position: float, velocity: float, seed: int) -> None:
         """Begin a trial.
@@ -232,7 +232,7 @@ class MeasurementNoise:
         self._position, self._velocity = position, velocity
         self._random = np.random.default_rng(seed)
         is_silent = position == velocity == 0.0
-        self._cycle.read = self._read if is_silent else self.read
+        self._hw.read = self._read if is_silent else self.read  # type: ignore[method-assign]
 
     def read(self, time: float, period: float) -> None:
         """Read the robot, then add the noise.

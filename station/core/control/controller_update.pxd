@@ -10,7 +10,6 @@ cdef class ControllerUpdate:
     cdef readonly object lifecycle
     cdef readonly CommandGate gate
     cdef object hw
-    cdef object is_interrupted
     cdef public tuple interrupted
     cdef readonly object changes
     cdef public double update_budget

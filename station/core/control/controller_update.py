@@ -93,7 +93,6 @@ class ControllerUpdate:
         self.lifecycle = lifecycle
         self.gate = lifecycle.gate
         self.hw = lifecycle.hw
-        self.is_interrupted = lifecycle.hw.is_interrupted
         self.interrupted: tuple[str, ...] = ()
         self.changes = StateChanges()
         self.update_budget = _INF
@@ -137,7 +136,7 @@ class ControllerUpdate:
         gate, loaded = self.gate, self.lifecycle.loaded
         try:
             if not stands_still:
-                if gate.traced_cycles or self.resets or self.is_interrupted():
+                if gate.traced_cycles or self.resets or self.hw.is_interrupted():
                     self._stop_or_restart(time)
                 last = None
                 for one in () if gate.is_stale else gate.running:
@@ -210,7 +209,7 @@ class ControllerUpdate:
         with self.changes:
             if gate.traced_cycles:
                 gate.restore_commands()
-            if self.is_interrupted():
+            if self.hw.is_interrupted():
                 self._stop_interrupted(time)
             if self.resets:
                 self.resets = False

@@ -48,8 +48,6 @@ class CombinedRobotHW(RobotHW):
         super().__init__()
         self._create = create
         self.robots: dict[str, RobotHW] = {}
-        self._reads: list[Callable[[float, float], None]] = []
-        self._writes: list[Callable[[float, float], None]] = []
 
     @override
     def init(self, root_params: Parameters, hw_params: Parameters) -> None:
@@ -88,19 +86,17 @@ class CombinedRobotHW(RobotHW):
             robot: The robot.
         """
         self.robots[name] = robot
-        self._reads.append(robot.read)
-        self._writes.append(robot.write)
         self.register_interface_manager(robot)
 
     @override
     def read(self, time: float, period: float) -> None:
-        for read in self._reads:
-            read(time, period)
+        for robot in self.robots.values():
+            robot.read(time, period)
 
     @override
     def write(self, time: float, period: float) -> None:
-        for write in self._writes:
-            write(time, period)
+        for robot in self.robots.values():
+            robot.write(time, period)
 
     @override
     def check_period(self, period: float) -> None:

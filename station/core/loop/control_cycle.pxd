@@ -7,9 +7,7 @@ from station.memory.wall_time cimport VirtualTime, wall_time
 cdef double _INF
 
 cdef class ControlCycle:
-    cdef public object read
-    cdef public object write
-    cdef public object mode
+    cdef object hw
     cdef object manager
     cdef ControllerUpdate controllers
     cdef object refresh_joints

@@ -41,10 +41,6 @@ class ControlCycle:
         clock: Wall time.
 
     Attributes:
-        read: Reads the robot, `RobotHW.read`. Replaced to read it otherwise, as `write`
-            and `mode`: the robot's methods are looked up once, when this is made.
-        write: Writes the commands to the robot.
-        mode: Returns the robot's mode.
         time: Station time [s].
         cycle: Number of the last cycle.
         epoch: Number that commands must not be older than.
@@ -66,7 +62,7 @@ class ControlCycle:
         times: CycleTimes,
         clock: Clock,
     ) -> None:
-        self.read, self.write, self.mode = hw.read, hw.write, hw.mode
+        self.hw = hw
         self.manager = manager
         self.controllers = manager.controller_update
         self.refresh_joints = joints.refresh
@@ -127,7 +123,7 @@ class ControlCycle:
         if self.waiting or self.stop_latch.pending:
             self.carry_out_requests()
         begun = self.wall_time()
-        self.read(time, period)
+        self.hw.read(time, period)
         read = self.wall_time()
         self.controllers.update_controllers(time, period)
         if self.stop_flags[0]:
@@ -135,7 +131,7 @@ class ControlCycle:
             # not reach the robot, so the stop is carried out before the write.
             self.obey_watchdog()
         updated = self.wall_time()
-        self.write(time, period)
+        self.hw.write(time, period)
         self.times.add(begun, read, updated, self.wall_time())
         self.leave_row(period)
 
@@ -152,7 +148,7 @@ class ControlCycle:
             changed = self.carry_out_requests()
         if self.controllers.advance_switch(self.time) or changed:
             self.cycle += 1
-            self.read(self.time, 0.0)
+            self.hw.read(self.time, 0.0)
             self.leave_row(0.0)
 
     def wall_time(self) -> float:
@@ -167,7 +163,7 @@ class ControlCycle:
         if self.refresh_joints is not None:
             self.refresh_joints()
         running = self.controllers.gate.running
-        self.snapshots.leave_row(cycle, epoch, time, period, self.mode(), running)
+        self.snapshots.leave_row(cycle, epoch, time, period, self.hw.mode(), running)
         for tap in self.taps:
             tap.sample_cycle(cycle, epoch, time, period)
 

@@ -16,7 +16,7 @@ Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, FrankaHW; differs:
 """
 
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from math import inf
 from typing import TYPE_CHECKING
 
@@ -171,6 +171,7 @@ class FrankaHW(RobotHW):
         services.register_handle(self._services)
         for interface in (state_interface(self.arm, arm_id, model), models, services):
             self.register_interface(interface)
+        self._call_compiled()
 
     def _make_arm(self, root_params: Parameters) -> None:
         """Connect to the real arm at `robot_ip`, or simulate one.
@@ -239,24 +240,24 @@ class FrankaHW(RobotHW):
         """The kinds of command that the running controllers give."""
         return self._motion.mode
 
-    # What every cycle calls is compiled: these are its methods, without one of Python
-    # around each.
+    def _call_compiled(self) -> None:
+        """Let a cycle call the compiled parts with no method of Python around each."""
+        for name, method in (
+            ("read", self._reading.run),
+            ("write", self._writing.run),
+            ("mode", self._watch.mode),
+            ("is_interrupted", self._watch.is_interrupted),
+        ):
+            # A method that a subclass replaces is called as it is.
+            if getattr(type(self), name) is getattr(FrankaHW, name):
+                setattr(self, name, method)
 
-    @property
     @override
-    def mode(self) -> Callable[[], str]:
-        """Return the name of the arm's mode."""
-        return self._watch.mode
+    def mode(self) -> str:
+        return self._watch.mode()
 
-    @property
     @override
-    def is_interrupted(self) -> Callable[[], bool]:
-        """Return whether the arm has left the motion that controllers command."""
-        return self._watch.is_interrupted
-
-    @property
-    @override
-    def read(self) -> Callable[[float, float], None]:
+    def read(self, time: float, period: float) -> None:
         """Bring the arm's state up to date, one arm cycle per elapsed cycle time.
 
         When the loop is slower than the arm, the arm gets the last command again in its
@@ -265,7 +266,7 @@ class FrankaHW(RobotHW):
         and stops after 20 of them. Commanded poses are extrapolated by FrankaHW itself,
         so that short delays lose no packet.
         """
-        return self._reading.run
+        self._reading.run(time, period)
 
     def _catch_up(self) -> int:
         """Read the arm once for each cycle that is due; return how many there are."""
@@ -277,11 +278,10 @@ class FrankaHW(RobotHW):
         bad = self._reading.bad
         return None if bad < 0 else self._sensors.describe(bad)
 
-    @property
     @override
-    def write(self) -> Callable[[float, float], None]:
+    def write(self, time: float, period: float) -> None:
         """Limit, filter and send the commands of the present mode."""
-        return self._writing.run
+        self._writing.run(time, period)
 
     @override
     def joint_limits(self) -> Sequence[JointLimitsReport]:
@@ -380,6 +380,10 @@ class FrankaHW(RobotHW):
     @override
     def switch_result_for(self, controller: ControllerInfo) -> SwitchState:
         return self.switch_result()
+
+    @override
+    def is_interrupted(self) -> bool:
+        return self._watch.is_interrupted()
 
     @override
     def interruption_of(self, controller: ControllerInfo) -> str | None:

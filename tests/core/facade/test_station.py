@@ -240,7 +240,7 @@ def _die(station):
     def fail(*_):
         raise RuntimeError("the cable is out")
 
-    station.loop.control_cycle.read = fail
+    station.loop.hw.read = fail
     station.loop.start()
     station.loop._thread.join(5.0)
 

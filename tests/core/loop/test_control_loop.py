@@ -139,7 +139,7 @@ def test_whoever_waits_when_the_loop_dies_is_told_at_once():
             pass
         raise RuntimeError("the cable is out")
 
-    loop.control_cycle.write = fail_once_somebody_waits
+    hw.write = fail_once_somebody_waits
     loop.start()
     assert begun.wait(5.0)
     with pytest.raises(LoopError, match="the cable is out"):
@@ -157,7 +157,7 @@ def test_a_loop_that_dies_carries_a_stop_out_and_lists_nothing_as_running():
         loop.stop_latch.engage("meanwhile")
         raise RuntimeError("the cable is out")
 
-    loop.control_cycle.write = fail
+    hw.write = fail
     loop.start()
     loop._thread.join(5.0)
     assert stopped == [pytest.approx(PERIOD)]

@@ -80,7 +80,7 @@ def test_an_operation_that_changes_the_factor_ends_the_wait_for_the_old_deadline
             began.append(clock.now())
             first_cycle.set()
 
-    loop.control_cycle.read = read
+    hw.read = read
     clock.action = hasten
     loop.start()
     assert first_cycle.wait(5.0)
@@ -136,8 +136,8 @@ def test_a_stop_of_the_watchdog_is_carried_out_before_anything_is_written():
     loop = ControlLoop(hw, manager, clock=clock, period=PERIOD, heartbeat=heartbeat)
     told = []
     manager.stop_all = lambda _: told.append("stopped")
-    loop.control_cycle.write = lambda *_: told.append("written")
-    loop.control_cycle.read = lambda *_: heartbeat.ask_stop("the loop hung")
+    hw.write = lambda *_: told.append("written")
+    hw.read = lambda *_: heartbeat.ask_stop("the loop hung")
     loop.step()
 
     assert told == ["stopped", "written"]
