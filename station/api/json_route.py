@@ -13,13 +13,12 @@ from typing_extensions import override
 from station.api.dependencies import access
 from station.api.errors import ProblemError
 
-
 MOST_VALUES = 20_000
 """Values in one body: members, items, objects and lists; 10,000 numbers of a trajectory
-with a point for every seven are 16,000. Each costs up to 0.3 µs in which no other
+with a point for every seven are 16,000. Each costs up to 0.3 us in which no other
 request is served, STOP neither: the whole body at most some 10 ms."""
 MOST_MEMBERS = 1000
-"""Members of one object: refusing an unknown one costs 4 µs, more than any other."""
+"""Members of one object: refusing an unknown one costs 4 us, more than any other."""
 
 
 class JsonRequest(Request):
