@@ -22,7 +22,7 @@ from station.core.loop.snapshot import Snapshot
 from station.core.ports.goal import Goal, GoalStatus
 from station.core.ports.set_point import SetPoint
 from station.core.trajectory import PosVelAccState
-from station.events import Alarm, Event, EventLogState
+from station.events import Alarm, EventLogState
 from station.wire.base import finite_or_none
 
 
@@ -216,11 +216,6 @@ def alarm(found: Alarm) -> wire.Alarm:
     """Return an alarm with its cause."""
     known = asdict(found)
     return wire.Alarm.model_validate({**known, **known.pop("cause")})
-
-
-def event(found: Event) -> wire.Event:
-    """Return an event."""
-    return wire.Event.model_validate(found)
 
 
 def arm_report(found: ArmReport) -> wire.ArmReport:

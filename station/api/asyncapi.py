@@ -2,8 +2,7 @@
 
 from typing import Any
 
-from pydantic import BaseModel
-from pydantic.json_schema import models_json_schema
+from pydantic import BaseModel, TypeAdapter
 
 import station as package
 from station.api.streams.command_stream import DEFAULT_TIMEOUT, LONGEST_TIMEOUT
@@ -19,15 +18,14 @@ from station.api.streams.topics import (
     SceneTopic,
     Topic,
 )
+from station.reports import Event, LoopReport, Report
 from station.wire import (
     CommandCounts,
     CommandRequest,
     Controllers,
     ControllerSample,
-    Event,
     FrankaState,
     JointStates,
-    LoopReport,
     Scene,
     StopState,
 )
@@ -36,7 +34,7 @@ Schema = dict[str, Any]
 
 VERSION = "3.0.0"
 _REF = "#/components/schemas/"
-_MODELS: tuple[type[BaseModel], ...] = (
+_MODELS: tuple[type[BaseModel | Report], ...] = (
     JointStates,
     ControllerSample,
     FrankaState,
@@ -46,7 +44,7 @@ _MODELS: tuple[type[BaseModel], ...] = (
     Scene,
     Event,
 )
-TOPICS: tuple[tuple[str, type[Topic], type[BaseModel] | None], ...] = (
+TOPICS: tuple[tuple[str, type[Topic], type[BaseModel | Report] | None], ...] = (
     ("joint_states", JointStatesTopic, JointStates),
     ("controller_state/{controller}", ControllerStateTopic, ControllerSample),
     ("robot_state/{arm_id}", RobotStateTopic, FrankaState),
@@ -121,11 +119,11 @@ _QUERY: Schema = {
 
 def document() -> Schema:
     """Return the document; the frames are those without `fields`."""
-    _, found = models_json_schema(
+    sent = (*_MODELS, CommandCounts)
+    _, found = TypeAdapter.json_schemas(
         [
-            *((model, "serialization") for model in _MODELS),
-            (CommandCounts, "serialization"),
-            (CommandRequest, "validation"),
+            *((one.__name__, "serialization", TypeAdapter(one)) for one in sent),
+            (CommandRequest.__name__, "validation", TypeAdapter(CommandRequest)),
         ],
         ref_template=_REF + "{model}",
     )

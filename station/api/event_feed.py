@@ -4,8 +4,8 @@ import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable, Collection
 
 import anyio.to_thread
+import orjson
 
-from station.api import answers
 from station.api.errors import ProblemError
 from station.events import Event, EventKind, EventLog, Severity
 
@@ -134,5 +134,5 @@ class EventFeed:
 
 
 def _written(event: Event) -> bytes:
-    text = answers.event(event).model_dump_json()
-    return f"id: {event.id}\nevent: {event.kind.value}\ndata: {text}\n\n".encode()
+    text = orjson.dumps(event).decode()
+    return f"id: {event.id}\nevent: {event.kind}\ndata: {text}\n\n".encode()

@@ -20,10 +20,9 @@ from typing_extensions import override
 import station as package
 from station.api.streams import Broadcaster
 from station.core.facade.station import Station
-from station.core.loop.loop_report import LoopState
 from station.core.loop.stop_latch import StopState
-from station.core.numerics.statistics import Percentiles
 from station.events import EventLog
+from station.reports import LoopState, Percentiles
 
 PHASES = ("read", "update", "write", "total")
 

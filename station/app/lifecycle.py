@@ -30,13 +30,13 @@ from station.config import StationConfig
 from station.core.control.switching import SwitchRequest
 from station.core.errors import StationError
 from station.core.facade.station import Station
-from station.core.loop.loop_report import LoopState
 from station.core.loop.scheduling import realtime_interpreter
 from station.core.loop.stop_latch import StopState
 from station.local.descriptors import open_more_files, shortage
 from station.local.private_files import process_start
 from station.local.runtime_file import RunningStation, write_runtime_file
 from station.local.tls import TlsFiles
+from station.reports import LoopState
 from station.trials.background_experiments import (
     BackgroundExperiments,
     spare_processors,

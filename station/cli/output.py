@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from pydantic import BaseModel
 
+    from station.reports import Report
+
 
 def say(text: str) -> None:
     """Print a line."""
@@ -25,14 +27,20 @@ def say_json(data: object) -> None:
     say(json.dumps(data))
 
 
-def say_models(models: "Sequence[BaseModel]") -> None:
+def say_models(models: "Sequence[BaseModel | Report]") -> None:
     """Print wire models as a JSON list, by their names on the wire."""
-    say_json([model.model_dump(mode="json", by_alias=True) for model in models])
+    _say_answer(models)
 
 
-def say_model(model: "BaseModel") -> None:
+def say_model(model: "BaseModel | Report") -> None:
     """Print a wire model as JSON, by its names on the wire."""
-    say_json(model.model_dump(mode="json", by_alias=True))
+    _say_answer(model)
+
+
+def _say_answer(answer: object) -> None:
+    from pydantic_core import to_jsonable_python
+
+    say_json(to_jsonable_python(answer, by_alias=True))
 
 
 def say_table(headers: Sequence[str], rows: Sequence[Sequence[str]]) -> None:

@@ -5,13 +5,14 @@ from html import escape
 from typing import TypeVar
 
 import httpx
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 
 from station.client.routes import PREFIX
 from station.client.stream_options import bearer
 from station.wire import Controllers, JointStates, Status
+from station.wire.base import read_json
 
-ModelT = TypeVar("ModelT", bound=BaseModel)
+ModelT = TypeVar("ModelT")
 
 TIMEOUT = 1.0
 """Longest wait for the station [s]; a cell of a notebook must not hang."""
@@ -63,7 +64,7 @@ def describe(
 
 
 def _ask(http: httpx.Client, path: str, model: type[ModelT]) -> ModelT:
-    return model.model_validate_json(http.get(path).raise_for_status().content)
+    return read_json(model, http.get(path).raise_for_status().content)
 
 
 def _number(value: float | None) -> str:

@@ -10,7 +10,8 @@ from collections.abc import Collection, Sequence
 from contextlib import closing
 from pathlib import Path
 
-from station.events.event import Event, EventKind, Severity, written_details
+from station.events.event import written_details
+from station.reports import Event, EventKind, Severity
 
 _COLUMNS = (
     "id, time, stamp, cycle, kind, severity, who, origin, what, result, text, details, "
@@ -183,7 +184,7 @@ def _event(row: tuple[object, ...]) -> Event:
         time=float(str(time)),
         stamp=float(str(stamp)),
         cycle=int(str(cycle)),
-        kind=EventKind(kind),
+        kind=EventKind(str(kind)),
         severity=_SEVERITIES[int(str(severity))],
         who=who,
         where=where,

@@ -11,16 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from station.core.user_files import make_private_folder
-from station.events.event import (
-    MAX_TEXT,
-    STATION,
-    Event,
-    EventKind,
-    Origin,
-    Severity,
-    written_details,
-)
+from station.events.event import MAX_TEXT, STATION, Origin, written_details
 from station.events.event_file import EventFile
+from station.reports import Event, EventKind, Severity
 
 MAX_EVENTS = 50_000
 """Events that are kept on disk; the oldest are deleted first."""

@@ -4,8 +4,9 @@ import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from station.events.event import Event, EventKind, Origin, Severity
+from station.events.event import Origin
 from station.events.event_log import EventLog
+from station.reports import Event, EventKind, Severity
 
 WINDOW = 10.0
 """Repeats within this time are counted together [s]."""

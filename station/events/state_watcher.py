@@ -9,10 +9,9 @@ from station.core.control.controller_status import ControllerCondition
 from station.core.facade.station import Station
 from station.core.franka.arms import Arms
 from station.core.franka.franka_robot_state import RobotMode
-from station.core.loop.loop_report import LoopState
 from station.core.loop.stop_latch import StopState
-from station.events.event import EventKind, Severity
 from station.events.event_log import EventLog
+from station.reports import EventKind, LoopState, Severity
 
 _log = logging.getLogger(__name__)
 

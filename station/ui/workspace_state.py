@@ -100,7 +100,7 @@ def workspace_state(view: StationView) -> dict[str, object]:
         "types": [known.type for known in view.types],
         "arms": [] if status is None else [a.model_dump() for a in status.robots],
         "simulation": (
-            status.simulation.model_dump()
+            asdict(status.simulation)
             if status is not None and status.simulation is not None
             else None
         ),

@@ -3,6 +3,20 @@
 Imports nothing of the station, so that the client does not need it either.
 """
 
+from station.reports import (
+    ArmRecord,
+    Event,
+    GainsChange,
+    HardwareInterface,
+    HardwareResource,
+    HardwareTransmission,
+    LoopReport,
+    Percentiles,
+    Playback,
+    Simulation,
+    Waypoint,
+    WaypointPath,
+)
 from station.wire.access import (
     ControlPatch,
     ControlRequest,
@@ -34,22 +48,15 @@ from station.wire.controllers import (
     ControllerSample,
     ControllerState,
     Gains,
-    GainsChange,
     GainsPatch,
     LoadRequest,
-    Percentiles,
     Reloaded,
     ReloadRequest,
     SwitchRequest,
     SwitchResult,
     Tunable,
 )
-from station.wire.events import (
-    Event,
-    EventKindName,
-    Events,
-    SeverityName,
-)
+from station.wire.events import EventKindName, Events, SeverityName
 from station.wire.experiments import ExperimentRequest
 from station.wire.gain_sets import GainsChanges, GainSet, GainSetRequest, GainSets
 from station.wire.goals import (
@@ -70,11 +77,8 @@ from station.wire.gripper import (
 from station.wire.hardware import (
     Clamp,
     Hardware,
-    HardwareInterface,
     HardwareLimits,
     HardwareRepair,
-    HardwareResource,
-    HardwareTransmission,
     SoftLimits,
 )
 from station.wire.parameters import Parameter, ParameterRequest
@@ -90,7 +94,6 @@ from station.wire.robots import (
     ArmError,
     ArmLog,
     ArmModel,
-    ArmRecord,
     ArmReport,
     Arms,
     CartesianImpedance,
@@ -114,19 +117,13 @@ from station.wire.robots import (
     UserStopRequest,
 )
 from station.wire.scene import Contact, MovingBase, ObjectKind, Scene, SceneObject
-from station.wire.simulation import (
-    ResetRequest,
-    Simulation,
-    SimulationPatch,
-    StepRequest,
-)
+from station.wire.simulation import ResetRequest, SimulationPatch, StepRequest
 from station.wire.station import (
     CommandViolations,
     Health,
     JointStates,
     Kernel,
     LoginRequest,
-    LoopReport,
     Ready,
     ReleaseRequest,
     Session,
@@ -151,11 +148,8 @@ from station.wire.streams import (
 from station.wire.waypoint_paths import (
     CaptureRequest,
     LastPlayback,
-    Playback,
     PlaybackPatch,
     PlayRequest,
-    Waypoint,
-    WaypointPath,
     WaypointPathRequest,
     WaypointPaths,
     WaypointRequest,

@@ -4,6 +4,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import ConfigDict, Field, JsonValue, model_validator
 
+from station.reports import Percentiles
 from station.wire.base import (
     ControllerName,
     FromEnum,
@@ -39,24 +40,6 @@ class ClaimedResources(ResponseModel):
 
     hardware_interface: str
     resources: Items[str]
-
-
-class Percentiles(ResponseModel):
-    """Durations since the last reset of the statistics [s]; zeros when there are none.
-
-    Attributes:
-        p50: Median.
-        p99: 99 of 100 are at most this.
-        p999: 999 of 1000 are at most this.
-        max: Longest.
-        count: How many there were.
-    """
-
-    p50: float
-    p99: float
-    p999: float
-    max: float
-    count: int
 
 
 class ControllerState(ResponseModel):
@@ -262,24 +245,6 @@ class GainsPatch(RequestModel):
     )
 
     values: dict[str, float] = Field(min_length=1, max_length=1024)
-
-
-class GainsChange(ResponseModel):
-    """A change of gains that took effect.
-
-    Attributes:
-        values: All values now.
-        previous: All values before.
-        revision: Their revision.
-        cycle: First cycle with the new values.
-        notes: A sentence about each value that has no effect.
-    """
-
-    values: dict[str, float]
-    previous: dict[str, float]
-    revision: int
-    cycle: int
-    notes: Items[str] = Field(default_factory=list)
 
 
 class CommandElement(ResponseModel):

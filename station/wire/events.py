@@ -1,10 +1,9 @@
 """Wire models of events: what happened, who did it, from where, with what result."""
 
-from typing import Annotated, Literal
+from typing import Literal
 
-from pydantic import ConfigDict, Field, JsonValue
-
-from station.wire.base import FromEnum, Items, Reason, ResponseModel
+from station.reports import Event
+from station.wire.base import Items, Reason, ResponseModel
 
 SeverityName = Literal["info", "warning", "error"]
 EventKindName = Literal[
@@ -29,72 +28,6 @@ EventKindName = Literal[
     "alarm",
     "events",
 ]
-
-
-class Event(ResponseModel):
-    """Something that happened at the station.
-
-    Attributes:
-        id: Number of the event, 1 or more; goes on growing when the station restarts.
-        time: Wall time [s since 1970, UTC].
-        stamp: Station time [s], 0 or more; 0 before the first cycle.
-        cycle: Number of the last cycle before the event, 0 or more.
-        kind: What the event is about: `request` (a change that somebody asked for),
-            `login`, `login_failed`, `token`, `control`, `command_stream`, `stop`,
-            `switch`, `controller` (its state), `fault` (of a controller),
-            `robot_mode`, `overrun`, `loop`, `watchdog` (it ended or hangs),
-            `recording`, `incident`, `experiment` (its progress), `alarm`
-            (acknowledged), `station`, and `events` (the log itself).
-        severity: `info`; `warning`: refused, stopped or too late; `error`: failed.
-        who: Name of the token or person; empty for the station itself.
-        where: Address that the request came from; empty for the station itself.
-        what: Method and route, or the subject, such as a controller's name.
-        result: Status and code of the answer, or the new state.
-        text: A sentence for people.
-        details: More facts, by kind.
-        request_id: Name of the request, as in the header `X-Request-ID` of its answer;
-            empty without a request.
-        boot_id: Which run of the station it was.
-    """
-
-    model_config = ConfigDict(
-        json_schema_extra={
-            "examples": [
-                {
-                    "id": 17,
-                    "time": 1767225600.25,
-                    "stamp": 12.345,
-                    "cycle": 12345,
-                    "kind": "request",
-                    "severity": "warning",
-                    "who": "operator",
-                    "where": "127.0.0.1",
-                    "what": "POST /controllers/switch",
-                    "result": "409 resource_conflict",
-                    "text": "POST /controllers/switch of operator was refused: 409 "
-                    "resource_conflict.",
-                    "details": {},
-                    "request_id": "0f4c",
-                    "boot_id": "5b1e",
-                }
-            ]
-        }
-    )
-
-    id: int
-    time: float
-    stamp: float
-    cycle: int
-    kind: Annotated[EventKindName, FromEnum]
-    severity: Annotated[SeverityName, FromEnum]
-    who: str = ""
-    where: str = ""
-    what: str = ""
-    result: str = ""
-    text: str = ""
-    details: dict[str, JsonValue] = Field(default_factory=dict)
-    request_id: str = ""
-    boot_id: str = ""
 
 
 class Events(ResponseModel):

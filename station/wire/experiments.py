@@ -4,6 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from station.reports import GainDifference
 from station.wire.base import (
     ControllerName,
     FromEnum,
@@ -15,7 +16,6 @@ from station.wire.base import (
     example,
 )
 from station.wire.excitations import Command
-from station.wire.gain_sets import GainDifference
 
 ExperimentName = Annotated[
     str, Field(min_length=1, max_length=100, pattern=r"^[A-Za-z0-9_][A-Za-z0-9_.-]*$")

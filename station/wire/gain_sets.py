@@ -4,31 +4,13 @@ from typing import Annotated
 
 from pydantic import ConfigDict, Field
 
+from station.reports import GainDifference, GainsChange
 from station.wire.base import Items, RequestModel, ResponseModel
-from station.wire.controllers import GainsChange
 
 GainSetName = Annotated[
     str, Field(min_length=1, max_length=100, pattern=r"^[A-Za-z0-9_][A-Za-z0-9_.-]*$")
 ]
 """A name that is also one segment of a URL and the name of a file."""
-
-
-class GainDifference(ResponseModel):
-    """A gain whose saved value is not the present one.
-
-    Attributes:
-        controller: Name of the controller.
-        name: Name of the gain.
-        saved: Value in the set, in the unit of the gain; null when the set does not
-            have this gain.
-        present: Value in force, in the same unit; null when the controller is not
-            loaded or has no such gain.
-    """
-
-    controller: str
-    name: str
-    saved: float | None
-    present: float | None
 
 
 class GainSet(ResponseModel):

@@ -4,6 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field
 
+from station.reports import HardwareInterface, HardwareTransmission
 from station.wire.base import FromEnum, Items, Measured, ResponseModel
 
 ClampReasonName = Annotated[
@@ -27,30 +28,6 @@ RepairKindName = Literal[
     "armature",
     "gravity",
 ]
-
-
-class HardwareResource(ResponseModel):
-    """A resource of a hardware interface.
-
-    Attributes:
-        name: Its name, e.g. that of a joint.
-        claimed_by: Names of the running controllers that claim it.
-    """
-
-    name: str
-    claimed_by: Items[str]
-
-
-class HardwareInterface(ResponseModel):
-    """A hardware interface.
-
-    Attributes:
-        name: Type, e.g. `hardware_interface::EffortJointInterface`.
-        resources: What it holds.
-    """
-
-    name: str
-    resources: Items[HardwareResource]
 
 
 class SoftLimits(ResponseModel):
@@ -94,22 +71,6 @@ class HardwareLimits(ResponseModel):
     max_effort: Measured
     soft_limits: SoftLimits | None
     sources: Annotated[dict[str, str], Field(strict=False)]
-
-
-class HardwareTransmission(ResponseModel):
-    """What is between actuators and joints.
-
-    Attributes:
-        name: Its name.
-        type: Its type, e.g. `transmission_interface/SimpleTransmission`.
-        joints: Names of its joints.
-        actuators: Names of its actuators.
-    """
-
-    name: str
-    type: str
-    joints: Items[str]
-    actuators: Items[str]
 
 
 class Clamp(ResponseModel):

@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import AliasChoices, Field
 
+from station.reports import ArmRecord
 from station.wire.base import (
     FromEnum,
     Items,
@@ -183,28 +184,6 @@ class GuidingRequest(RequestModel):
     model_config = example({"pressed": True})
 
     pressed: bool
-
-
-class ArmRecord(ResponseModel):
-    """One of the last cycles before an error.
-
-    Attributes:
-        time: Time of the arm [s].
-        q: Measured positions [rad].
-        dq: Measured velocities [rad/s].
-        tau_J: Measured torques [Nm].
-        q_d: Desired positions [rad].
-        tau_J_d: Desired torques [Nm].
-        command: What the arm was sent, in the unit of its kind.
-    """
-
-    time: float
-    q: Measurements
-    dq: Measurements
-    tau_J: Measurements
-    q_d: Measurements
-    tau_J_d: Measurements
-    command: Measurements
 
 
 class ArmLog(ResponseModel):

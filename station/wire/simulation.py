@@ -2,25 +2,7 @@
 
 from pydantic import Field
 
-from station.wire.base import Items, RequestModel, ResponseModel, example
-
-
-class Simulation(ResponseModel):
-    """A simulated robot's time.
-
-    Attributes:
-        paused: Station time stands still.
-        real_time_factor: Station time over wall time, as asked for.
-        time: Time of the simulated world [s]; a reset sets it to zero.
-        steps_due: Cycles that are still to be run while paused.
-        keyframes: Names of the poses that a reset can put the robot to.
-    """
-
-    paused: bool
-    real_time_factor: float
-    time: float
-    steps_due: int
-    keyframes: Items[str] = Field(default_factory=list)
+from station.wire.base import RequestModel, example
 
 
 class SimulationPatch(RequestModel):

@@ -4,6 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field
 
+from station.reports import LoopReport, Simulation
 from station.wire.base import (
     FromEnum,
     Items,
@@ -13,12 +14,10 @@ from station.wire.base import (
     ResponseModel,
     example,
 )
-from station.wire.controllers import Percentiles
 from station.wire.events import EventLogState
 from station.wire.hardware import Clamp
 from station.wire.recordings import Recording
 from station.wire.robots import ArmReport
-from station.wire.simulation import Simulation
 
 StopStateName = Annotated[Literal["armed", "stopped", "released"], FromEnum]
 
@@ -43,44 +42,6 @@ class Ready(ResponseModel):
     """
 
     ready: Literal[True] = True
-
-
-class LoopReport(ResponseModel):
-    """State of the control loop, and statistics since their last reset.
-
-    Attributes:
-        state: What the control thread does.
-        failure: Traceback of the error that ended it; empty without an error.
-        rate: Rate asked for [Hz].
-        achieved_rate: Rate measured [Hz].
-        period: Nominal period in station time [s].
-        cycles: Number of cycles.
-        skipped: Deadlines that had passed before their cycle could begin.
-        real_time_factor: Station time over wall time, as asked for.
-        achieved_real_time_factor: The real-time factor that was measured.
-        lateness: How long after its deadline a cycle began [s].
-        read: Time in the robot's `read` [s].
-        update: Time in the controllers' `update` [s].
-        write: Time in the robot's `write` [s].
-        total: Time of a whole cycle [s].
-        scheduler: What the operating system granted.
-    """
-
-    state: Annotated[Literal["running", "stopped", "failed"], FromEnum]
-    failure: Reason
-    rate: float
-    achieved_rate: float
-    period: float
-    cycles: int
-    skipped: int
-    real_time_factor: float
-    achieved_real_time_factor: float
-    lateness: Percentiles
-    read: Percentiles
-    update: Percentiles
-    write: Percentiles
-    total: Percentiles
-    scheduler: str
 
 
 class Kernel(ResponseModel):

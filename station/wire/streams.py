@@ -1,10 +1,11 @@
 """Wire models of WebSocket streams."""
 
-from typing import Literal, TypeVar
+from typing import Literal
 
-from pydantic import BaseModel, Field, JsonValue
+from pydantic import Field, JsonValue
+from pydantic_core import to_json
 
-from station.wire.base import ResponseModel
+from station.wire.base import ReadT, ResponseModel, read_json
 
 CLOSE_GOING_AWAY = 1001
 CLOSE_TRY_LATER = 1013
@@ -16,7 +17,6 @@ CLOSE_TOO_SLOW = 4408
 CLOSE_CONTROL_HELD = 4423
 
 StreamFormat = Literal["json", "msgpack"]
-ModelT = TypeVar("ModelT", bound=BaseModel)
 
 
 class StreamFrame(ResponseModel):
@@ -42,7 +42,7 @@ class StreamFrame(ResponseModel):
     boot_id: str = ""
     data: dict[str, JsonValue] = Field(default_factory=dict)
 
-    def read(self, model: type[ModelT]) -> ModelT:
+    def read(self, model: type[ReadT]) -> ReadT:
         """Return the payload as a wire model, e.g. `frame.read(JointStates).position`.
 
         Args:
@@ -51,7 +51,10 @@ class StreamFrame(ResponseModel):
         Raises:
             ValidationError: The payload is another one.
         """
-        return model.model_validate({"stamp": self.stamp, **self.data})
+        # As JSON, because reports are read strictly: pydantic would accept nothing but
+        # instances of them, and no mapping.
+        values = to_json({"stamp": self.stamp, **self.data}, inf_nan_mode="null")
+        return read_json(model, values)
 
 
 class CommandError(ResponseModel):

@@ -4,11 +4,11 @@ from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field
 
+from station.reports import Playback
 from station.wire.base import (
     ControllerName,
     FromEnum,
     Items,
-    Reason,
     RequestModel,
     ResponseModel,
 )
@@ -86,34 +86,6 @@ class CaptureRequest(RequestModel):
     duration: _Duration = 2.0
 
 
-class Waypoint(ResponseModel):
-    """A place that joints pass.
-
-    Attributes:
-        name: What people call it.
-        duration: Time to it from the waypoint before, at the speed 1 [s].
-        positions: Positions [rad or m] by joint.
-    """
-
-    name: str
-    duration: float
-    positions: dict[str, float]
-
-
-class WaypointPath(ResponseModel):
-    """A waypoint path.
-
-    Attributes:
-        name: Its name.
-        saved_at: When it was saved, ISO 8601.
-        waypoints: Its waypoints, in the order in which they are passed.
-    """
-
-    name: str
-    saved_at: str
-    waypoints: Items[Waypoint]
-
-
 class WaypointPaths(ResponseModel):
     """The saved paths.
 
@@ -161,37 +133,6 @@ class PlaybackPatch(RequestModel):
     paused: bool | None = None
     speed: _Speed | None = None
     loop: bool | None = None
-
-
-class Playback(ResponseModel):
-    """A path that plays, or how the last one ended.
-
-    Attributes:
-        path: Name of the path.
-        controller: The trajectory controller that moves along it.
-        state: `playing`, `paused`, or its end: `succeeded`, `cancelled` (by somebody),
-            `aborted` (it could not go on, see `message`).
-        speed: Factor of all speeds, 0.05 to 2; without a unit.
-        loop: Whether it begins again at its end.
-        rounds: Rounds that are complete, 0 or more.
-        waypoint: Number of the waypoint it is on the way to, from 0.
-        waypoints: How many waypoints a round has.
-        progress: Part of the round's waypoints that are behind it, 0 to 1.
-        remaining: Time to the end of the round at the present speed [s].
-        message: Why it was aborted; empty otherwise.
-    """
-
-    path: str
-    controller: str
-    state: PlaybackStateName
-    speed: float
-    loop: bool
-    rounds: int
-    waypoint: int
-    waypoints: int
-    progress: float
-    remaining: float
-    message: Reason
 
 
 class LastPlayback(ResponseModel):

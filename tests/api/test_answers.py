@@ -10,11 +10,7 @@ from station.core.control.controller import ControllerSample
 from station.core.control.switching import SwitchPlan, SwitchRequest, SwitchResult
 from station.core.control.tunables import Gains, Tunable
 from station.core.description.repair import Repair
-from station.core.facade.hardware_report import (
-    HardwareReport,
-    InterfaceReport,
-    ResourceReport,
-)
+from station.core.facade.hardware_report import HardwareReport
 from station.core.franka import (
     ArmError,
     GripperAction,
@@ -32,14 +28,11 @@ from station.core.hardware.limits import (
     JointLimits,
     SoftJointLimits,
 )
-from station.core.hardware.robot_report import (
-    ClampReport,
-    JointLimitsReport,
-    TransmissionReport,
-)
+from station.core.hardware.robot_report import ClampReport, JointLimitsReport
 from station.core.ports.goal import GoalStatus
 from station.core.ports.set_point import SetPoint, SetPointElement
 from station.events import EventLog
+from station.reports import HardwareInterface, HardwareResource, HardwareTransmission
 from tests.api.spring import make_station
 
 
@@ -183,7 +176,7 @@ EFFORT = "hardware_interface::EffortJointInterface"
 
 def test_hardware_answer_has_interfaces_limits_transmissions_and_clamps():
     report = HardwareReport(
-        (InterfaceReport(EFFORT, (ResourceReport("j", ("arm",)),)),),
+        (HardwareInterface(EFFORT, (HardwareResource("j", ("arm",)),)),),
         (
             JointLimitsReport(
                 "j",
@@ -192,7 +185,7 @@ def test_hardware_answer_has_interfaces_limits_transmissions_and_clamps():
                 {"position": "urdf limit", "soft": "parameters"},
             ),
         ),
-        (TransmissionReport("t", "a/B", ("j",), ("m",)),),
+        (HardwareTransmission("t", "a/B", ("j",), ("m",)),),
         (ClampReport(EFFORT, 3, Clamp("j", math.inf, 5.0, ClampReason.EFFORT)),),
         (Repair("range", "joint 'j'", "its range is empty", "0 to 0", "locked"),),
     )
@@ -200,13 +193,13 @@ def test_hardware_answer_has_interfaces_limits_transmissions_and_clamps():
     told = answers.hardware(report)
     assert told.repairs[0].new == "locked"
 
-    assert told.interfaces[0].resources[0].claimed_by == ["arm"]
+    assert told.interfaces[0].resources[0].claimed_by == ("arm",)
     limits = told.limits[0]
     assert (limits.min_position, limits.max_velocity) == (-1.0, None)
     assert limits.max_effort is None
     assert limits.soft_limits.k_velocity == 20.0
     assert limits.sources == {"position": "urdf limit", "soft": "parameters"}
-    assert told.transmissions[0].actuators == ["m"]
+    assert told.transmissions[0].actuators == ("m",)
     clamp = told.clamps[0]
     assert (clamp.count, clamp.asked, clamp.given) == (3, None, 5.0)
     assert clamp.reason == "effort"

@@ -2,7 +2,8 @@
 
 import json
 
-from station.events.event import MAX_DETAILS, EventKind, Severity, written_details
+from station.events.event import MAX_DETAILS, written_details
+from station.reports import EventKind, Severity
 
 
 def test_severities_have_an_order():

@@ -4,8 +4,8 @@ import sqlite3
 
 import pytest
 
-from station.events.event import Event, EventKind, Severity
 from station.events.event_file import EventFile
+from station.reports import Event, EventKind, Severity
 
 
 def event(number, kind=EventKind.STOP, severity=Severity.INFO, time=1000.0):

@@ -11,9 +11,10 @@ import threading
 import pytest
 
 from station.events import event_log
-from station.events.event import EventKind, Origin, Severity
+from station.events.event import Origin
 from station.events.event_file import EventFile
 from station.events.event_log import IN_MEMORY, EventLog
+from station.reports import EventKind, Severity
 
 KIND = EventKind.REQUEST
 

@@ -5,9 +5,9 @@ import pytest
 from station.core.control.switching import SwitchRequest
 from station.core.franka import RobotMode
 from station.core.franka.arms import ArmReport
-from station.events.event import EventKind, Severity
 from station.events.event_log import EventLog
 from station.events.state_watcher import CALM, QUIET, StateWatcher
+from station.reports import EventKind, Severity
 
 
 @pytest.fixture

@@ -23,9 +23,9 @@ from station.api.auth import Authenticator
 from station.client import ApiError, StationClient
 from station.core.control.controller import ControllerState
 from station.core.facade.gain_sets import GainSets
-from station.core.loop.loop_report import LoopState
 from station.records.record_store import RecordStore
 from station.records.recorder import Recorder
+from station.reports import LoopState
 from station.wire import Fault
 from tests.api.conftest import OPERATOR, URL, VIEWER, AppTransport
 from tests.franka_station import JOINTS, make_franka_station

@@ -6,8 +6,8 @@ import pytest
 from pydantic import ValidationError
 
 from station.core.franka import Frame, RobotState
+from station.reports import described
 from station.wire import FrankaState, JointImpedance, RecoveryRequest
-from station.wire.base import described
 
 
 def test_state_on_the_wire_has_every_field():

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Annotated
 from fastapi import APIRouter, Header, Query, Request
 from fastapi.responses import StreamingResponse
 
-from station.api import answers
 from station.api.dependencies import AccessDep, EventRecorderDep, Viewer
 from station.api.event_feed import MEDIA_TYPE, EventFeed
 from station.api.json_route import JsonRoute
@@ -93,7 +92,7 @@ async def get_events(
         return StreamingResponse(lines, media_type=MEDIA_TYPE)
     found = await feed.page(since, limit, kinds, least)
     return Events(
-        events=[answers.event(each) for each in found],
+        events=found,
         newest_id=event_recorder.log.newest_id,
     )
 

@@ -8,9 +8,9 @@ from fastapi import APIRouter, Path
 from station.api.dependencies import Operator, StationDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
-from station.core.control import tunables
 from station.core.facade import gain_sets
 from station.core.facade.station import Station
+from station.reports import GainsChange
 from station.wire import GainsChanges, GainSet, GainSetRequest, GainSets
 from station.wire.gain_sets import GainSetName
 
@@ -86,5 +86,5 @@ def _gain_set(station: Station, found: gain_sets.GainSet) -> GainSet:
     })
 
 
-def _changes(changes: Mapping[str, tunables.GainsChange]) -> GainsChanges:
+def _changes(changes: Mapping[str, GainsChange]) -> GainsChanges:
     return GainsChanges.model_validate({"changes": changes})

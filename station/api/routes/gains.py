@@ -10,7 +10,8 @@ from station.api.errors import ProblemError
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
 from station.core.facade.station import Station
-from station.wire import Gains, GainsChange, GainsChanges, GainsPatch
+from station.reports import GainsChange
+from station.wire import Gains, GainsChanges, GainsPatch
 from station.wire.gain_sets import GainsOfControllersPatch
 
 router = APIRouter(tags=["gains"], dependencies=[Viewer], route_class=JsonRoute)
@@ -52,13 +53,7 @@ def patch_gains(
         revision = _matching_revision(station, name, if_match)
     change = station.set_gains(name, request.values, revision)
     response.headers["ETag"] = etag_of(station, change.revision)
-    return GainsChange(
-        values=change.values,
-        previous=change.previous,
-        revision=change.revision,
-        cycle=change.cycle,
-        notes=list(change.notes),
-    )
+    return change
 
 
 @router.patch(

@@ -5,7 +5,8 @@ from fastapi import APIRouter
 from station.api.dependencies import Operator, StationDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
-from station.wire import ResetRequest, Simulation, SimulationPatch, StepRequest
+from station.reports import Simulation
+from station.wire import ResetRequest, SimulationPatch, StepRequest
 
 router = APIRouter(
     prefix="/simulation",
@@ -19,25 +20,21 @@ _CHANGE = problems(409, 413, 422, 503)
 @router.get("", responses=problems(409))
 def get_simulation(station: StationDep) -> Simulation:
     """Return whether simulated time passes, and how fast."""
-    return Simulation.model_validate(station.simulation.report())
+    return station.simulation.report()
 
 
 @router.patch("", dependencies=[Operator], responses=_CHANGE)
 def patch_simulation(request: SimulationPatch, station: StationDep) -> Simulation:
     """Pause, resume or change the pace. Stops and switches work while it is paused."""
-    return Simulation.model_validate(
-        station.simulation.change(
-            paused=request.paused, real_time_factor=request.real_time_factor
-        )
+    return station.simulation.change(
+        paused=request.paused, real_time_factor=request.real_time_factor
     )
 
 
 @router.post("/step", dependencies=[Operator], responses=_CHANGE)
 def step(station: StationDep, request: StepRequest | None = None) -> Simulation:
     """Run some cycles of a paused simulation; answers when they are done."""
-    return Simulation.model_validate(
-        station.simulation.step((request or StepRequest()).n)
-    )
+    return station.simulation.step((request or StepRequest()).n)
 
 
 @router.post("/reset", dependencies=[Operator], responses=_CHANGE)
@@ -47,6 +44,4 @@ def reset(station: StationDep, request: ResetRequest | None = None) -> Simulatio
     Running controllers start anew from there. Earlier set-points and goals are void.
     """
     asked = request or ResetRequest()
-    return Simulation.model_validate(
-        station.simulation.reset(asked.joint_positions, asked.keyframe)
-    )
+    return station.simulation.reset(asked.joint_positions, asked.keyframe)

@@ -7,14 +7,13 @@ from fastapi import APIRouter, Path
 from station.api.dependencies import Operator, StationDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
-from station.core.facade import path_player, waypoint_paths
+from station.core.facade.path_player import PlayOptions
+from station.reports import Playback, Waypoint, WaypointPath
 from station.wire import (
     CaptureRequest,
     LastPlayback,
-    Playback,
     PlaybackPatch,
     PlayRequest,
-    WaypointPath,
     WaypointPathRequest,
     WaypointPaths,
 )
@@ -35,7 +34,7 @@ def list_waypoint_paths(station: StationDep) -> WaypointPaths:
 @router.get("/waypoint-paths/{name}", responses=problems(404, 422))
 def get_waypoint_path(name: Name, station: StationDep) -> WaypointPath:
     """Return a path with its waypoints."""
-    return WaypointPath.model_validate(station.waypoint_paths.get(name))
+    return station.waypoint_paths.get(name)
 
 
 @router.put(
@@ -48,10 +47,9 @@ def save_waypoint_path(
 ) -> WaypointPath:
     """Save the waypoints of a path; a path of that name is replaced."""
     found = [
-        waypoint_paths.Waypoint(each.name, each.duration, each.positions)
-        for each in request.waypoints
+        Waypoint(each.name, each.duration, each.positions) for each in request.waypoints
     ]
-    return WaypointPath.model_validate(station.waypoint_paths.save(name, found))
+    return station.waypoint_paths.save(name, found)
 
 
 @router.delete(
@@ -59,7 +57,7 @@ def save_waypoint_path(
 )
 def delete_waypoint_path(name: Name, station: StationDep) -> WaypointPath:
     """Delete a path; return what it was."""
-    return WaypointPath.model_validate(station.waypoint_paths.delete(name))
+    return station.waypoint_paths.delete(name)
 
 
 @router.post(
@@ -76,9 +74,7 @@ def capture_waypoint(
     controller, all joints.
     """
     wanted = request or CaptureRequest()
-    return WaypointPath.model_validate(
-        station.waypoint_paths.capture(name, wanted.name or "", wanted.duration)
-    )
+    return station.waypoint_paths.capture(name, wanted.name or "", wanted.duration)
 
 
 @router.post(
@@ -96,8 +92,8 @@ def play_waypoint_path(
     Joints that go on in the same direction do not stand still at a waypoint.
     """
     wanted = request or PlayRequest()
-    options = path_player.PlayOptions(**wanted.model_dump())
-    return Playback.model_validate(station.path_player.play(name, options))
+    options = PlayOptions(**wanted.model_dump())
+    return station.path_player.play(name, options)
 
 
 @router.get("/playback", responses=problems())
@@ -118,10 +114,10 @@ def change_playback(request: PlaybackPatch, station: StationDep) -> Playback:
     found = player.adjust(speed=request.speed, loop=request.loop)
     if request.paused is not None:
         found = player.pause() if request.paused else player.resume()
-    return Playback.model_validate(found)
+    return found
 
 
 @router.delete("/playback", dependencies=[Operator], responses=problems(404, 409))
 def cancel_playback(station: StationDep) -> Playback:
     """End the path that plays; the robot holds where it is."""
-    return Playback.model_validate(station.path_player.cancel())
+    return station.path_player.cancel()

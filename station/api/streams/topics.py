@@ -1,12 +1,12 @@
 """What can be streamed, and how each topic's payload is made."""
 
+import dataclasses
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 
 import anyio.to_thread
 from typing_extensions import override
 
-from station import events
 from station.api import answers
 from station.api.streams.cycle_samples import (
     CycleSamples,
@@ -32,7 +32,8 @@ from station.core.hardware.robot_report import (
 )
 from station.core.loop.snapshot import Snapshot
 from station.events import EventLog
-from station.wire import Event, FrankaState, LoopReport, Scene
+from station.reports import Event
+from station.wire import FrankaState, Scene
 
 CONTROLLER_STATE = "controller_state/"
 ROBOT_STATE = "robot_state"
@@ -251,7 +252,7 @@ class LoopTopic(ReportTopic):
     @override
     def report(self) -> Data:
         return {
-            "loop": LoopReport.model_validate(self._station.loop_report()).model_dump(),
+            "loop": self._station.loop_report(),
             "stop": answers.stop_state(self._station).model_dump(),
             "robot_mode": self._station.status().robot_mode,
         }
@@ -298,7 +299,7 @@ class EventsTopic(Topic):
     """
 
     name = "events"
-    fields = tuple(Event.model_fields)
+    fields = tuple(field.name for field in dataclasses.fields(Event))
     sample_fields = ()
     default_rate = 20.0
 
@@ -311,9 +312,9 @@ class EventsTopic(Topic):
         found = self.log.recent(self.log.newest_id - 1)
         return self.payload(found[-1]) if found else None
 
-    def payload(self, event: events.Event) -> Payload:
+    def payload(self, event: Event) -> Payload:
         """Return an event as the payload of a frame."""
-        data = answers.event(event).model_dump()
+        data: Data = {name: getattr(event, name) for name in self.fields}
         return Payload(event.cycle, self._station.epoch, event.stamp, data)
 
     @override

@@ -2,6 +2,7 @@
 
 from argparse import Namespace
 from collections.abc import Callable, Mapping
+from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from station.cli.connection import open_client
@@ -130,7 +131,7 @@ def _undo(client: "StationClient", options: Namespace) -> int:
 def _tell(changes: Mapping[str, "GainsChange"], options: Namespace) -> int:
     """Say what changed, of several controllers."""
     if options.json:
-        say_json({name: change.model_dump() for name, change in changes.items()})
+        say_json({name: asdict(change) for name, change in changes.items()})
         return 0
     rows = [
         [controller, name, _number(change.previous.get(name)), f"{value:g}"]

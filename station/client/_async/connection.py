@@ -14,11 +14,12 @@ from station.client.command_options import CommandOptions
 from station.client.errors import ApiError, StationUnreachableError
 from station.client.routes import LEASE_HEADER, PREFIX
 from station.client.stream_options import Rate, StreamOptions, bearer
+from station.wire.base import read_json
 
 if TYPE_CHECKING:
     from station.client.promptness import Promptness
 
-ModelT = TypeVar("ModelT", bound=BaseModel)
+ModelT = TypeVar("ModelT")
 Query = Mapping[str, str | list[str]]
 
 
@@ -237,7 +238,7 @@ class AsyncConnection:
         if not response.is_success:
             refusal = ApiError.from_body(response.status_code, response.content)
             raise refusal
-        return answer.model_validate_json(response.content)
+        return read_json(answer, response.content)
 
 
 def _written(body: BaseModel | Mapping[str, JsonValue]) -> bytes:

@@ -1,6 +1,7 @@
 """The client of a station's waypoint paths."""
 
 from collections.abc import Sequence
+from functools import partial
 
 from station.client._async.connection import AsyncConnection
 from station.client.routes import segment
@@ -49,7 +50,8 @@ class AsyncWaypointPathsClient:
             name: Letters, digits, `_`, `.` and `-`.
             waypoints: The waypoints, in the order in which they are passed.
         """
-        found = [WaypointRequest.model_validate(w.model_dump()) for w in waypoints]
+        read = partial(WaypointRequest.model_validate, from_attributes=True)
+        found = [read(waypoint) for waypoint in waypoints]
         request = WaypointPathRequest(waypoints=found)
         return await self._connection.send("PUT", _path(name), WaypointPath, request)
 

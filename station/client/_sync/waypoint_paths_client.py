@@ -2,6 +2,7 @@
 """The client of a station's waypoint paths."""
 
 from collections.abc import Sequence
+from functools import partial
 
 from station.client._sync.connection import Connection
 from station.client.routes import segment
@@ -50,7 +51,8 @@ class WaypointPathsClient:
             name: Letters, digits, `_`, `.` and `-`.
             waypoints: The waypoints, in the order in which they are passed.
         """
-        found = [WaypointRequest.model_validate(w.model_dump()) for w in waypoints]
+        read = partial(WaypointRequest.model_validate, from_attributes=True)
+        found = [read(waypoint) for waypoint in waypoints]
         request = WaypointPathRequest(waypoints=found)
         return self._connection.send("PUT", _path(name), WaypointPath, request)
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from station.core.control.controller import ControllerState
 from station.core.hardware.robot_hw import InterfaceResources
-from station.core.numerics.statistics import Percentiles
+from station.reports import Percentiles
 
 
 @dataclass(frozen=True, slots=True)

@@ -199,22 +199,3 @@ class Gains:
     values: dict[str, float]
     schema: dict[str, Tunable]
     revision: int
-
-
-@dataclass(frozen=True, slots=True)
-class GainsChange:
-    """A change of run-time parameters that was applied.
-
-    Attributes:
-        values: All values after the change.
-        previous: All values before the change.
-        revision: Revision of the new values.
-        cycle: Number of the first cycle that uses the new values.
-        notes: A sentence about each value that has no effect.
-    """
-
-    values: dict[str, float]
-    previous: dict[str, float]
-    revision: int
-    cycle: int
-    notes: tuple[str, ...] = ()

@@ -6,7 +6,6 @@ from datetime import UTC, datetime
 from math import isfinite
 from pathlib import Path
 
-from station.core.control.tunables import GainsChange
 from station.core.errors import (
     GainSetError,
     GainSetNotFoundError,
@@ -17,28 +16,11 @@ from station.core.errors import (
 from station.core.facade.gain_tuning import GainTuning
 from station.core.facade.named_files import FileKind, NamedFiles
 from station.core.user_files import user_folder
+from station.reports import GainDifference, GainsChange
 
 _KIND = FileKind("gain set", "gain-sets", GainSetNotFoundError, GainSetError)
 
 GainsByController = dict[str, dict[str, float]]
-
-
-@dataclass(frozen=True, slots=True)
-class GainDifference:
-    """A gain whose saved value is not the present one.
-
-    Attributes:
-        controller: The controller.
-        name: The gain.
-        saved: The value of the set; None when the set does not have it.
-        present: The value in force; None when the controller is not loaded or has no
-            such gain.
-    """
-
-    controller: str
-    name: str
-    saved: float | None
-    present: float | None
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,10 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from station.core.control.controller_manager import ControllerManager
-from station.core.control.tunables import Gains, GainsChange, Tunables
+from station.core.control.tunables import Gains, Tunables
 from station.core.errors import GainsChangedError, NothingToUndoError
 from station.core.facade.input_log import InputLog
 from station.core.loop.control_loop import ControlLoop
+from station.reports import GainsChange
 
 HISTORY = 100
 """How many changes can be taken back."""

@@ -7,37 +7,8 @@ from station.core.control.controller import ControllerState
 from station.core.control.controller_status import ControllerStatus
 from station.core.description.repair import Repair
 from station.core.hardware.robot_hw import RobotHW
-from station.core.hardware.robot_report import (
-    ClampReport,
-    JointLimitsReport,
-    TransmissionReport,
-)
-
-
-@dataclass(frozen=True, slots=True)
-class ResourceReport:
-    """A resource of an interface.
-
-    Attributes:
-        name: Its name.
-        claimed_by: Names of the running controllers that claim it.
-    """
-
-    name: str
-    claimed_by: tuple[str, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class InterfaceReport:
-    """A hardware interface.
-
-    Attributes:
-        name: Wire name, e.g. `hardware_interface::EffortJointInterface`.
-        resources: Resources of the interface, by name.
-    """
-
-    name: str
-    resources: tuple[ResourceReport, ...]
+from station.core.hardware.robot_report import ClampReport, JointLimitsReport
+from station.reports import HardwareInterface, HardwareResource, HardwareTransmission
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,9 +23,9 @@ class HardwareReport:
         repairs: In what the robot differs from its description.
     """
 
-    interfaces: tuple[InterfaceReport, ...]
+    interfaces: tuple[HardwareInterface, ...]
     limits: tuple[JointLimitsReport, ...]
-    transmissions: tuple[TransmissionReport, ...]
+    transmissions: tuple[HardwareTransmission, ...]
     clamps: tuple[ClampReport, ...]
     repairs: tuple[Repair, ...]
 
@@ -77,10 +48,10 @@ def report_hardware(
                 key = (claimed.hardware_interface, resource)
                 claims.setdefault(key, []).append(status.name)
     interfaces = [
-        InterfaceReport(
+        HardwareInterface(
             name,
             tuple(
-                ResourceReport(resource, tuple(claims.get((name, resource), ())))
+                HardwareResource(resource, tuple(claims.get((name, resource), ())))
                 for resource in robot.get_interface_resources(name)
             ),
         )

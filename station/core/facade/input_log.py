@@ -9,8 +9,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from station.core.loop.control_loop import ControlLoop
-from station.core.loop.loop_report import LoopState
 from station.core.ports.receipt import Receipt
+from station.reports import LoopState
 
 CAPACITY = 10_000
 """Most inputs that wait to be taken; without a recorder nobody takes them."""

@@ -19,12 +19,12 @@ from station.core.errors import (
 )
 from station.core.facade.input_log import InputLog
 from station.core.loop.control_loop import ControlLoop
-from station.core.loop.loop_report import LoopState
 from station.core.ports.goal import Goal, GoalPort
 from station.core.ports.receipt import Receipt
 from station.core.ports.set_point import SetPoint, SetPointPort
 from station.core.trajectory import PosVelAccState
 from station.core.trajectory.trajectory_port import TrajectoryPort
+from station.reports import LoopState
 
 _PICK_UP = 0.02
 """How long a running loop may take to pick a command up [s]."""

@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from station.core.errors import InvalidTrajectoryError, show
-from station.core.facade.waypoint_paths import Waypoint, WaypointPath
 from station.core.hardware.limits import JointLimits
 from station.core.trajectory import PosVelAccState, peak_speeds, through_waypoints
+from station.reports import Waypoint, WaypointPath
 
 _SHORTEST = 0.1
 """Shortest way to a waypoint when a path goes on in the middle [s]."""

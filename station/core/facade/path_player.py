@@ -4,66 +4,20 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from enum import Enum
 
 from station.core.control.controller_manager import ControllerManager
 from station.core.errors import PathRefusedError, StationError
 from station.core.facade.motion_commands import MotionCommands
 from station.core.facade.path_plan import plan_path
-from station.core.facade.waypoint_paths import WaypointPath, WaypointPaths
+from station.core.facade.waypoint_paths import WaypointPaths
 from station.core.loop.control_loop import ControlLoop
 from station.core.ports.goal import Goal, GoalStatus
+from station.reports import Playback, PlaybackState, WaypointPath
 
 SLOWEST, FASTEST = 0.05, 2.0
 """Bounds of the factor that all speeds of a path are multiplied by."""
 LOOK_PERIOD = 0.05
 """How often the thread of a path that plays looks at its goal [s wall time]."""
-
-
-class LastPlayback(Enum):
-    """What the playing of a path is doing. The last three are final."""
-
-    PLAYING = "playing"
-    """The robot moves."""
-    PAUSED = "paused"
-    """The robot holds where it was when the pause came."""
-    SUCCEEDED = "succeeded"
-    """The robot is at the last waypoint."""
-    CANCELLED = "cancelled"
-    """Somebody ended it."""
-    ABORTED = "aborted"
-    """It could not go on."""
-
-
-@dataclass(frozen=True, slots=True)
-class Playback:
-    """A path that plays, or how the last one ended.
-
-    Attributes:
-        path: Name of the path.
-        controller: The trajectory controller that moves along it.
-        state: What it is doing.
-        speed: Factor of all speeds, `SLOWEST` to `FASTEST`.
-        loop: Whether it begins again at its end.
-        rounds: Rounds that are complete.
-        waypoint: Number of the waypoint it is on the way to, from 0.
-        waypoints: How many waypoints a round has.
-        progress: Part of the round's waypoints that are behind it, 0 to 1.
-        remaining: Time to the end of the round [s]; at the present speed.
-        message: Why it ended early; empty otherwise.
-    """
-
-    path: str
-    controller: str
-    state: LastPlayback
-    speed: float
-    loop: bool
-    rounds: int = 0
-    waypoint: int = 0
-    waypoints: int = 0
-    progress: float = 0.0
-    remaining: float = 0.0
-    message: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,7 +128,17 @@ class PathPlayer:
             controller = options.controller or self._find_controller(path)
             self._epoch = self._loop.epoch
             playback = Playback(
-                name, controller, LastPlayback.PLAYING, options.speed, options.loop
+                path=name,
+                controller=controller,
+                state=PlaybackState.PLAYING,
+                speed=options.speed,
+                loop=options.loop,
+                rounds=0,
+                waypoint=0,
+                waypoints=0,
+                progress=0.0,
+                remaining=0.0,
+                message="",
             )
             self._begin(path, playback, options.first)
             self._first = options.first
@@ -192,9 +156,9 @@ class PathPlayer:
         """
         with self._lock:
             playback = self._active()
-            if playback.state is LastPlayback.PLAYING and self._round is not None:
+            if playback.state is PlaybackState.PLAYING and self._round is not None:
                 # First, so that nobody takes the end of the goal for one from outside.
-                self._playback = replace(playback, state=LastPlayback.PAUSED)
+                self._playback = replace(playback, state=PlaybackState.PAUSED)
                 self._motion.cancel_goal(
                     playback.controller, self._round.goal.identifier
                 )
@@ -209,8 +173,8 @@ class PathPlayer:
         """
         with self._lock:
             playback = self._active()
-            if playback.state is LastPlayback.PAUSED and self._path is not None:
-                playing = replace(playback, state=LastPlayback.PLAYING)
+            if playback.state is PlaybackState.PAUSED and self._path is not None:
+                playing = replace(playback, state=PlaybackState.PLAYING)
                 self._begin(self._path, playing, playback.waypoint, self._since())
             return self._active()
 
@@ -234,7 +198,7 @@ class PathPlayer:
                 speed=playback.speed if speed is None else speed,
                 loop=playback.loop if loop is None else loop,
             )
-            is_playing = wanted.state is LastPlayback.PLAYING
+            is_playing = wanted.state is PlaybackState.PLAYING
             if wanted.speed != playback.speed and is_playing and self._path is not None:
                 self._begin(self._path, wanted, playback.waypoint, self._since())
             else:
@@ -249,7 +213,7 @@ class PathPlayer:
         """
         with self._lock:
             playback = self._active()
-            self._playback = replace(playback, state=LastPlayback.CANCELLED)
+            self._playback = replace(playback, state=PlaybackState.CANCELLED)
             if self._round is not None:
                 self._motion.cancel_goal(
                     playback.controller, self._round.goal.identifier
@@ -277,10 +241,12 @@ class PathPlayer:
         playback, now = self._playback, self._round
         if playback is None or now is None or self._path is None:
             return
-        if playback.state is LastPlayback.PAUSED and self._loop.epoch != self._epoch:
+        if playback.state is PlaybackState.PAUSED and self._loop.epoch != self._epoch:
             text = "A stop, a reset or a recovery came while it was paused."
-            self._playback = replace(playback, state=LastPlayback.ABORTED, message=text)
-        if playback.state is not LastPlayback.PLAYING:
+            self._playback = replace(
+                playback, state=PlaybackState.ABORTED, message=text
+            )
+        if playback.state is not PlaybackState.PLAYING:
             return
         passed = now.goal.progress * now.times[-1]
         behind = sum(time <= passed for time in now.times[:-1])
@@ -297,20 +263,20 @@ class PathPlayer:
             why = result.message if result is not None and result.message else ""
             self._playback = replace(
                 playback,
-                state=LastPlayback.ABORTED,
+                state=PlaybackState.ABORTED,
                 message=why or f"Its goal was {now.goal.status.value}.",
             )
             return
         done = replace(
             playback, rounds=playback.rounds + 1, progress=1.0, remaining=0.0
         )
-        self._playback = replace(done, state=LastPlayback.SUCCEEDED)
+        self._playback = replace(done, state=PlaybackState.SUCCEEDED)
         if playback.loop:
             try:
                 self._begin(self._path, done, self._first)
             except StationError as error:
                 self._playback = replace(
-                    done, state=LastPlayback.ABORTED, message=str(error)
+                    done, state=PlaybackState.ABORTED, message=str(error)
                 )
 
     def _since(self) -> Mapping[str, float]:
@@ -371,7 +337,7 @@ class PathPlayer:
 
 
 def _is_final(playback: Playback) -> bool:
-    return playback.state not in {LastPlayback.PLAYING, LastPlayback.PAUSED}
+    return playback.state not in {PlaybackState.PLAYING, PlaybackState.PAUSED}
 
 
 def _share(now: _Round, passed: float, waypoints: int) -> float:

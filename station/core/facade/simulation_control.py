@@ -5,7 +5,6 @@ Controllers stay loaded and running; commands from before a reset are void.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from station.core.errors import (
     ParameterError,
@@ -16,8 +15,8 @@ from station.core.facade.input_log import InputLog
 from station.core.hardware.limits import JointLimits
 from station.core.hardware.simulated_world import SimulatedWorld
 from station.core.loop.control_loop import ControlLoop
-from station.core.loop.loop_report import LoopState
 from station.core.loop.pace import check_real_time_factor
+from station.reports import LoopState, Simulation
 
 MOST_STEPS = 10_000
 """Most cycles of one `step`; ten seconds at 1 kHz."""
@@ -25,25 +24,6 @@ MOST_STEPS = 10_000
 # nominal time it waits [s].
 _WAKE = 0.002
 _GRACE = 2.0
-
-
-@dataclass(frozen=True, slots=True)
-class SimulationReport:
-    """The state of a simulation.
-
-    Attributes:
-        paused: Whether station time stands still.
-        real_time_factor: Commanded ratio of station time to wall time.
-        time: Time of the simulated world [s]; a reset sets it to zero.
-        steps_due: Cycles that are still to be run while paused.
-        keyframes: Names of the poses that a reset can put the robot to.
-    """
-
-    paused: bool
-    real_time_factor: float
-    time: float
-    steps_due: int
-    keyframes: tuple[str, ...] = ()
 
 
 class SimulationControl:
@@ -61,12 +41,12 @@ class SimulationControl:
         self._loop = loop
         self._world = loop.hw.simulated_world()
 
-    def find(self) -> SimulationReport | None:
+    def find(self) -> Simulation | None:
         """Return the state of the simulation; None when the robot is real."""
         if self._world is None:
             return None
         time, pace = self._world.time(), self._loop.pace
-        return SimulationReport(
+        return Simulation(
             pace.paused,
             pace.real_time_factor,
             time,
@@ -74,7 +54,7 @@ class SimulationControl:
             tuple(self._world.keyframes()),
         )
 
-    def report(self) -> SimulationReport:
+    def report(self) -> Simulation:
         """Return the state of the simulation.
 
         Raises:
@@ -87,7 +67,7 @@ class SimulationControl:
 
     def change(
         self, *, paused: bool | None = None, real_time_factor: float | None = None
-    ) -> SimulationReport:
+    ) -> Simulation:
         """Pause or resume, and change the pace; None changes nothing.
 
         Args:
@@ -117,7 +97,7 @@ class SimulationControl:
         self._loop.run_in_cycle(apply)
         return self.report()
 
-    def step(self, cycles: int = 1) -> SimulationReport:
+    def step(self, cycles: int = 1) -> Simulation:
         """Run some cycles of a paused simulation; return when they are done.
 
         The cycles run one after another at the pace of the loop.
@@ -160,7 +140,7 @@ class SimulationControl:
         self,
         positions: Mapping[str, float] | None = None,
         keyframe: str | None = None,
-    ) -> SimulationReport:
+    ) -> Simulation:
         """Put the world back to its start; running controllers start anew from there.
 
         A new epoch begins: set-points and goals from before are void.

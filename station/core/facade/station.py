@@ -16,7 +16,7 @@ from station.core.control.controller_manager import ControllerManager, Controlle
 from station.core.control.controller_type import ControllerType
 from station.core.control.loading import LOAD_TIMEOUT
 from station.core.control.switching import SwitchRequest, SwitchResult
-from station.core.control.tunables import Gains, GainsChange
+from station.core.control.tunables import Gains
 from station.core.errors import (
     ControllerExistsError,
     LoopError,
@@ -39,10 +39,10 @@ from station.core.hardware.robot_report import (
     SceneObjectReport,
 )
 from station.core.loop.control_loop import ControlLoop
-from station.core.loop.loop_report import LoopReport, LoopState
 from station.core.loop.snapshot import Snapshot, SnapshotRing
 from station.core.loop.stop_latch import StopState
 from station.core.parameters import Parameters
+from station.reports import GainsChange, LoopReport, LoopState
 
 FRESH = 0.25
 """A last cycle older than this means that the loop hangs [s]."""

@@ -3,11 +3,10 @@
 from dataclasses import dataclass
 
 from station.compiled import CompilationStatus
-from station.core.facade.simulation_control import SimulationReport
 from station.core.hardware.robot_hw import RobotHW
 from station.core.hardware.robot_report import ClampReport
-from station.core.loop.loop_report import LoopReport
 from station.core.loop.stop_latch import StopState
+from station.reports import LoopReport, Simulation
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +42,7 @@ class StationStatus:
     stop_reason: str
     loop: LoopReport
     kernel: CompilationStatus
-    simulation: SimulationReport | None
+    simulation: Simulation | None
     clamps: tuple[ClampReport, ...]
     command_violations: int
     last_command_violation: str | None

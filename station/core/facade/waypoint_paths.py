@@ -1,7 +1,7 @@
 """Waypoint paths on disk: captured from where the robot is, edited, kept."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Sequence
+from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from math import isfinite
 from pathlib import Path
@@ -18,6 +18,7 @@ from station.core.errors import (
 )
 from station.core.facade.named_files import FileKind, NamedFiles
 from station.core.loop.control_loop import ControlLoop
+from station.reports import Waypoint, WaypointPath
 
 MOST_WAYPOINTS = 500
 """Most waypoints of one path."""
@@ -26,37 +27,6 @@ LONGEST = 600.0
 _KIND = FileKind(
     "waypoint path", "waypoint-paths", WaypointPathNotFoundError, WaypointPathError
 )
-
-
-@dataclass(frozen=True, slots=True)
-class Waypoint:
-    """A place that joints pass.
-
-    Attributes:
-        name: What people call it.
-        duration: Time to it from the waypoint before, at the speed 1 [s], > 0 and at
-            most `LONGEST`.
-        positions: Positions [rad or m] by joint; joints without one keep theirs.
-    """
-
-    name: str
-    duration: float
-    positions: Mapping[str, float]
-
-
-@dataclass(frozen=True, slots=True)
-class WaypointPath:
-    """Waypoints in the order in which they are passed.
-
-    Attributes:
-        name: Its name.
-        saved_at: When it was saved, ISO 8601.
-        waypoints: The waypoints.
-    """
-
-    name: str
-    saved_at: str
-    waypoints: tuple[Waypoint, ...]
 
 
 class WaypointPaths:

@@ -20,7 +20,6 @@ from station.core.franka.franka_model import (
 )
 from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.core.franka.franka_services import (
-    ArmRecord,
     CollisionBehavior,
     FrankaServices,
     FrankaServicesInterface,
@@ -37,6 +36,7 @@ from station.core.franka.gripper_services import (
     GripperServicesInterface,
     GripperState,
 )
+from station.reports import ArmRecord
 
 __all__ = [
     "DEFAULT_EPSILON",

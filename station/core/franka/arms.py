@@ -17,11 +17,8 @@ from station.core.franka.arm_simulation import (
 from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_model import Frame
 from station.core.franka.franka_robot_state import RobotMode, RobotState
-from station.core.franka.franka_services import (
-    ArmRecord,
-    CollisionBehavior,
-    FrankaServices,
-)
+from station.core.franka.franka_services import CollisionBehavior, FrankaServices
+from station.reports import ArmRecord
 
 
 @dataclass(frozen=True, slots=True)

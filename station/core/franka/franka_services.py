@@ -19,6 +19,7 @@ from station.core.franka.franka_model import FrankaModelHandle
 from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
 from station.core.hardware.services import RecoverableRobot, ServiceKind, service
+from station.reports import ArmRecord
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,29 +38,6 @@ class CollisionBehavior:
     upper_force_thresholds_acceleration: tuple[float, ...]
     lower_force_thresholds_nominal: tuple[float, ...]
     upper_force_thresholds_nominal: tuple[float, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class ArmRecord:
-    """A cycle of the arm, kept for the log of an error.
-
-    Attributes:
-        time: Time of the arm [s].
-        q: Measured positions [rad], shape (7,).
-        dq: Measured velocities [rad/s], shape (7,).
-        tau_J: Measured torques [Nm], shape (7,).
-        q_d: Desired positions [rad], shape (7,).
-        tau_J_d: Desired torques [Nm], shape (7,).
-        command: The last command of the client, in the unit of its kind.
-    """
-
-    time: float
-    q: tuple[float, ...]
-    dq: tuple[float, ...]
-    tau_J: tuple[float, ...]  # noqa: N815 - libfranka's name
-    q_d: tuple[float, ...]
-    tau_J_d: tuple[float, ...]  # noqa: N815 - libfranka's name
-    command: tuple[float, ...]
 
 
 class FrankaServices(RecoverableRobot):

@@ -19,13 +19,10 @@ from station.core.hardware.robot_hw import (
     RobotHW,
     SwitchState,
 )
-from station.core.hardware.robot_report import (
-    ClampReport,
-    JointLimitsReport,
-    TransmissionReport,
-)
+from station.core.hardware.robot_report import ClampReport, JointLimitsReport
 from station.core.hardware.simulated_world import SimulatedWorld
 from station.core.parameters import Parameters
+from station.reports import HardwareTransmission
 
 CreateRobot = Callable[[str], RobotHW]
 """Returns a new robot of a type, not yet initialised; raises a StationError."""
@@ -187,7 +184,7 @@ class CombinedRobotHW(RobotHW):
         return [r for robot in self.robots.values() for r in robot.joint_limits()]
 
     @override
-    def transmissions(self) -> Sequence[TransmissionReport]:
+    def transmissions(self) -> Sequence[HardwareTransmission]:
         return [r for robot in self.robots.values() for r in robot.transmissions()]
 
     @override

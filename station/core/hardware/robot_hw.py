@@ -12,13 +12,10 @@ from typing import Protocol
 
 from station.core.description.repair import Repair
 from station.core.hardware.interfaces.interface_manager import InterfaceManager
-from station.core.hardware.robot_report import (
-    ClampReport,
-    JointLimitsReport,
-    TransmissionReport,
-)
+from station.core.hardware.robot_report import ClampReport, JointLimitsReport
 from station.core.hardware.simulated_world import SimulatedWorld
 from station.core.parameters import Parameters
+from station.reports import HardwareTransmission
 
 
 @dataclass(frozen=True, slots=True)
@@ -225,7 +222,7 @@ class RobotHW(InterfaceManager):
         """Return the limits it enforces; settled in `init`. Any thread."""
         return ()
 
-    def transmissions(self) -> Sequence[TransmissionReport]:
+    def transmissions(self) -> Sequence[HardwareTransmission]:
         """Return its transmissions; settled in `init`. Any thread."""
         return ()
 

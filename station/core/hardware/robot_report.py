@@ -27,23 +27,6 @@ class JointLimitsReport:
 
 
 @dataclass(frozen=True, slots=True)
-class TransmissionReport:
-    """A transmission between actuators and joints.
-
-    Attributes:
-        name: Its name.
-        type: Its type, such as "transmission_interface/SimpleTransmission".
-        joints: Names of its joints.
-        actuators: Names of its actuators.
-    """
-
-    name: str
-    type: str
-    joints: tuple[str, ...]
-    actuators: tuple[str, ...]
-
-
-@dataclass(frozen=True, slots=True)
 class ClampReport:
     """How often the commands of a joint were cut off by limits.
 

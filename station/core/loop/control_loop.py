@@ -24,7 +24,7 @@ from station.core.hardware.interfaces import JointStateGroup, JointStateInterfac
 from station.core.hardware.robot_hw import RobotClock, RobotHW
 from station.core.loop.control_cycle import ControlCycle
 from station.core.loop.heartbeat import Heartbeat, LoopLife
-from station.core.loop.loop_report import LoopMeter, LoopReport, LoopState
+from station.core.loop.loop_report import LoopMeter
 from station.core.loop.operations import Operations, guarded
 from station.core.loop.pace import Pace
 from station.core.loop.right_of_way import RightOfWay
@@ -36,6 +36,7 @@ from station.core.loop.scheduling import (
 )
 from station.core.loop.snapshot import SnapshotRing
 from station.core.loop.stop_latch import StopLatch
+from station.reports import LoopReport, LoopState
 
 T = TypeVar("T")
 

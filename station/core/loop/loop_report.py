@@ -1,57 +1,11 @@
 """How the control loop is doing: measured each cycle, summarised on demand."""
 
-from dataclasses import dataclass
-from enum import Enum
-
 import numpy as np
 
 from station.core.clock import Clock
 from station.core.numerics.durations import CycleTimes
-from station.core.numerics.statistics import DurationRing, Percentiles, percentiles_of
-
-
-class LoopState(Enum):
-    """What the control thread does."""
-
-    RUNNING = "running"
-    STOPPED = "stopped"
-    FAILED = "failed"
-
-
-@dataclass(frozen=True, slots=True)
-class LoopReport:
-    """A summary of the cycles since the last reset.
-
-    Attributes:
-        state: Whether the thread runs.
-        failure: Traceback of what ended it; empty if nothing did.
-        rate: Rate asked for [Hz], in wall time.
-        achieved_rate: Cycles over wall time since the reset [Hz].
-        period: Nominal period in station time [s].
-        cycles: Number of cycles since the reset.
-        skipped: Deadlines that had passed before their cycle could begin.
-        real_time_factor: Station time over wall time, as asked for.
-        achieved_real_time_factor: The same, as it was.
-        lateness: How long after its deadline a cycle began [s].
-        read, update, write, total: How long the parts of a cycle took [s].
-        scheduler: Scheduling class granted to the thread, in words.
-    """
-
-    state: LoopState
-    failure: str
-    rate: float
-    achieved_rate: float
-    period: float
-    cycles: int
-    skipped: int
-    real_time_factor: float
-    achieved_real_time_factor: float
-    lateness: Percentiles
-    read: Percentiles
-    update: Percentiles
-    write: Percentiles
-    total: Percentiles
-    scheduler: str
+from station.core.numerics.statistics import DurationRing, percentiles_of
+from station.reports import LoopReport, LoopState
 
 
 class LoopMeter:

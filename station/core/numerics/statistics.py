@@ -1,31 +1,11 @@
 """Durations in a ring, and their percentiles."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
 from station.core.numerics.durations import Durations
-
-
-@dataclass(frozen=True, slots=True)
-class Percentiles:
-    """Percentiles of the durations in a ring [s]; zeros if it is empty.
-
-    Attributes:
-        p50: Median.
-        p99: Bound of 99 % of the durations.
-        p999: Bound of 99.9 % of the durations.
-        max: Largest duration since the last reset, even if it has left the ring.
-        count: Number of durations since the last reset.
-    """
-
-    p50: float
-    p99: float
-    p999: float
-    max: float
-    count: int
+from station.reports import Percentiles
 
 
 class DurationRing(Durations):

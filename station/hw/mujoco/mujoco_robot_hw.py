@@ -32,11 +32,7 @@ from station.core.hardware.interfaces import (
 )
 from station.core.hardware.limits import LimitMode, joint_limits_from_parameters
 from station.core.hardware.robot_hw import ControllerInfo, RobotHW
-from station.core.hardware.robot_report import (
-    ClampReport,
-    JointLimitsReport,
-    TransmissionReport,
-)
+from station.core.hardware.robot_report import ClampReport, JointLimitsReport
 from station.core.hardware.transmissions import (
     ActuatorToJointStateInterface,
     JointToActuatorEffortInterface,
@@ -67,6 +63,7 @@ from station.hw.mujoco.unpowered_joints import UnpoweredJoints
 from station.hw.mujoco.world import World
 from station.hw.mujoco.world_step import CalledPreparation
 from station.memory.doubles import put
+from station.reports import HardwareTransmission
 
 # Most steps of the world in one cycle, unless two cycles of the loop take more; further
 # steps are lost, so that a very late cycle does not make the next cycle late, too.
@@ -207,7 +204,7 @@ class MujocoRobotHW(RobotHW):
         return self._limits.reports
 
     @override
-    def transmissions(self) -> Sequence[TransmissionReport]:
+    def transmissions(self) -> Sequence[HardwareTransmission]:
         return self._transmission_reports
 
     @override
@@ -400,8 +397,8 @@ def _velocities_of_mimics(urdf: Urdf) -> dict[str, float]:
     }
 
 
-def _report(info: TransmissionInfo) -> TransmissionReport:
-    return TransmissionReport(
+def _report(info: TransmissionInfo) -> HardwareTransmission:
+    return HardwareTransmission(
         info.name,
         info.type,
         tuple(joint.name for joint in info.joints),

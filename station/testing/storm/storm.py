@@ -16,9 +16,9 @@ from station.core.errors import StationError
 from station.core.facade.station import Station
 from station.core.hardware.robot_hw import RobotHW
 from station.core.loop.control_loop import ControlLoop
-from station.core.loop.loop_report import LoopState
 from station.core.loop.stop_latch import StopState
 from station.core.parameters import Parameters
+from station.reports import LoopState
 from station.testing.hook_script import HookScript
 from station.testing.storm.storm_controller import STORM_TYPE, StormController
 from station.testing.storm.storm_report import StormReport

@@ -4,10 +4,10 @@ from station.core.control.controller import ControllerState
 from station.core.control.controller_status import ControllerStatus
 from station.core.facade.hardware_report import report_hardware
 from station.core.hardware.robot_hw import InterfaceResources
-from station.core.numerics.statistics import Percentiles
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.combined_robot_hw import CombinedRobotHW
 from station.hw.mock import MockRobotHW
+from station.reports import Percentiles
 
 EFFORT = "hardware_interface::EffortJointInterface"
 

@@ -4,8 +4,8 @@ import pytest
 
 from station.core.errors import InvalidTrajectoryError
 from station.core.facade.path_plan import plan_path
-from station.core.facade.waypoint_paths import Waypoint, WaypointPath
 from station.core.hardware.limits import JointLimits
+from station.reports import Waypoint, WaypointPath
 
 PATH = WaypointPath(
     "wave",

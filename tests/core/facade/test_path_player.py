@@ -8,8 +8,9 @@ from station.core.errors import (
     PathRefusedError,
     WaypointPathNotFoundError,
 )
-from station.core.facade.path_player import LastPlayback, PathPlayer, PlayOptions
-from station.core.facade.waypoint_paths import Waypoint, WaypointPaths
+from station.core.facade.path_player import PathPlayer, PlayOptions
+from station.core.facade.waypoint_paths import WaypointPaths
+from station.reports import PlaybackState, Waypoint
 from tests.two_joint_station import make_station
 
 
@@ -48,7 +49,7 @@ def made(tmp_path):
 def test_a_path_is_played_through_its_waypoints(made):
     begun = made.player.play("wave")
     assert (begun.state, begun.controller, begun.waypoints) == (
-        LastPlayback.PLAYING,
+        PlaybackState.PLAYING,
         "arm",
         3,
     )
@@ -58,14 +59,14 @@ def test_a_path_is_played_through_its_waypoints(made):
     assert middle.remaining == pytest.approx(0.75, abs=0.06)
     assert 0.2 < made.q < 0.5
     end = made.run(900)
-    assert (end.state, end.rounds, end.progress) == (LastPlayback.SUCCEEDED, 1, 1.0)
+    assert (end.state, end.rounds, end.progress) == (PlaybackState.SUCCEEDED, 1, 1.0)
     assert made.q == pytest.approx(0.0, abs=1e-6)
     assert made.looks[-1]() is False
 
 
 def test_some_of_its_waypoints_are_played(made):
     made.player.play("wave", PlayOptions(first=1, last=1))
-    assert made.run(1200).state is LastPlayback.SUCCEEDED
+    assert made.run(1200).state is PlaybackState.SUCCEEDED
     assert made.q == pytest.approx(0.5, abs=1e-6)
 
 
@@ -74,26 +75,26 @@ def test_a_loop_begins_again_until_it_is_switched_off(made):
     assert made.run(2000).rounds == 1
     made.player.adjust(loop=False)
     end = made.run(2000)
-    assert (end.state, end.rounds) == (LastPlayback.SUCCEEDED, 2)
+    assert (end.state, end.rounds) == (PlaybackState.SUCCEEDED, 2)
 
 
 def test_a_pause_holds_and_a_resume_goes_on_to_the_same_waypoint(made):
     made.player.play("wave")
     made.run(750)
-    assert made.player.pause().state is LastPlayback.PAUSED
+    assert made.player.pause().state is PlaybackState.PAUSED
     made.run(600)
     held = made.q
-    assert made.run(600).state is LastPlayback.PAUSED
+    assert made.run(600).state is PlaybackState.PAUSED
     assert made.q == pytest.approx(held, abs=1e-9)
     assert made.player.resume().waypoint == 1
-    assert made.run(1600).state is LastPlayback.SUCCEEDED
+    assert made.run(1600).state is PlaybackState.SUCCEEDED
     assert made.q == pytest.approx(0.0, abs=1e-6)
 
 
 def test_half_the_speed_takes_twice_the_time(made):
     made.player.play("wave", PlayOptions(speed=0.5))
     assert made.run(1500).waypoint == 1
-    assert made.run(1600).state is LastPlayback.SUCCEEDED
+    assert made.run(1600).state is PlaybackState.SUCCEEDED
 
 
 def test_the_speed_changes_on_the_way(made):
@@ -102,13 +103,13 @@ def test_the_speed_changes_on_the_way(made):
     before = made.player.state().remaining
     made.player.adjust(speed=0.25)
     assert made.player.state().remaining > 3.0 * before
-    assert made.run(6000).state is LastPlayback.SUCCEEDED
+    assert made.run(6000).state is PlaybackState.SUCCEEDED
 
 
 def test_a_cancelled_path_holds_and_cannot_be_resumed(made):
     made.player.play("wave")
     made.run(500)
-    assert made.player.cancel().state is LastPlayback.CANCELLED
+    assert made.player.cancel().state is PlaybackState.CANCELLED
     made.run(500)
     held = made.q
     made.run(500)
@@ -123,11 +124,11 @@ def test_a_stop_ends_it_for_good_also_in_a_loop(made):
     made.run(500)
     made.station.stop("a test")
     end = made.run(100)
-    assert end.state is LastPlayback.ABORTED
+    assert end.state is PlaybackState.ABORTED
     assert end.message
     made.station.release_stop(arm=False)
     made.station.release_stop(arm=True)
-    assert made.run(500).state is LastPlayback.ABORTED
+    assert made.run(500).state is PlaybackState.ABORTED
 
 
 def test_a_stop_ends_a_paused_path(made):
@@ -136,7 +137,7 @@ def test_a_stop_ends_a_paused_path(made):
     made.player.pause()
     made.run(200)
     made.station.stop("a test")
-    assert made.run(100).state is LastPlayback.ABORTED
+    assert made.run(100).state is PlaybackState.ABORTED
 
 
 def test_another_goal_ends_it(made):
@@ -151,7 +152,7 @@ def test_another_goal_ends_it(made):
     }
     trajectory = {"joint_names": ["j1", "j2"], "points": [point]}
     made.station.motion.submit_goal("arm", {"trajectory": trajectory})
-    assert made.run(800).state is LastPlayback.ABORTED
+    assert made.run(800).state is PlaybackState.ABORTED
     assert made.q == pytest.approx(0.1, abs=1e-6)
 
 
@@ -160,7 +161,7 @@ def test_a_path_replaces_the_one_that_plays(made):
     made.run(200)
     made.player.play("wave", PlayOptions(first=1, last=1))
     assert made.looks[0]() is False
-    assert made.run(1500).state is LastPlayback.SUCCEEDED
+    assert made.run(1500).state is PlaybackState.SUCCEEDED
     assert made.q == pytest.approx(0.5, abs=1e-6)
 
 
@@ -194,7 +195,7 @@ def test_a_speed_that_is_too_fast_leaves_the_path_as_it_is(made):
     with pytest.raises(InvalidTrajectoryError):
         made.player.adjust(speed=2.0)
     assert made.player.state().speed == 0.5
-    assert made.run(2400).state is LastPlayback.SUCCEEDED
+    assert made.run(2400).state is PlaybackState.SUCCEEDED
 
 
 def test_an_unknown_path_is_refused(made):

@@ -12,7 +12,8 @@ from station.core.errors import (
     WaypointPathError,
     WaypointPathNotFoundError,
 )
-from station.core.facade.waypoint_paths import MOST_WAYPOINTS, Waypoint, WaypointPaths
+from station.core.facade.waypoint_paths import MOST_WAYPOINTS, WaypointPaths
+from station.reports import Waypoint
 from tests.two_joint_station import make_station
 
 

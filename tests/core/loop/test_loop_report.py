@@ -3,7 +3,8 @@
 import pytest
 
 from station.core.clock import ManualClock
-from station.core.loop.loop_report import LoopMeter, LoopReport, LoopState
+from station.core.loop.loop_report import LoopMeter
+from station.reports import LoopReport, LoopState
 
 
 def _report(meter: LoopMeter) -> LoopReport:

@@ -11,7 +11,6 @@ from typing_extensions import override
 from station.core.errors import ArmCommandError, InvalidCommandError
 from station.core.franka import (
     ArmError,
-    ArmRecord,
     ArmSimulation,
     CollisionBehavior,
     FrankaModel,
@@ -30,6 +29,7 @@ from station.hw.franka.arm.robot_arm import (
 )
 from station.hw.franka.franka_parameters import INITIAL_POSITIONS
 from station.memory.doubles import Storage
+from station.reports import ArmRecord
 from tests.hw.franka.plain_model import PlainModel
 
 _GENERATORS = {

@@ -16,13 +16,14 @@ from station.core.franka.arm_simulation import ArmSimulation
 from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_model import FrankaModel
 from station.core.franka.franka_robot_state import RobotState
-from station.core.franka.franka_services import ArmRecord, CollisionBehavior
+from station.core.franka.franka_services import CollisionBehavior
 from station.core.franka.model_sources import ModelSource
 from station.core.quick_way import is_in_force
 from station.hw.franka.arm.arm_reading import CalledCycles, Cycles
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.receiver import PoseReceiver, Receiver
 from station.memory.doubles import Storage
+from station.reports import ArmRecord
 
 REST_VELOCITY = 2e-4
 """Joints slower than this are at rest [rad/s]."""

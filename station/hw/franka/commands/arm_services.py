@@ -10,11 +10,7 @@ from station.core.franka.arm_simulation import ArmSimulation
 from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_model import FrankaModelHandle
 from station.core.franka.franka_robot_state import RobotMode, RobotState
-from station.core.franka.franka_services import (
-    ArmRecord,
-    CollisionBehavior,
-    FrankaServices,
-)
+from station.core.franka.franka_services import CollisionBehavior, FrankaServices
 from station.hw.franka.arm.collision_behavior import (
     collision_behavior_problem,
     near_collisions,
@@ -29,6 +25,7 @@ from station.hw.franka.arm.service_limits import (
 )
 from station.hw.franka.arm.transform_check import check_transform
 from station.hw.franka.commands.motion_start import MotionStart
+from station.reports import ArmRecord
 
 JOINT_STIFFNESS = (0.0, 14250.0)
 """Range of the joint impedance [Nm/rad]."""

@@ -12,7 +12,6 @@ from math import sqrt
 from station.core.franka.franka_errors import ERROR_INDEX, ArmError
 from station.core.franka.franka_model import Frame
 from station.core.franka.franka_robot_state import RobotState
-from station.core.franka.franka_services import ArmRecord
 from station.core.numerics.poses import rotation_between, times
 from station.hw.franka.arm.arm_limits import ArmLimits
 from station.hw.franka.arm.flags import AlertFlag
@@ -22,6 +21,7 @@ from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.simulated.cycle_log import CycleLog
 from station.hw.franka.simulated.joint_watch import JointWatch
 from station.memory.doubles import Doubles
+from station.reports import ArmRecord
 
 # Change for the worse after a recovery that makes a value an error again [rad or m];
 # for other units a share of the limit.

@@ -9,7 +9,7 @@ from station.core.franka.arm_simulation import ArmSimulation
 from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_model import Frame, FrankaModel
 from station.core.franka.franka_robot_state import RobotMode, RobotState
-from station.core.franka.franka_services import ArmRecord, CollisionBehavior
+from station.core.franka.franka_services import CollisionBehavior
 from station.core.franka.model_sources import ModelSource
 from station.hw.franka.arm.arm_codes import POSITIONS, UNUSUAL, VELOCITIES
 from station.hw.franka.arm.arm_reading import Cycles
@@ -34,6 +34,7 @@ from station.hw.franka.simulated.simulated_arm_controls import SimulatedArmContr
 from station.hw.franka.simulated.simulated_cycles import SimulatedCycles
 from station.hw.mujoco.world import World
 from station.memory.doubles import Storage
+from station.reports import ArmRecord
 
 _ZEROS = [0.0] * 7
 _SUPERVISED = (

@@ -9,7 +9,6 @@ from typing import Any
 
 from station.core.errors import ArmCommandError
 from station.core.franka.franka_robot_state import RobotMode
-from station.core.franka.franka_services import ArmRecord
 from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
 from station.hw.franka.fci.driver.command_writer import CommandWriter
 from station.hw.franka.fci.driver.motion_log import MotionLog
@@ -21,6 +20,7 @@ from station.hw.franka.fci.wire.robot_protocol import (
     RobotProtocol,
 )
 from station.memory.doubles import Storage
+from station.reports import ArmRecord
 
 _DEVIATIONS = (10.0, 3.12, 2.0 * pi)
 """Source: libfranka@0.9.2 src/control_loop.h, kDefaultDeviation."""

@@ -17,7 +17,7 @@ from station.core.franka.arm_simulation import ArmSimulation
 from station.core.franka.franka_errors import ArmError, error_names
 from station.core.franka.franka_model import FrankaModel
 from station.core.franka.franka_robot_state import RobotMode, RobotState
-from station.core.franka.franka_services import ArmRecord, CollisionBehavior
+from station.core.franka.franka_services import CollisionBehavior
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.robot_arm import (
     MEASURED_REST,
@@ -40,6 +40,7 @@ from station.hw.franka.fci.wire.robot_protocol import (
     RobotProtocol,
 )
 from station.memory.doubles import Storage
+from station.reports import ArmRecord
 
 _LONGEST_START = 1000
 """States within which a motion that the arm has accepted shows."""

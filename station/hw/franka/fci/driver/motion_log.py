@@ -2,8 +2,8 @@
 
 from collections import deque
 
-from station.core.franka.franka_services import ArmRecord
 from station.hw.franka.fci.wire.robot_protocol import RobotProtocol
+from station.reports import ArmRecord
 
 _LENGTH = 50
 """Source: libfranka@0.9.2 include/franka/robot.h, Robot, `log_size`."""

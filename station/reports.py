@@ -1,0 +1,474 @@
+"""Reports: what a station says of itself, described once for core, API and client.
+
+The core fills these dataclasses, the API sends them as they are, and the client reads
+them back. The module needs the standard library alone, so that the core stays free of
+pydantic and the client free of NumPy; pydantic finds its settings and the descriptions
+of the JSON schema in `Report`.
+"""
+
+import inspect
+import json
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Any, ClassVar
+
+_ATTRIBUTE = re.compile(r" {4}(\w+(?:, \w+)*): (.*)")
+_EXAMPLE = "\n\nExample:\n"
+
+
+def described(docstring: str | None) -> tuple[str, dict[str, str]]:
+    """Return the text of a docstring, and its description of each attribute.
+
+    Args:
+        docstring: In Google's style; `a, b: Text` describes both.
+    """
+    text = inspect.cleandoc(docstring or "").partition(_EXAMPLE)[0]
+    text, _, section = text.partition("\n\nAttributes:\n")
+    attributes: dict[str, str] = {}
+    names: list[str] = []
+    for line in section.partition("\n\n")[0].splitlines():
+        begin = _ATTRIBUTE.fullmatch(line)
+        if begin is not None:
+            names = [name.strip() for name in begin[1].split(",")]
+            attributes |= dict.fromkeys(names, begin[2])
+        else:
+            for name in names:
+                attributes[name] += f" {line.strip()}"
+    return " ".join(text.split()), attributes
+
+
+def examples_of(docstring: str | None) -> list[dict[str, Any]]:
+    """Return the JSON objects that the section `Example` of a docstring holds.
+
+    Args:
+        docstring: In Google's style; one object after the other, each may be broken
+            into lines anywhere.
+    """
+    section = inspect.cleandoc(docstring or "").partition(_EXAMPLE)[2]
+    rest = " ".join(section.partition("\n\n")[0].split())
+    found = []
+    while rest:
+        values, end = json.JSONDecoder().raw_decode(rest)
+        found.append(values)
+        rest = rest[end:].lstrip()
+    return found
+
+
+class Described:
+    """Describes its fields in the JSON schema by its docstring.
+
+    The sections `Attributes` and `Example` are those of the schema, too. Pydantic calls
+    the method; nothing of pydantic is needed for it here.
+    """
+
+    __slots__ = ()
+
+    @classmethod
+    def __get_pydantic_json_schema__(
+        cls,
+        core_schema: Any,  # noqa: ANN401 - pydantic's, as is the handler
+        handler: Any,  # noqa: ANN401
+    ) -> dict[str, Any]:
+        schema: dict[str, Any] = handler(core_schema)
+        found = handler.resolve_ref_schema(schema)
+        found["description"] = described(cls.__doc__)[0]
+        examples = examples_of(cls.__doc__)
+        if examples:
+            found["examples"] = examples
+        properties = found.get("properties", {})
+        fields: dict[str, Any] = getattr(cls, "model_fields", {})
+        names = {(one.alias or name): name for name, one in fields.items()}
+        for kind in reversed(cls.__mro__):
+            attributes = described(kind.__doc__)[1]
+            for key, values in properties.items():
+                if names.get(key, key) in attributes:
+                    values["description"] = attributes[names.get(key, key)]
+        return schema
+
+
+class Report(Described):
+    """The base of all reports.
+
+    A client refuses what is not of a field's type, and ignores unknown keys, because a
+    newer station may add some. A number without a finite value is null in JSON.
+    """
+
+    __slots__ = ()
+    __pydantic_config__: ClassVar = {"strict": True, "extra": "ignore"}
+
+
+@dataclass(frozen=True, slots=True)
+class Percentiles(Report):
+    """Durations since the last reset of the statistics [s]; zeros when there are none.
+
+    Attributes:
+        p50: Median.
+        p99: 99 of 100 are at most this.
+        p999: 999 of 1000 are at most this.
+        max: Longest, even if it is not among those that the percentiles are of.
+        count: How many there were.
+    """
+
+    p50: float
+    p99: float
+    p999: float
+    max: float
+    count: int
+
+
+class LoopState(StrEnum):
+    """State of the control thread."""
+
+    RUNNING = "running"
+    STOPPED = "stopped"
+    FAILED = "failed"
+
+
+@dataclass(frozen=True, slots=True)
+class LoopReport(Report):
+    """State of the control loop, and statistics since their last reset.
+
+    Attributes:
+        state: State of the control thread.
+        failure: Traceback of the error that ended it; empty without an error.
+        rate: Rate asked for [Hz].
+        achieved_rate: Rate measured [Hz].
+        period: Nominal period in station time [s].
+        cycles: Number of cycles.
+        skipped: Deadlines that had passed before their cycle could begin.
+        real_time_factor: Station time over wall time, as asked for.
+        achieved_real_time_factor: The real-time factor that was measured.
+        lateness: How long after its deadline a cycle began [s].
+        read: Time in the robot's `read` [s].
+        update: Time in the controllers' `update` [s].
+        write: Time in the robot's `write` [s].
+        total: Time of a whole cycle [s].
+        scheduler: Scheduling class that the operating system granted.
+    """
+
+    state: LoopState
+    failure: str
+    rate: float
+    achieved_rate: float
+    period: float
+    cycles: int
+    skipped: int
+    real_time_factor: float
+    achieved_real_time_factor: float
+    lateness: Percentiles
+    read: Percentiles
+    update: Percentiles
+    write: Percentiles
+    total: Percentiles
+    scheduler: str
+
+
+@dataclass(frozen=True, slots=True)
+class Simulation(Report):
+    """The time of a simulated robot.
+
+    Attributes:
+        paused: Station time stands still.
+        real_time_factor: Station time over wall time, as asked for.
+        time: Time of the simulated world [s]; a reset sets it to zero.
+        steps_due: Cycles that are still to be run while paused.
+        keyframes: Names of the poses that a reset can put the robot to.
+    """
+
+    paused: bool
+    real_time_factor: float
+    time: float
+    steps_due: int
+    keyframes: Sequence[str] = field(default_factory=tuple)
+
+
+@dataclass(frozen=True, slots=True)
+class HardwareResource(Report):
+    """A resource of a hardware interface.
+
+    Attributes:
+        name: Its name, e.g. that of a joint.
+        claimed_by: Names of the running controllers that claim it.
+    """
+
+    name: str
+    claimed_by: Sequence[str]
+
+
+@dataclass(frozen=True, slots=True)
+class HardwareInterface(Report):
+    """A hardware interface.
+
+    Attributes:
+        name: Type, e.g. `hardware_interface::EffortJointInterface`.
+        resources: Resources of the interface, by name.
+    """
+
+    name: str
+    resources: Sequence[HardwareResource]
+
+
+@dataclass(frozen=True, slots=True)
+class HardwareTransmission(Report):
+    """A transmission between actuators and joints.
+
+    Attributes:
+        name: Its name.
+        type: Its type, e.g. `transmission_interface/SimpleTransmission`.
+        joints: Names of its joints.
+        actuators: Names of its actuators.
+    """
+
+    name: str
+    type: str
+    joints: Sequence[str]
+    actuators: Sequence[str]
+
+
+@dataclass(frozen=True, slots=True)
+class GainsChange(Report):
+    """A change of gains that took effect.
+
+    Attributes:
+        values: All values after the change.
+        previous: All values before the change.
+        revision: Revision of the new values.
+        cycle: Number of the first cycle with the new values.
+        notes: A sentence about each value that has no effect.
+    """
+
+    values: dict[str, float]
+    previous: dict[str, float]
+    revision: int
+    cycle: int
+    notes: Sequence[str] = field(default_factory=tuple)
+
+
+@dataclass(frozen=True, slots=True)
+class GainDifference(Report):
+    """A gain whose saved value is not the present one.
+
+    Attributes:
+        controller: Name of the controller.
+        name: Name of the gain.
+        saved: Value in the set, in the unit of the gain; null when the set does not
+            have this gain.
+        present: Value in force, in the same unit; null when the controller is not
+            loaded or has no such gain.
+    """
+
+    controller: str
+    name: str
+    saved: float | None
+    present: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Waypoint(Report):
+    """Positions that joints pass.
+
+    Attributes:
+        name: Its name, for people.
+        duration: Time to it from the waypoint before, at the speed 1 [s], above 0 and
+            at most 600.
+        positions: Positions [rad or m] by joint; joints without one keep theirs.
+    """
+
+    name: str
+    duration: float
+    positions: Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class WaypointPath(Report):
+    """A waypoint path.
+
+    Attributes:
+        name: Its name.
+        saved_at: When it was saved, ISO 8601.
+        waypoints: Its waypoints, in the order in which they are passed.
+    """
+
+    name: str
+    saved_at: str
+    waypoints: Sequence[Waypoint]
+
+
+class PlaybackState(StrEnum):
+    """State of a path that plays. The last three are final."""
+
+    PLAYING = "playing"
+    """The robot moves."""
+    PAUSED = "paused"
+    """The robot holds where it was when the pause came."""
+    SUCCEEDED = "succeeded"
+    """The robot is at the last waypoint."""
+    CANCELLED = "cancelled"
+    """Somebody ended it."""
+    ABORTED = "aborted"
+    """It could not go on."""
+
+
+@dataclass(frozen=True, slots=True)
+class Playback(Report):
+    """A path that plays, or how the last one ended.
+
+    Attributes:
+        path: Name of the path.
+        controller: The trajectory controller that moves along it.
+        state: `playing`, `paused`, or its end: `succeeded`, `cancelled` (by somebody),
+            `aborted` (it could not go on, see `message`).
+        speed: Factor of all speeds, 0.05 to 2; without a unit.
+        loop: Whether it begins again at its end.
+        rounds: Rounds that are complete, 0 or more.
+        waypoint: Number of the waypoint it is on the way to, from 0.
+        waypoints: How many waypoints a round has.
+        progress: Part of the round's waypoints that are behind it, 0 to 1.
+        remaining: Time to the end of the round at the present speed [s].
+        message: Why it was aborted; empty otherwise.
+    """
+
+    path: str
+    controller: str
+    state: PlaybackState
+    speed: float
+    loop: bool
+    rounds: int
+    waypoint: int
+    waypoints: int
+    progress: float
+    remaining: float
+    message: str
+
+
+@dataclass(frozen=True, slots=True)
+class ArmRecord(Report):
+    """One of the last cycles of an arm before an error.
+
+    Attributes:
+        time: Time of the arm [s].
+        q: Measured positions [rad], shape (7,).
+        dq: Measured velocities [rad/s], shape (7,).
+        tau_J: Measured torques [Nm], shape (7,).
+        q_d: Desired positions [rad], shape (7,).
+        tau_J_d: Desired torques [Nm], shape (7,).
+        command: The last command that the arm was sent, in the unit of its kind.
+    """
+
+    time: float
+    q: Sequence[float | None]
+    dq: Sequence[float | None]
+    tau_J: Sequence[float | None]  # noqa: N815 - libfranka's name
+    q_d: Sequence[float | None]
+    tau_J_d: Sequence[float | None]  # noqa: N815
+    command: Sequence[float | None]
+
+
+class Severity(StrEnum):
+    """How much an event asks for somebody's attention."""
+
+    INFO = "info"
+    """Something happened as it should."""
+    WARNING = "warning"
+    """Something was refused, stopped, or came too late."""
+    ERROR = "error"
+    """Something failed."""
+
+    @property
+    def rank(self) -> int:
+        """Order among the severities: 0 for `INFO`."""
+        return list(Severity).index(self)
+
+
+class EventKind(StrEnum):
+    """What an event is about."""
+
+    STATION = "station"
+    """The station starts, ends, or could not do part of its start."""
+    REQUEST = "request"
+    """Somebody asked for a change, which was carried out or refused."""
+    LOGIN = "login"
+    """A browser has logged in or out."""
+    LOGIN_FAILED = "login_failed"
+    """Somebody showed a token that the station does not know."""
+    TOKEN = "token"
+    """A named token was made, revoked, or has expired."""
+    CONTROL = "control"
+    """The control of the station changed hands."""
+    COMMAND_STREAM = "command_stream"
+    """A stream of set-points began, ended or fell silent."""
+    STOP = "stop"
+    """The latched stop was engaged, released or armed."""
+    SWITCH = "switch"
+    """A switch of controllers came to its end."""
+    CONTROLLER = "controller"
+    """A controller was loaded or unloaded, started or stopped."""
+    FAULT = "fault"
+    """A controller was stopped because of a fault."""
+    ROBOT_MODE = "robot_mode"
+    """The robot's mode changed, e.g. to reflex."""
+    OVERRUN = "overrun"
+    """Several cycles in a row came too late."""
+    LOOP = "loop"
+    """The control loop started, ended or died."""
+    WATCHDOG = "watchdog"
+    """The watchdog ended or does not look at the loop any more, or looks again."""
+    RECORDING = "recording"
+    """A recording began or ended."""
+    INCIDENT = "incident"
+    """The cycles around an incident were kept."""
+    EXPERIMENT = "experiment"
+    """An experiment began, came further or ended."""
+    ALARM = "alarm"
+    """Somebody has acknowledged an alarm."""
+    EVENTS = "events"
+    """The event log itself: events could not be written, or can be again."""
+
+
+@dataclass(frozen=True, slots=True)
+class Event(Report):
+    """Something that happened at the station.
+
+    Attributes:
+        id: Number of the event, from 1; goes on growing when the station restarts.
+        time: Wall time [s since 1970, UTC].
+        stamp: Station time [s], 0 or more; 0 before the first cycle.
+        cycle: Number of the last cycle before the event; 0 before the first one.
+        kind: Subject of the event, such as `request`, a change that was asked for, or
+            `fault`, of a controller.
+        severity: `info`; `warning`: refused, stopped or too late; `error`: failed.
+        who: Name of the token or person; empty for the station itself.
+        where: Address that the request came from; empty for the station itself.
+        what: Method and route, or the subject, such as a controller's name.
+        result: Status and code of the answer, or the new state.
+        text: A sentence for people.
+        details: More facts as JSON, by kind.
+        request_id: Name of the request, as in the header `X-Request-ID` of its answer;
+            empty without a request.
+        boot_id: Random name of the run of the station.
+
+    Example:
+        {"id": 17, "time": 1767225600.25, "stamp": 12.345, "cycle": 12345,
+         "kind": "request", "severity": "warning", "who": "operator",
+         "where": "127.0.0.1", "what": "POST /controllers/switch",
+         "result": "409 resource_conflict",
+         "text": "POST /controllers/switch of operator was refused: 409
+         resource_conflict.", "details": {}, "request_id": "0f4c", "boot_id": "5b1e"}
+    """
+
+    id: int
+    time: float
+    stamp: float
+    cycle: int
+    kind: EventKind
+    severity: Severity
+    who: str = ""
+    where: str = ""
+    what: str = ""
+    result: str = ""
+    text: str = ""
+    details: Mapping[str, object] = field(default_factory=dict)
+    request_id: str = ""
+    boot_id: str = ""
