@@ -96,7 +96,38 @@ class Report(Described):
     """
 
     __slots__ = ()
-    __pydantic_config__: ClassVar = {"strict": True, "extra": "ignore"}
+    __pydantic_config__: ClassVar = {
+        "strict": True,
+        "extra": "ignore",
+        "allow_inf_nan": False,
+    }
+
+    @classmethod
+    def __get_pydantic_core_schema__(
+        cls,
+        source: Any,  # noqa: ANN401 - pydantic's, as is the handler
+        handler: Any,  # noqa: ANN401
+    ) -> dict[str, Any]:
+        # Strictly read, a report would have to be an instance, and no mapping. Its
+        # fields stay strict.
+        schema: dict[str, Any] = handler(source)
+        handler.resolve_ref_schema(schema)["strict"] = False
+        return schema
+
+
+class TextEnum(StrEnum):
+    """The base of closed sets of words in reports; a word equals its text."""
+
+    @classmethod
+    def __get_pydantic_core_schema__(
+        cls,
+        source: Any,  # noqa: ANN401 - pydantic's, as is the handler
+        handler: Any,  # noqa: ANN401
+    ) -> dict[str, Any]:
+        schema: dict[str, Any] = handler(source)
+        # Strictly read, a word would have to be a member, and no text.
+        handler.resolve_ref_schema(schema)["strict"] = False
+        return schema
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +149,7 @@ class Percentiles(Report):
     count: int
 
 
-class LoopState(StrEnum):
+class LoopState(TextEnum):
     """State of the control thread."""
 
     RUNNING = "running"
@@ -296,7 +327,7 @@ class WaypointPath(Report):
     waypoints: Sequence[Waypoint]
 
 
-class PlaybackState(StrEnum):
+class PlaybackState(TextEnum):
     """State of a path that plays. The last three are final."""
 
     PLAYING = "playing"
@@ -366,7 +397,7 @@ class ArmRecord(Report):
     command: Sequence[float | None]
 
 
-class Severity(StrEnum):
+class Severity(TextEnum):
     """How much an event asks for somebody's attention."""
 
     INFO = "info"
@@ -382,7 +413,7 @@ class Severity(StrEnum):
         return list(Severity).index(self)
 
 
-class EventKind(StrEnum):
+class EventKind(TextEnum):
     """What an event is about."""
 
     STATION = "station"

@@ -1,6 +1,5 @@
 """The OpenAPI document: what the framework writes, with what it cannot know in it."""
 
-from copy import deepcopy
 from typing import Any
 
 import anyio
@@ -13,8 +12,8 @@ from typing_extensions import override
 from station.api.audit import REPLAYED_HEADER
 from station.api.idempotency import KEY_HEADER
 from station.api.routes.problems import MEANINGS
+from station.reports import Described, examples_of
 from station.wire import PROBLEM_MEDIA_TYPE, Problem
-from station.wire.base import WireModel
 
 _REF = "#/components/schemas/"
 _PROBLEM = {PROBLEM_MEDIA_TYPE: {"schema": {"$ref": f"{_REF}Problem"}}}
@@ -139,9 +138,8 @@ class StationApi(FastAPI):
             schemas["Problem"] = problem
             for name in _OWN_ERRORS:
                 schemas.pop(name, None)
-            models = _models(WireModel)
-            for name, schema in schemas.items():
-                _restore_examples(models.get(name), schema)
+            _restore_examples(schemas)
+            for schema in schemas.values():
                 _require_tags(schema, schemas)
             document["components"]["headers"] = HEADERS
             document["servers"] = SERVERS
@@ -158,18 +156,14 @@ class StationApi(FastAPI):
         return super().openapi()
 
 
-def _models(base: type[WireModel]) -> dict[str, type[WireModel]]:
-    found = {one.__name__: one for one in base.__subclasses__()}
-    for one in list(found.values()):
-        found |= _models(one)
-    return found
-
-
-def _restore_examples(model: type[WireModel] | None, schema: dict[str, Any]) -> None:
+def _restore_examples(schemas: dict[str, dict[str, Any]]) -> None:
     """Put the nulls into examples that the framework leaves out of its document."""
-    told = None if model is None else model.model_config.get("json_schema_extra")
-    if "examples" in schema and isinstance(told, dict):
-        schema["examples"] = deepcopy(told["examples"])
+    kinds: list[type[object]] = [Described]
+    for kind in kinds:
+        kinds += kind.__subclasses__()
+        schema = schemas.get(kind.__name__, {})
+        if "examples" in schema:
+            schema["examples"] = examples_of(kind.__doc__)
 
 
 def _require_tags(schema: object, schemas: dict[str, dict[str, Any]]) -> None:

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from station.client.routes import PREFIX
 from station.client.stream_options import bearer
 from station.wire import Controllers, JointStates, Status
-from station.wire.base import read_json
+from station.wire.base import reader_of
 
 ModelT = TypeVar("ModelT")
 
@@ -64,7 +64,7 @@ def describe(
 
 
 def _ask(http: httpx.Client, path: str, model: type[ModelT]) -> ModelT:
-    return read_json(model, http.get(path).raise_for_status().content)
+    return reader_of(model).validate_json(http.get(path).raise_for_status().content)
 
 
 def _number(value: float | None) -> str:

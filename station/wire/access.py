@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from station.wire.base import Items, RequestModel, ResponseModel, example
+from station.wire.base import Items, RequestModel, ResponseModel
 
 RoleName = Literal["viewer", "operator"]
 PersonName = Annotated[
@@ -24,9 +24,10 @@ class TokenRequest(RequestModel):
         name: Whose token it is: 1 to 100 letters, digits, or one of . _ @ + - inside.
         role: `viewer`: read everything and stop the robot; `operator`: everything.
         expires: How long it is valid [s], 1 or more; null until it is revoked.
-    """
 
-    model_config = example({"name": "ada", "role": "operator", "expires": 86400.0})
+    Example:
+        {"name": "ada", "role": "operator", "expires": 86400.0}
+    """
 
     name: TokenName
     role: RoleName = "operator"
@@ -77,9 +78,10 @@ class ControlRequest(RequestModel):
             name of the token when left out.
         ttl: How long the lease lasts without a heartbeat [s], 0.5 to 3600.
         force: Take control from whoever holds it; everybody is told.
-    """
 
-    model_config = example({"owner": "ada", "ttl": 10.0})
+    Example:
+        {"owner": "ada", "ttl": 10.0}
+    """
 
     owner: PersonName | None = None
     ttl: float = Field(default=10.0, ge=0.5, le=3600.0)
@@ -94,9 +96,10 @@ class ControlPatch(RequestModel):
             as before when null.
         hand_over_to: Owner or named token that may take control without force, 1 to
             100 characters; as before when null.
-    """
 
-    model_config = example({"hand_over_to": "grace"})
+    Example:
+        {"hand_over_to": "grace"}
+    """
 
     ttl: float | None = Field(default=None, ge=0.5, le=3600.0)
     hand_over_to: PersonName | None = None

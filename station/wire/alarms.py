@@ -2,8 +2,6 @@
 
 from typing import Annotated
 
-from pydantic import ConfigDict
-
 from station.wire.base import FromEnum, Items, ResponseModel
 from station.wire.events import SeverityName
 
@@ -22,26 +20,13 @@ class Alarm(ResponseModel):
         cleared_at: When the cause was gone, as wall time [s since 1970]; null before.
         acknowledged_by: Name of who has seen it; empty before.
         acknowledged_at: When that was, as wall time [s since 1970]; null before.
-    """
 
-    model_config = ConfigDict(
-        json_schema_extra={
-            "examples": [
-                {
-                    "id": 3,
-                    "subject": "stop",
-                    "severity": "warning",
-                    "text": "The station is stopped: Stopped by operator.",
-                    "remedy": "Remove the reason, then release the stop and allow "
-                    "motion.",
-                    "raised_at": 1767225600.25,
-                    "cleared_at": None,
-                    "acknowledged_by": "ada",
-                    "acknowledged_at": 1767225604.5,
-                }
-            ]
-        }
-    )
+    Example:
+        {"id": 3, "subject": "stop", "severity": "warning", "text": "The station is
+         stopped: Stopped by operator.", "remedy": "Remove the reason, then release the
+         stop and allow motion.", "raised_at": 1767225600.25, "cleared_at": null,
+         "acknowledged_by": "ada", "acknowledged_at": 1767225604.5}
+    """
 
     id: int
     subject: str

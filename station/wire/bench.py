@@ -4,7 +4,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from station.wire.base import Items, Measurements, RequestModel, ResponseModel, example
+from station.wire.base import Items, Measurements, RequestModel, ResponseModel
 from station.wire.excitations import Chirp, Multisine, Relay, Sine, Step
 
 LONGEST = 10.0
@@ -22,12 +22,11 @@ class BenchRequest(RequestModel):
         duration: How long the response is measured [s], above 0, at most 10.
         settling_band: Half-width of the band of the settling time, as a share of the
             step, above 0 and below 1.
-    """
 
-    model_config = example({
-        "excitation": {"kind": "step", "joint": "panda_joint7", "amplitude": 0.1},
-        "duration": 1.5,
-    })
+    Example:
+        {"excitation": {"kind": "step", "joint": "panda_joint7", "amplitude": 0.1},
+         "duration": 1.5}
+    """
 
     excitation: Excitation
     duration: Annotated[float, Field(gt=0.0, le=LONGEST)] = 2.0

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal, Self
 
-from pydantic import ConfigDict, Field, JsonValue, model_validator
+from pydantic import Field, JsonValue, model_validator
 
 from station.reports import Percentiles
 from station.wire.base import (
@@ -90,22 +90,12 @@ class LoadRequest(RequestModel):
         unknown_params: What becomes of a parameter in `params` that its type does not
             know: `refuse`, or `tell` in the notes of the controller, for parameters
             written for ROS.
-    """
 
-    model_config = ConfigDict(
-        json_schema_extra={
-            "examples": [
-                {
-                    "name": "arm",
-                    "type": "effort_controllers/JointGroupPositionController",
-                    "params": {
-                        "joints": ["panda_joint1"],
-                        "panda_joint1": {"pid": {"p": 600, "i": 0, "d": 30}},
-                    },
-                }
-            ]
-        }
-    )
+    Example:
+        {"name": "arm", "type": "effort_controllers/JointGroupPositionController",
+         "params": {"joints": ["panda_joint1"], "panda_joint1": {"pid": {"p": 600, "i":
+         0, "d": 30}}}}
+    """
 
     name: ControllerName
     type: str | None = Field(default=None, min_length=1, max_length=256)
@@ -127,13 +117,10 @@ class SwitchRequest(RequestModel):
         bound: How long a switch without a timeout may take [s of wall time]; null
             means as long as the hardware takes, as in ros_control.
         dry_run: Only return what would happen.
-    """
 
-    model_config = ConfigDict(
-        json_schema_extra={
-            "examples": [{"start": ["arm"], "stop": [], "strictness": "strict"}]
-        }
-    )
+    Example:
+        {"start": ["arm"], "stop": [], "strictness": "strict"}
+    """
 
     start: list[str] = Field(default_factory=list, max_length=64)
     stop: list[str] = Field(default_factory=list, max_length=64)
@@ -167,25 +154,12 @@ class SwitchResult(ResponseModel):
             of the command.
         cycle: Cycle in which it was finished; 0 for a dry run.
         dry_run: Nothing was done; this is the plan.
-    """
 
-    model_config = ConfigDict(
-        json_schema_extra={
-            "examples": [
-                {
-                    "ok": True,
-                    "started": ["arm"],
-                    "stopped": [],
-                    "outcome": "committed",
-                    "failed": {},
-                    "ignored": [],
-                    "jump": {"panda_joint1": 0.0},
-                    "cycle": 1234,
-                    "dry_run": False,
-                }
-            ]
-        }
-    )
+    Example:
+        {"ok": true, "started": ["arm"], "stopped": [], "outcome": "committed",
+         "failed": {}, "ignored": [], "jump": {"panda_joint1": 0.0}, "cycle": 1234,
+         "dry_run": false}
+    """
 
     ok: bool
     started: Items[str]
@@ -238,11 +212,10 @@ class GainsPatch(RequestModel):
     Attributes:
         values: New values by name, in the units and ranges of the gains' schema; the
             other gains stay.
-    """
 
-    model_config = ConfigDict(
-        json_schema_extra={"examples": [{"values": {"panda_joint1/p": 500.0}}]}
-    )
+    Example:
+        {"values": {"panda_joint1/p": 500.0}}
+    """
 
     values: dict[str, float] = Field(min_length=1, max_length=1024)
 
@@ -286,13 +259,10 @@ class CommandRequest(RequestModel):
             when null. What happens then is the controller's setting.
         rates: How fast the set-point changes, one number per element [rad/s or m/s];
             position controllers with a PID feed it forward, others refuse it.
-    """
 
-    model_config = ConfigDict(
-        json_schema_extra={
-            "examples": [{"command": [0.3, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]}]
-        }
-    )
+    Example:
+        {"command": [0.3, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]}
+    """
 
     command: list[float | None] = Field(max_length=1024)
     epoch: int | None = Field(default=None, ge=0)
@@ -343,9 +313,10 @@ class ReloadRequest(RequestModel):
     Attributes:
         force_kill: Stop and unload all controllers first; without it, loaded
             controllers are a reason to refuse.
-    """
 
-    model_config = ConfigDict(json_schema_extra={"examples": [{"force_kill": True}]})
+    Example:
+        {"force_kill": true}
+    """
 
     force_kill: bool = False
 

@@ -13,7 +13,6 @@ from station.wire.base import (
     Reason,
     RequestModel,
     ResponseModel,
-    example,
 )
 from station.wire.excitations import Command
 
@@ -74,15 +73,11 @@ class ExperimentRequest(RequestModel):
         metric: The metric that says which trials are the best and the worst.
         keep_worst: So many of the worst trials of `robustness` are kept cycle by
             cycle, 0 to 20.
-    """
 
-    model_config = example({
-        "kind": "tune",
-        "controller": "effort_joint_trajectory_controller",
-        "name": "better",
-        "joints": ["panda_joint1"],
-        "trials": 100,
-    })
+    Example:
+        {"kind": "tune", "controller": "effort_joint_trajectory_controller", "name":
+         "better", "joints": ["panda_joint1"], "trials": 100}
+    """
 
     kind: ExperimentKind
     controller: ControllerName
@@ -181,32 +176,16 @@ class Experiment(ExperimentSummary):
             there is none.
         cost: Cost of the best trial of a search; that of the first is 1. Null without.
         left: Time until the end at the present pace [s]; null when that is not known.
-    """
 
-    model_config = example({
-        "name": "better",
-        "kind": "tune",
-        "controller": "effort_joint_trajectory_controller",
-        "state": "running",
-        "reason": "",
-        "created_at": "2026-11-22T09:15:00+00:00",
-        "trials": 100,
-        "ended": 37,
-        "failed": 0,
-        "first": None,
-        "best": {
-            "hash": "3f2a9c0d11e4b765",
-            "number": 31,
-            "state": "done",
-            "reason": "",
-            "parameters": {"gains/arm/panda_joint1/p": 912.0},
-            "seed": 0,
-            "metrics": {"rms_error": 0.0012, "effort_peak": 24.6},
-            "seconds": 0.31,
-        },
-        "cost": 0.43,
-        "left": 21.0,
-    })
+    Example:
+        {"name": "better", "kind": "tune", "controller":
+         "effort_joint_trajectory_controller", "state": "running", "reason": "",
+         "created_at": "2026-11-22T09:15:00+00:00", "trials": 100, "ended": 37,
+         "failed": 0, "first": null, "best": {"hash": "3f2a9c0d11e4b765", "number": 31,
+         "state": "done", "reason": "", "parameters": {"gains/arm/panda_joint1/p":
+         912.0}, "seed": 0, "metrics": {"rms_error": 0.0012, "effort_peak": 24.6},
+         "seconds": 0.31}, "cost": 0.43, "left": 21.0}
+    """
 
     first: ExperimentTrial | None
     best: ExperimentTrial | None
@@ -268,21 +247,12 @@ class ExperimentPreview(ResponseModel):
         differences: The gains that would change: `saved` is the new value.
         revisions: Present revision of the gains of each controller; sent along with
             the change, they make sure that it changes what was shown.
-    """
 
-    model_config = example({
-        "experiment": "better",
-        "trial": "3f2a9c0d11e4b765",
-        "differences": [
-            {
-                "controller": "arm",
-                "name": "panda_joint1/p",
-                "saved": 912.0,
-                "present": 600.0,
-            }
-        ],
-        "revisions": {"arm": 4},
-    })
+    Example:
+        {"experiment": "better", "trial": "3f2a9c0d11e4b765", "differences":
+         [{"controller": "arm", "name": "panda_joint1/p", "saved": 912.0, "present":
+         600.0}], "revisions": {"arm": 4}}
+    """
 
     experiment: str
     trial: str
@@ -297,9 +267,10 @@ class ExperimentApplyRequest(RequestModel):
         trial: Hash of the trial, or the beginning of it; null for the best one.
         revisions: Revisions that the preview has shown, by controller; the change is
             refused when one is another by now. Null to change whatever they are.
-    """
 
-    model_config = example({"trial": None, "revisions": {"arm": 4}})
+    Example:
+        {"trial": null, "revisions": {"arm": 4}}
+    """
 
     trial: TrialHash | None = None
     revisions: dict[str, int] | None = Field(default=None, max_length=64)

@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from pydantic import ConfigDict, Field
+from pydantic import Field
 
 from station.reports import GainDifference, GainsChange
 from station.wire.base import Items, RequestModel, ResponseModel
@@ -21,27 +21,12 @@ class GainSet(ResponseModel):
         saved_at: When it was saved, ISO 8601.
         gains: Saved values by controller and gain, each in the unit of the gain.
         differences: The gains that differ; empty when the set is in force.
-    """
 
-    model_config = ConfigDict(
-        json_schema_extra={
-            "examples": [
-                {
-                    "name": "stiff",
-                    "saved_at": "2026-11-22T09:15:00+00:00",
-                    "gains": {"arm": {"panda_joint1/p": 600.0}},
-                    "differences": [
-                        {
-                            "controller": "arm",
-                            "name": "panda_joint1/p",
-                            "saved": 600.0,
-                            "present": 500.0,
-                        }
-                    ],
-                }
-            ]
-        }
-    )
+    Example:
+        {"name": "stiff", "saved_at": "2026-11-22T09:15:00+00:00", "gains": {"arm":
+         {"panda_joint1/p": 600.0}}, "differences": [{"controller": "arm", "name":
+         "panda_joint1/p", "saved": 600.0, "present": 500.0}]}
+    """
 
     name: str
     saved_at: str
@@ -65,11 +50,10 @@ class GainSetRequest(RequestModel):
     Attributes:
         controllers: Names of controllers; null or left out for all: those that are
             loaded when saving, those of the set when applying.
-    """
 
-    model_config = ConfigDict(
-        json_schema_extra={"examples": [{"controllers": ["arm"]}]}
-    )
+    Example:
+        {"controllers": ["arm"]}
+    """
 
     controllers: list[str] | None = Field(default=None, min_length=1, max_length=64)
 
@@ -82,18 +66,10 @@ class GainsOfControllersPatch(RequestModel):
             gains' schema; the other gains stay.
         revisions: Revisions of the gains that the caller has read, by controller; the
             change is refused when one is another by now. Null for whatever they are.
-    """
 
-    model_config = ConfigDict(
-        json_schema_extra={
-            "examples": [
-                {
-                    "changes": {"arm": {"panda_joint1/p": 500.0}},
-                    "revisions": {"arm": 4},
-                }
-            ]
-        }
-    )
+    Example:
+        {"changes": {"arm": {"panda_joint1/p": 500.0}}, "revisions": {"arm": 4}}
+    """
 
     changes: dict[
         str, Annotated[dict[str, float], Field(min_length=1, max_length=1024)]

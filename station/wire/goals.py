@@ -2,8 +2,7 @@
 
 from typing import Annotated, Literal
 
-from pydantic import ConfigDict, Field, JsonValue
-from pydantic.config import JsonDict
+from pydantic import Field, JsonValue
 
 from station.wire.base import (
     FromEnum,
@@ -19,11 +18,6 @@ GoalStatusName = Annotated[
     Literal["pending", "active", "preempted", "succeeded", "aborted"], FromEnum
 ]
 
-_TRAJECTORY: JsonDict = {
-    "joint_names": ["panda_joint1", "panda_joint2"],
-    "points": [{"positions": [0.3, -0.5], "time_from_start": 2.0}],
-}
-
 
 class GoalRequest(RequestModel):
     """Give a controller a goal; it replaces the one before.
@@ -32,16 +26,13 @@ class GoalRequest(RequestModel):
         goal: The goal message of the controller's action: control_msgs/
             FollowJointTrajectoryGoal with times in seconds, or GripperCommandGoal.
         epoch: Epoch it was made for; refused when a stop or reset came since.
-    """
 
-    model_config = ConfigDict(
-        json_schema_extra={
-            "examples": [
-                {"goal": {"trajectory": _TRAJECTORY, "goal_time_tolerance": 0.5}},
-                {"goal": {"command": {"position": 0.02, "max_effort": 10.0}}},
-            ]
-        }
-    )
+    Example:
+        {"goal": {"trajectory": {"joint_names": ["panda_joint1", "panda_joint2"],
+         "points": [{"positions": [0.3, -0.5], "time_from_start": 2.0}]},
+         "goal_time_tolerance": 0.5}}
+        {"goal": {"command": {"position": 0.02, "max_effort": 10.0}}}
+    """
 
     goal: ParameterValues
     epoch: int | None = Field(default=None, ge=0)
@@ -99,11 +90,11 @@ class TrajectoryRequest(RequestModel):
         trajectory: trajectory_msgs/JointTrajectory with times in seconds; without
             points the joints stop and hold.
         epoch: Epoch it was made for; refused when a stop or reset came since.
-    """
 
-    model_config = ConfigDict(
-        json_schema_extra={"examples": [{"trajectory": _TRAJECTORY}]}
-    )
+    Example:
+        {"trajectory": {"joint_names": ["panda_joint1", "panda_joint2"], "points":
+         [{"positions": [0.3, -0.5], "time_from_start": 2.0}]}}
+    """
 
     trajectory: ParameterValues
     epoch: int | None = Field(default=None, ge=0)

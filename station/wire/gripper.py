@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from pydantic import AliasChoices, ConfigDict, Field
+from pydantic import AliasChoices, Field
 
 from station.wire.base import FromEnum, Measured, Reason, RequestModel, ResponseModel
 
@@ -77,11 +77,10 @@ class GripperMoveRequest(RequestModel):
     Attributes:
         width: 0 to the largest one [m].
         speed: How fast the width changes, at most 0.4 [m/s].
-    """
 
-    model_config = ConfigDict(
-        json_schema_extra={"examples": [{"width": 0.04, "speed": 0.1}]}
-    )
+    Example:
+        {"width": 0.04, "speed": 0.1}
+    """
 
     width: _Distance
     speed: _Positive = 0.1
@@ -107,11 +106,10 @@ class GripperGraspRequest(RequestModel):
         force: What each finger presses it with, 0.1 to 140 [N].
         speed: How fast the width changes, at most 0.4 [m/s].
         epsilon: Tolerance of the width.
-    """
 
-    model_config = ConfigDict(
-        json_schema_extra={"examples": [{"width": 0.03, "force": 20.0}]}
-    )
+    Example:
+        {"width": 0.03, "force": 20.0}
+    """
 
     width: _Distance
     force: _Positive

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from pydantic import ConfigDict, Field
+from pydantic import Field
 
 from station.reports import HardwareInterface, HardwareTransmission
 from station.wire.base import FromEnum, Items, Measured, ResponseModel
@@ -121,70 +121,22 @@ class Hardware(ResponseModel):
         transmissions: Transmissions; empty for a robot that has none.
         clamps: Commands that were cut off; empty if none ever was.
         repairs: In what a simulated robot differs from its description.
-    """
 
-    model_config = ConfigDict(
-        json_schema_extra={
-            "examples": [
-                {
-                    "interfaces": [
-                        {
-                            "name": "hardware_interface::EffortJointInterface",
-                            "resources": [
-                                {"name": "elbow_joint", "claimed_by": ["arm"]}
-                            ],
-                        }
-                    ],
-                    "limits": [
-                        {
-                            "joint": "elbow_joint",
-                            "min_position": -3.14,
-                            "max_position": 3.14,
-                            "max_velocity": 3.15,
-                            "max_acceleration": None,
-                            "max_jerk": None,
-                            "max_effort": 150.0,
-                            "soft_limits": None,
-                            "sources": {
-                                "position": "urdf limit",
-                                "velocity": "urdf limit",
-                                "effort": "parameters",
-                            },
-                        }
-                    ],
-                    "transmissions": [
-                        {
-                            "name": "elbow_trans",
-                            "type": "transmission_interface/SimpleTransmission",
-                            "joints": ["elbow_joint"],
-                            "actuators": ["elbow_motor"],
-                        }
-                    ],
-                    "clamps": [
-                        {
-                            "joint": "elbow_joint",
-                            "hardware_interface": (
-                                "hardware_interface::EffortJointInterface"
-                            ),
-                            "count": 12,
-                            "asked": 400.0,
-                            "given": 150.0,
-                            "reason": "effort",
-                        }
-                    ],
-                    "repairs": [
-                        {
-                            "kind": "range",
-                            "element": "joint 'wheel_joint'",
-                            "problem": "its range is empty",
-                            "old": "0 to 0",
-                            "new": "locked (zero_range: free lets it move)",
-                        }
-                    ],
-                }
-            ]
-        }
-    )
+    Example:
+        {"interfaces": [{"name": "hardware_interface::EffortJointInterface",
+         "resources": [{"name": "elbow_joint", "claimed_by": ["arm"]}]}], "limits":
+         [{"joint": "elbow_joint", "min_position": -3.14, "max_position": 3.14,
+         "max_velocity": 3.15, "max_acceleration": null, "max_jerk": null, "max_effort":
+         150.0, "soft_limits": null, "sources": {"position": "urdf limit", "velocity":
+         "urdf limit", "effort": "parameters"}}], "transmissions": [{"name":
+         "elbow_trans", "type": "transmission_interface/SimpleTransmission", "joints":
+         ["elbow_joint"], "actuators": ["elbow_motor"]}], "clamps": [{"joint":
+         "elbow_joint", "hardware_interface":
+         "hardware_interface::EffortJointInterface", "count": 12, "asked": 400.0,
+         "given": 150.0, "reason": "effort"}], "repairs": [{"kind": "range", "element":
+         "joint 'wheel_joint'", "problem": "its range is empty", "old": "0 to 0", "new":
+         "locked (zero_range: free lets it move)"}]}
+    """
 
     interfaces: Items[HardwareInterface]
     limits: Items[HardwareLimits]

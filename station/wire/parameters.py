@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from pydantic import AfterValidator, ConfigDict, JsonValue
+from pydantic import AfterValidator, JsonValue
 
 from station.wire.base import RequestModel, ResponseModel, check_depth
 
@@ -18,11 +18,10 @@ class Parameter(ResponseModel):
     Attributes:
         path: Names separated by `/`; empty for the whole tree.
         value: Its value; a namespace is an object.
-    """
 
-    model_config = ConfigDict(
-        json_schema_extra={"examples": [{"path": "arm/panda_joint1/p", "value": 600.0}]}
-    )
+    Example:
+        {"path": "arm/panda_joint1/p", "value": 600.0}
+    """
 
     path: str
     value: JsonValue
@@ -34,8 +33,9 @@ class ParameterRequest(RequestModel):
     Attributes:
         value: Any JSON, nested 32 levels deep at most; an object replaces the whole
             namespace.
-    """
 
-    model_config = ConfigDict(json_schema_extra={"examples": [{"value": 600.0}]})
+    Example:
+        {"value": 600.0}
+    """
 
     value: Annotated[JsonValue, AfterValidator(_check_depth)]

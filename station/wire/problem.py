@@ -1,6 +1,6 @@
 """How a refusal looks on the wire (RFC 9457, application/problem+json)."""
 
-from pydantic import ConfigDict, Field, JsonValue
+from pydantic import Field, JsonValue
 
 from station.wire.base import ResponseModel
 
@@ -33,22 +33,13 @@ class Problem(ResponseModel):
         remedy: What to do about it.
         errors: Every single thing that is wrong, when there are several or fields.
         details: The facts of `detail` as data, e.g. who holds the joints.
-    """
 
-    model_config = ConfigDict(
-        json_schema_extra={
-            "examples": [
-                {
-                    "type": "urn:control-station:problem:controller_not_found",
-                    "title": "Controller not found",
-                    "status": 404,
-                    "detail": "No controller 'arm' is loaded; loaded are: none.",
-                    "code": "controller_not_found",
-                    "remedy": "Load it with POST /api/v1/controllers.",
-                }
-            ]
-        }
-    )
+    Example:
+        {"type": "urn:control-station:problem:controller_not_found", "title":
+         "Controller not found", "status": 404, "detail": "No controller 'arm' is
+         loaded; loaded are: none.", "code": "controller_not_found", "remedy": "Load it
+         with POST /api/v1/controllers."}
+    """
 
     type: str
     title: str

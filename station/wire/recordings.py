@@ -10,7 +10,6 @@ from station.wire.base import (
     Reason,
     RequestModel,
     ResponseModel,
-    example,
 )
 
 RecordingId = Annotated[
@@ -38,23 +37,13 @@ class Recording(ResponseModel):
         duration: Station time from its first cycle to its last [s].
         size: Bytes of the file.
         causes: Why an incident was kept; empty for what a user recorded.
-    """
 
-    model_config = example({
-        "identifier": "20261122T091500123-pick",
-        "name": "pick",
-        "note": "With the heavy cube.",
-        "state": "stopped",
-        "error": "",
-        "started_at": "2026-11-22T09:15:00+00:00",
-        "first_cycle": 1201,
-        "last_cycle": 61200,
-        "cycles": 60000,
-        "lost": 0,
-        "duration": 59.999,
-        "size": 45000000,
-        "causes": [],
-    })
+    Example:
+        {"identifier": "20261122T091500123-pick", "name": "pick", "note": "With the
+         heavy cube.", "state": "stopped", "error": "", "started_at":
+         "2026-11-22T09:15:00+00:00", "first_cycle": 1201, "last_cycle": 61200,
+         "cycles": 60000, "lost": 0, "duration": 59.999, "size": 45000000, "causes": []}
+    """
 
     identifier: str
     name: str
@@ -88,9 +77,10 @@ class RecordingRequest(RequestModel):
         name: What to call it: up to 80 letters, digits, `_`, `.` and `-`; it becomes a
             part of the file's name.
         note: For the record.
-    """
 
-    model_config = example({"name": "pick", "note": "With the heavy cube."})
+    Example:
+        {"name": "pick", "note": "With the heavy cube."}
+    """
 
     name: str = Field(
         default="", max_length=80, pattern=r"^([A-Za-z0-9_][A-Za-z0-9_.-]*)?$"

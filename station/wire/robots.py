@@ -14,7 +14,6 @@ from station.wire.base import (
     Reason,
     RequestModel,
     ResponseModel,
-    example,
 )
 
 Vector3 = Annotated[list[float], Field(min_length=3, max_length=3)]
@@ -135,9 +134,10 @@ class RecoveryRequest(RequestModel):
     Attributes:
         restart: `previous` starts the controllers again that the error stopped; with
             `none` they stay stopped and nothing moves by itself.
-    """
 
-    model_config = example({"restart": "previous"})
+    Example:
+        {"restart": "previous"}
+    """
 
     restart: Literal["none", "previous"] = "none"
 
@@ -167,9 +167,10 @@ class UserStopRequest(RequestModel):
 
     Attributes:
         pressed: True presses it, false releases it.
-    """
 
-    model_config = example({"pressed": True})
+    Example:
+        {"pressed": true}
+    """
 
     pressed: bool
 
@@ -179,9 +180,10 @@ class GuidingRequest(RequestModel):
 
     Attributes:
         pressed: True presses them, false releases them.
-    """
 
-    model_config = example({"pressed": True})
+    Example:
+        {"pressed": true}
+    """
 
     pressed: bool
 
@@ -201,11 +203,10 @@ class JointImpedance(RequestModel):
 
     Attributes:
         joint_stiffness: Stiffness of each joint [Nm/rad], 0 to 14250, shape (7,).
-    """
 
-    model_config = example({
-        "joint_stiffness": [3000.0, 3000.0, 3000.0, 2500.0, 2500.0, 2000.0, 2000.0]
-    })
+    Example:
+        {"joint_stiffness": [3000.0, 3000.0, 3000.0, 2500.0, 2500.0, 2000.0, 2000.0]}
+    """
 
     joint_stiffness: Joints
 
@@ -216,11 +217,10 @@ class CartesianImpedance(RequestModel):
     Attributes:
         cartesian_stiffness: Along and about the axes of the stiffness frame: three
             times 10 to 3000 [N/m], then three times 1 to 300 [Nm/rad].
-    """
 
-    model_config = example({
-        "cartesian_stiffness": [2000.0, 2000.0, 2000.0, 100.0, 100.0, 100.0]
-    })
+    Example:
+        {"cartesian_stiffness": [2000.0, 2000.0, 2000.0, 100.0, 100.0, 100.0]}
+    """
 
     cartesian_stiffness: Wrench
 
@@ -231,28 +231,11 @@ class EndEffectorFrame(RequestModel):
     Attributes:
         NE_T_EE: Pose of the end effector in the nominal end effector frame, column-
             major, translation [m], shape (16,).
-    """
 
-    model_config = example({
-        "NE_T_EE": [
-            1.0,
-            0.0,
-            0.0,
-            0.0,
-            0.0,
-            1.0,
-            0.0,
-            0.0,
-            0.0,
-            0.0,
-            1.0,
-            0.0,
-            0.0,
-            0.0,
-            0.1,
-            1.0,
-        ]
-    })
+    Example:
+        {"NE_T_EE": [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0,
+         0.0, 0.1, 1.0]}
+    """
 
     NE_T_EE: Transform
 
@@ -263,28 +246,11 @@ class StiffnessFrame(RequestModel):
     Attributes:
         EE_T_K: Pose of the stiffness frame in the end effector frame, column-major,
             translation [m], shape (16,).
-    """
 
-    model_config = example({
-        "EE_T_K": [
-            1.0,
-            0.0,
-            0.0,
-            0.0,
-            0.0,
-            1.0,
-            0.0,
-            0.0,
-            0.0,
-            0.0,
-            1.0,
-            0.0,
-            0.0,
-            0.0,
-            0.0,
-            1.0,
-        ]
-    })
+    Example:
+        {"EE_T_K": [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0,
+         0.0, 0.0, 1.0]}
+    """
 
     EE_T_K: Transform
 
@@ -296,13 +262,11 @@ class Load(RequestModel):
         mass: Mass [kg], 0 to the largest load of the arm.
         F_x_center_load: Centre of mass in the flange frame [m].
         load_inertia: About it [kg m^2], column-major.
-    """
 
-    model_config = example({
-        "mass": 0.5,
-        "F_x_center_load": [0.0, 0.0, 0.1],
-        "load_inertia": [0.001, 0.0, 0.0, 0.0, 0.001, 0.0, 0.0, 0.0, 0.001],
-    })
+    Example:
+        {"mass": 0.5, "F_x_center_load": [0.0, 0.0, 0.1], "load_inertia": [0.001, 0.0,
+         0.0, 0.0, 0.001, 0.0, 0.0, 0.0, 0.001]}
+    """
 
     mass: float
     F_x_center_load: Vector3
@@ -320,14 +284,13 @@ class ForceTorqueCollisionBehavior(RequestModel):
             >= 0, shape (6,).
         upper_force_thresholds_nominal: Forces [N], then torques [Nm] of a collision,
             not below those of a contact, shape (6,).
-    """
 
-    model_config = example({
-        "lower_torque_thresholds_nominal": [20.0] * 7,
-        "upper_torque_thresholds_nominal": [40.0] * 7,
-        "lower_force_thresholds_nominal": [10.0] * 6,
-        "upper_force_thresholds_nominal": [30.0] * 6,
-    })
+    Example:
+        {"lower_torque_thresholds_nominal": [20.0, 20.0, 20.0, 20.0, 20.0, 20.0, 20.0],
+         "upper_torque_thresholds_nominal": [40.0, 40.0, 40.0, 40.0, 40.0, 40.0, 40.0],
+         "lower_force_thresholds_nominal": [10.0, 10.0, 10.0, 10.0, 10.0, 10.0],
+         "upper_force_thresholds_nominal": [30.0, 30.0, 30.0, 30.0, 30.0, 30.0]}
+    """
 
     lower_torque_thresholds_nominal: Joints
     upper_torque_thresholds_nominal: Joints
@@ -347,18 +310,18 @@ class FullCollisionBehavior(ForceTorqueCollisionBehavior):
             >= 0, shape (6,).
         upper_force_thresholds_acceleration: Forces [N], then torques [Nm] of a
             collision, not below those of a contact, shape (6,).
-    """
 
-    model_config = example({
-        "lower_torque_thresholds_nominal": [20.0] * 7,
-        "upper_torque_thresholds_nominal": [40.0] * 7,
-        "lower_force_thresholds_nominal": [10.0] * 6,
-        "upper_force_thresholds_nominal": [30.0] * 6,
-        "lower_torque_thresholds_acceleration": [20.0] * 7,
-        "upper_torque_thresholds_acceleration": [40.0] * 7,
-        "lower_force_thresholds_acceleration": [10.0] * 6,
-        "upper_force_thresholds_acceleration": [30.0] * 6,
-    })
+    Example:
+        {"lower_torque_thresholds_nominal": [20.0, 20.0, 20.0, 20.0, 20.0, 20.0, 20.0],
+         "upper_torque_thresholds_nominal": [40.0, 40.0, 40.0, 40.0, 40.0, 40.0, 40.0],
+         "lower_force_thresholds_nominal": [10.0, 10.0, 10.0, 10.0, 10.0, 10.0],
+         "upper_force_thresholds_nominal": [30.0, 30.0, 30.0, 30.0, 30.0, 30.0],
+         "lower_torque_thresholds_acceleration": [20.0, 20.0, 20.0, 20.0, 20.0, 20.0,
+         20.0], "upper_torque_thresholds_acceleration": [40.0, 40.0, 40.0, 40.0, 40.0,
+         40.0, 40.0], "lower_force_thresholds_acceleration": [10.0, 10.0, 10.0, 10.0,
+         10.0, 10.0], "upper_force_thresholds_acceleration": [30.0, 30.0, 30.0, 30.0,
+         30.0, 30.0]}
+    """
 
     lower_torque_thresholds_acceleration: Joints
     upper_torque_thresholds_acceleration: Joints
@@ -377,13 +340,10 @@ class ExternalForce(RequestModel):
         frame: Axes of force and torque: `world`, or a link with which they turn.
         point: Where the force acts, in the link's frame [m]; its centre of mass if
             there is none.
-    """
 
-    model_config = example({
-        "link": "panda_hand",
-        "force": [0.0, 0.0, -20.0],
-        "duration": 0.5,
-    })
+    Example:
+        {"link": "panda_hand", "force": [0.0, 0.0, -20.0], "duration": 0.5}
+    """
 
     link: str = Field(min_length=1, max_length=128)
     force: Vector3 = Field(default_factory=lambda: [0.0, 0.0, 0.0])
@@ -408,9 +368,10 @@ class Fault(RequestModel):
             many nominal periods the loop's next cycle is late, at most 500.
         joint: Number of the joint, 1 to 7, where the kind needs one.
         force: Force of a collision, axes of the world [N].
-    """
 
-    model_config = example({"kind": "stuck_joint", "joint": 4, "cycles": 1000})
+    Example:
+        {"kind": "stuck_joint", "joint": 4, "cycles": 1000}
+    """
 
     kind: FaultName
     cycles: int = Field(default=20, ge=1, le=1_000_000)

@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from pydantic import AliasChoices, ConfigDict, Field
+from pydantic import AliasChoices, Field
 
 from station.wire.base import Items, Measurements, ResponseModel
 
@@ -21,23 +21,11 @@ class SceneObject(ResponseModel):
         orientation: Unit quaternion x, y, z, w.
         mass: [kg]; 0 for a thing that cannot move.
         file: File of a mesh, on the station's machine.
-    """
 
-    model_config = ConfigDict(
-        json_schema_extra={
-            "examples": [
-                {
-                    "name": "cube",
-                    "type": "box",
-                    "size": [0.05, 0.05, 0.05],
-                    "position": [0.5, 0.0, 0.025],
-                    "orientation": [0.0, 0.0, 0.0, 1.0],
-                    "mass": 0.1,
-                    "file": "",
-                }
-            ]
-        }
-    )
+    Example:
+        {"name": "cube", "type": "box", "size": [0.05, 0.05, 0.05], "position": [0.5,
+         0.0, 0.025], "orientation": [0.0, 0.0, 0.0, 1.0], "mass": 0.1, "file": ""}
+    """
 
     name: str
     type: ObjectKind = Field(validation_alias=AliasChoices("type", "kind"))
@@ -55,19 +43,11 @@ class MovingBase(ResponseModel):
         link: Name of the root link.
         position: Of its frame, in the world [m], shape (3,).
         orientation: Unit quaternion x, y, z, w.
-    """
 
-    model_config = ConfigDict(
-        json_schema_extra={
-            "examples": [
-                {
-                    "link": "base_footprint",
-                    "position": [0.8, -0.1, 0.0],
-                    "orientation": [0.0, 0.0, 0.1, 0.995],
-                }
-            ]
-        }
-    )
+    Example:
+        {"link": "base_footprint", "position": [0.8, -0.1, 0.0], "orientation": [0.0,
+         0.0, 0.1, 0.995]}
+    """
 
     link: str
     position: Measurements = Field(min_length=3, max_length=3)
@@ -82,19 +62,11 @@ class Contact(ResponseModel):
         position: The point, in the world [m], shape (3,).
         force: On the second body in the last step, axes of the world [N], shape (3,);
             the first one feels the opposite.
-    """
 
-    model_config = ConfigDict(
-        json_schema_extra={
-            "examples": [
-                {
-                    "bodies": ["world", "cube"],
-                    "position": [0.5, 0.02, 0.0],
-                    "force": [0.0, 0.0, 0.25],
-                }
-            ]
-        }
-    )
+    Example:
+        {"bodies": ["world", "cube"], "position": [0.5, 0.02, 0.0], "force": [0.0, 0.0,
+         0.25]}
+    """
 
     bodies: Items[str] = Field(min_length=2, max_length=2)
     position: Measurements = Field(min_length=3, max_length=3)

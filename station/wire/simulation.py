@@ -2,7 +2,7 @@
 
 from pydantic import Field
 
-from station.wire.base import RequestModel, example
+from station.wire.base import RequestModel
 
 
 class SimulationPatch(RequestModel):
@@ -11,9 +11,10 @@ class SimulationPatch(RequestModel):
     Attributes:
         paused: Whether station time is to stand still.
         real_time_factor: Station time over wall time, 0.01 to 100.
-    """
 
-    model_config = example({"paused": True})
+    Example:
+        {"paused": true}
+    """
 
     paused: bool | None = None
     real_time_factor: float | None = None
@@ -24,9 +25,10 @@ class StepRequest(RequestModel):
 
     Attributes:
         n: How many, 1 to 10000.
-    """
 
-    model_config = example({"n": 100})
+    Example:
+        {"n": 100}
+    """
 
     n: int = 1
 
@@ -38,12 +40,10 @@ class ResetRequest(RequestModel):
         keyframe: Name of a pose to begin at; null for where the joints began.
         joint_positions: Joint name to position [rad] or [m]; the others go to the
             keyframe, or back to where they began.
-    """
 
-    model_config = example({
-        "keyframe": "ready",
-        "joint_positions": {"panda_joint1": 0.5},
-    })
+    Example:
+        {"keyframe": "ready", "joint_positions": {"panda_joint1": 0.5}}
+    """
 
     keyframe: str | None = Field(default=None, min_length=1, max_length=128)
 

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from pydantic import ConfigDict, Field
+from pydantic import Field
 
 from station.reports import LoopReport, Simulation
 from station.wire.base import (
@@ -12,7 +12,6 @@ from station.wire.base import (
     Reason,
     RequestModel,
     ResponseModel,
-    example,
 )
 from station.wire.events import EventLogState
 from station.wire.hardware import Clamp
@@ -125,9 +124,10 @@ class StopRequest(RequestModel):
 
     Attributes:
         reason: For the record.
-    """
 
-    model_config = example({"reason": "Somebody is in the cell."})
+    Example:
+        {"reason": "Somebody is in the cell."}
+    """
 
     reason: str = Field(default="", max_length=500)
 
@@ -137,9 +137,10 @@ class ReleaseRequest(RequestModel):
 
     Attributes:
         arm: False, first: the cause is gone. True, afterwards: allow motion again.
-    """
 
-    model_config = example({"arm": True})
+    Example:
+        {"arm": true}
+    """
 
     arm: bool = False
 
@@ -170,21 +171,11 @@ class JointStates(ResponseModel):
         position: Positions [rad] or [m]; null where a reading is not finite.
         velocity: Velocities [rad/s] or [m/s].
         effort: Efforts [Nm] or [N].
-    """
 
-    model_config = ConfigDict(
-        json_schema_extra={
-            "examples": [
-                {
-                    "stamp": 12.345,
-                    "name": ["panda_joint1"],
-                    "position": [0.0],
-                    "velocity": [0.0],
-                    "effort": [0.1],
-                }
-            ]
-        }
-    )
+    Example:
+        {"stamp": 12.345, "name": ["panda_joint1"], "position": [0.0], "velocity":
+         [0.0], "effort": [0.1]}
+    """
 
     stamp: float
     name: Items[str]
@@ -198,9 +189,10 @@ class LoginRequest(RequestModel):
 
     Attributes:
         token: The operator's or the viewer's token of this start of the station.
-    """
 
-    model_config = example({"token": "the token that the station printed"})
+    Example:
+        {"token": "the token that the station printed"}
+    """
 
     token: str = Field(min_length=1, max_length=512)
 

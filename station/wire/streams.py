@@ -3,9 +3,8 @@
 from typing import Literal
 
 from pydantic import Field, JsonValue
-from pydantic_core import to_json
 
-from station.wire.base import ReadT, ResponseModel, read_json
+from station.wire.base import ReadT, ResponseModel, reader_of
 
 CLOSE_GOING_AWAY = 1001
 CLOSE_TRY_LATER = 1013
@@ -51,10 +50,7 @@ class StreamFrame(ResponseModel):
         Raises:
             ValidationError: The payload is another one.
         """
-        # As JSON, because reports are read strictly: pydantic would accept nothing but
-        # instances of them, and no mapping.
-        values = to_json({"stamp": self.stamp, **self.data}, inf_nan_mode="null")
-        return read_json(model, values)
+        return reader_of(model).validate_python({"stamp": self.stamp, **self.data})
 
 
 class CommandError(ResponseModel):

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from pydantic import ConfigDict, Field
+from pydantic import Field
 
 from station.reports import Playback
 from station.wire.base import (
@@ -48,23 +48,11 @@ class WaypointPathRequest(RequestModel):
 
     Attributes:
         waypoints: The waypoints, 500 at most; they replace those of the path.
-    """
 
-    model_config = ConfigDict(
-        json_schema_extra={
-            "examples": [
-                {
-                    "waypoints": [
-                        {
-                            "name": "up",
-                            "duration": 2.0,
-                            "positions": {"panda_joint1": 0.3},
-                        }
-                    ]
-                }
-            ]
-        }
-    )
+    Example:
+        {"waypoints": [{"name": "up", "duration": 2.0, "positions": {"panda_joint1":
+         0.3}}]}
+    """
 
     waypoints: list[WaypointRequest] = Field(max_length=500)
 
@@ -76,11 +64,10 @@ class CaptureRequest(RequestModel):
         name: Name of the waypoint; `point N` when null or left out.
         duration: Time to it from the waypoint before, at the speed 1 [s], above 0 and
             at most 600.
-    """
 
-    model_config = ConfigDict(
-        json_schema_extra={"examples": [{"name": "up", "duration": 2.0}]}
-    )
+    Example:
+        {"name": "up", "duration": 2.0}
+    """
 
     name: _WaypointName | None = None
     duration: _Duration = 2.0
@@ -106,11 +93,10 @@ class PlayRequest(RequestModel):
         loop: Begin again at the end, until it is switched off or something ends it.
         first: Number of the first waypoint that is gone to, from 0.
         last: Number of the last one; null for the path's last one.
-    """
 
-    model_config = ConfigDict(
-        json_schema_extra={"examples": [{"speed": 0.5, "loop": True}]}
-    )
+    Example:
+        {"speed": 0.5, "loop": true}
+    """
 
     controller: ControllerName | None = None
     speed: _Speed = 1.0
@@ -126,9 +112,10 @@ class PlaybackPatch(RequestModel):
         paused: True lets the robot hold where it is; false goes on.
         speed: Factor of all speeds, 0.05 to 2; without a unit.
         loop: Whether it begins again at its end.
-    """
 
-    model_config = ConfigDict(json_schema_extra={"examples": [{"paused": True}]})
+    Example:
+        {"paused": true}
+    """
 
     paused: bool | None = None
     speed: _Speed | None = None

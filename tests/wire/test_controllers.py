@@ -3,6 +3,7 @@
 import pytest
 from pydantic import ValidationError
 
+from station.reports import examples_of
 from station.wire import (
     CommandRequest,
     Gains,
@@ -18,7 +19,7 @@ from station.wire import (
     "kind", [LoadRequest, SwitchRequest, SwitchResult, GainsPatch, CommandRequest]
 )
 def test_examples_are_valid(kind):
-    for example in kind.model_config["json_schema_extra"]["examples"]:
+    for example in examples_of(kind.__doc__):
         assert kind.model_validate(example)
 
 

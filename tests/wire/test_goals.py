@@ -2,12 +2,13 @@
 
 import pytest
 
+from station.reports import examples_of
 from station.wire import Goal, GoalRequest, TrajectoryRequest
 
 
 @pytest.mark.parametrize("kind", [GoalRequest, TrajectoryRequest])
 def test_examples_are_valid(kind):
-    for example in kind.model_config["json_schema_extra"]["examples"]:
+    for example in examples_of(kind.__doc__):
         assert kind.model_validate(example)
 
 

@@ -2,13 +2,14 @@
 
 import json
 
+from station.reports import examples_of
 from station.wire import Hardware
-from station.wire.base import read_json
+from station.wire.base import reader_of
 
 
 def test_the_example_is_valid():
-    (example,) = Hardware.model_config["json_schema_extra"]["examples"]
+    (example,) = examples_of(Hardware.__doc__)
 
-    hardware = read_json(Hardware, json.dumps(example))
+    hardware = reader_of(Hardware).validate_json(json.dumps(example))
 
     assert hardware.model_dump(mode="json") == example

@@ -3,9 +3,10 @@
 import pytest
 from pydantic import ValidationError
 
+from station.reports import examples_of
 from station.wire import FieldError, Problem
 
-EXAMPLE = Problem.model_config["json_schema_extra"]["examples"][0]
+EXAMPLE = examples_of(Problem.__doc__)[0]
 
 
 def test_the_example_is_valid():

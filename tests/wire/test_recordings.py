@@ -3,11 +3,12 @@
 import pytest
 from pydantic import ValidationError
 
+from station.reports import examples_of
 from station.wire import Recording, RecordingRequest
 
 
 def test_a_recording_without_an_error_says_so():
-    values = Recording.model_config["json_schema_extra"]["examples"][0]
+    values = examples_of(Recording.__doc__)[0]
     assert Recording.model_validate({**values, "error": None}).error == ""
 
 

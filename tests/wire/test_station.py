@@ -3,11 +3,12 @@
 import pytest
 from pydantic import ValidationError
 
+from station.reports import examples_of
 from station.wire import JointStates, LoginRequest, ReleaseRequest, StopRequest
 
 
 def test_the_example_of_joint_states_is_valid():
-    (example,) = JointStates.model_config["json_schema_extra"]["examples"]
+    (example,) = examples_of(JointStates.__doc__)
 
     assert JointStates.model_validate(example)
 

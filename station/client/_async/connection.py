@@ -14,7 +14,7 @@ from station.client.command_options import CommandOptions
 from station.client.errors import ApiError, StationUnreachableError
 from station.client.routes import LEASE_HEADER, PREFIX
 from station.client.stream_options import Rate, StreamOptions, bearer
-from station.wire.base import read_json
+from station.wire.base import reader_of
 
 if TYPE_CHECKING:
     from station.client.promptness import Promptness
@@ -238,7 +238,7 @@ class AsyncConnection:
         if not response.is_success:
             refusal = ApiError.from_body(response.status_code, response.content)
             raise refusal
-        return read_json(answer, response.content)
+        return reader_of(answer).validate_json(response.content)
 
 
 def _written(body: BaseModel | Mapping[str, JsonValue]) -> bytes:

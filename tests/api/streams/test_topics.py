@@ -100,7 +100,7 @@ def test_the_list_of_controllers(station):
 def test_the_loop_comes_with_the_stop(station):
     data = latest(station, "loop").data
 
-    assert data["loop"]["state"] == "stopped"
+    assert data["loop"].state == "stopped"
     assert data["stop"]["state"] == "armed"
     assert data["robot_mode"]
 

@@ -2,11 +2,10 @@
 
 import json
 
+from station.reports import examples_of
 from station.wire import Hardware
 
-EXAMPLE = Hardware.model_validate(
-    Hardware.model_config["json_schema_extra"]["examples"][0]
-)
+EXAMPLE = Hardware.model_validate(examples_of(Hardware.__doc__)[0])
 
 
 def test_resources_are_listed_with_who_claims_them(run, station):

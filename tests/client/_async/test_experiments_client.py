@@ -2,11 +2,12 @@
 
 import pytest
 
+from station.reports import examples_of
 from station.wire import ExperimentRequest
 from station.wire.experiments import Experiment
 from tests.client.recorder import Recorder
 
-EXPERIMENT = Experiment.model_config["json_schema_extra"]["examples"][0]
+EXPERIMENT = examples_of(Experiment.__doc__)[0]
 DONE = {**EXPERIMENT, "state": "done"}
 
 

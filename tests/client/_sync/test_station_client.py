@@ -8,6 +8,7 @@ from station.client import (
     StationClient,
     StationUnreachableError,
 )
+from station.reports import examples_of
 from station.wire import SwitchResult
 from tests.api.conftest import OPERATOR
 
@@ -36,7 +37,7 @@ def test_a_switch_waits_for_its_own_timeout_too():
 
     def answer(request):
         seen.append(request.extensions["timeout"]["read"])
-        (example,) = SwitchResult.model_config["json_schema_extra"]["examples"]
+        (example,) = examples_of(SwitchResult.__doc__)
         return httpx.Response(200, json=example)
 
     with StationClient(
