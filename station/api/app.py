@@ -28,6 +28,7 @@ from station.api.openapi import StationApi, operation_id
 from station.api.representation import Representation
 from station.api.routes import PREFIX, api_router, metrics, robots
 from station.api.routes.access import login_page
+from station.api.services import Services
 from station.api.streams import Broadcaster
 from station.core.facade.station import Station
 from station.events import Alarms, EventLog
@@ -94,22 +95,24 @@ def create_app(
         # Its spans and counters would cost time in every request.
         telemetry={"tracing": False, "metrics": False, "logs": False},
     )
-    app.state.station = station
-    app.state.authenticator = authenticator
-    app.state.failed_logins = FailedLogins()
     kept = Kept() if kept is None else kept
-    event_recorder = app.state.event_recorder = EventRecorder(kept.events)
-    app.state.alarms = Alarms(station, kept.events)
-    app.state.control = Control(event_recorder.log, station.motion.let_go)
-    app.state.command_streams = 0
-    app.state.idempotent_answers = IdempotentAnswers()
-    app.state.event_feed = EventFeed(event_recorder.log)
-    app.state.recorder = kept.recorder
-    app.state.experiments = kept.experiments
-    app.state.bench = LiveBench(station)
-    app.state.dashboard_url = dashboard_url
-    app.state.broadcaster = Broadcaster(
-        station, slow_after=slow_after, max_clients=max_streams
+    event_recorder = EventRecorder(kept.events)
+    app.state.services = Services(
+        station=station,
+        authenticator=authenticator,
+        failed_logins=FailedLogins(),
+        event_recorder=event_recorder,
+        event_feed=EventFeed(kept.events),
+        alarms=Alarms(station, kept.events),
+        control=Control(kept.events, station.motion.let_go),
+        idempotent_answers=IdempotentAnswers(),
+        bench=LiveBench(station),
+        broadcaster=Broadcaster(
+            station, slow_after=slow_after, max_clients=max_streams
+        ),
+        dashboard_url=dashboard_url,
+        recorder=kept.recorder,
+        experiments=kept.experiments,
     )
     add_error_handlers(app)
     app.router.routes.extend(_shared_routes())

@@ -9,8 +9,8 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from station.api.auth import Access
 from station.api.control import HEADER as LEASE_HEADER
-from station.api.control import Control
 from station.api.errors import PROBLEM_CODE
+from station.api.services import services_of
 from station.core.control.switching import SwitchResult
 from station.events import EventKind, EventLog, Origin, Severity
 from station.events.repeats import Repeats
@@ -41,7 +41,7 @@ def note_access(connection: HTTPConnection, access: Access) -> None:
     """
     who = access.name
     if connection.scope.get("method") not in _READS:
-        control: Control = connection.app.state.control
+        control = services_of(connection).control
         who = control.name_of(access, connection.headers.get(LEASE_HEADER))
     connection.scope.setdefault("state", {})[WHO] = who
 

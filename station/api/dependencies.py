@@ -5,17 +5,15 @@ from typing import Annotated
 from fastapi import Depends, Header, Request, Security
 from fastapi.security import HTTPBearer
 
-from station.api.audit import EventRecorder, note_access
-from station.api.auth import Access, Authenticator, Role
+from station.api.audit import note_access
+from station.api.auth import Access, Role
 from station.api.control import HEADER as LEASE_HEADER
-from station.api.control import Control
 from station.api.errors import ProblemError
 from station.api.lateness import refuse_late
+from station.api.services import Services, services_of
 from station.core.facade.station import Station
 from station.core.franka.arms import Arms
 from station.core.franka.grippers import Grippers
-from station.events import Alarms
-from station.web.failed_logins import FailedLogins
 
 _bearer = HTTPBearer(
     auto_error=False,
@@ -24,16 +22,17 @@ _bearer = HTTPBearer(
 )
 
 
-async def get_station(request: Request) -> Station:
+async def get_services(request: Request) -> Services:
+    """Return the services of the app."""
+    return services_of(request)
+
+
+ServicesDep = Annotated[Services, Depends(get_services)]
+
+
+async def get_station(services: ServicesDep) -> Station:
     """Return the station that the app serves."""
-    station: Station = request.app.state.station
-    return station
-
-
-async def get_authenticator(request: Request) -> Authenticator:
-    """Return the authenticator of the app."""
-    authenticator: Authenticator = request.app.state.authenticator
-    return authenticator
+    return services.station
 
 
 StationDep = Annotated[Station, Depends(get_station)]
@@ -51,41 +50,11 @@ async def get_grippers(station: StationDep) -> Grippers:
 
 ArmsDep = Annotated[Arms, Depends(get_arms)]
 GrippersDep = Annotated[Grippers, Depends(get_grippers)]
-AuthenticatorDep = Annotated[Authenticator, Depends(get_authenticator)]
-
-
-async def get_failed_logins(request: Request) -> FailedLogins:
-    """Return the record of failed logins."""
-    failed_logins: FailedLogins = request.app.state.failed_logins
-    return failed_logins
-
-
-FailedLoginsDep = Annotated[FailedLogins, Depends(get_failed_logins)]
-
-
-async def get_event_recorder(request: Request) -> EventRecorder:
-    """Return what events are recorded with."""
-    event_recorder: EventRecorder = request.app.state.event_recorder
-    return event_recorder
-
-
-EventRecorderDep = Annotated[EventRecorder, Depends(get_event_recorder)]
-
-
-async def get_alarms(request: Request) -> Alarms:
-    """Return the alarms of the station."""
-    alarms: Alarms = request.app.state.alarms
-    return alarms
-
-
-AlarmsDep = Annotated[Alarms, Depends(get_alarms)]
 
 
 async def access(
     request: Request,
-    authenticator: AuthenticatorDep,
-    failed_logins: FailedLoginsDep,
-    event_recorder: EventRecorderDep,
+    services: ServicesDep,
     _: Annotated[object, Security(_bearer)] = None,
 ) -> Access:
     """Return what the caller may do, and what proves it.
@@ -93,11 +62,11 @@ async def access(
     Raises:
         ProblemError: The caller proves nothing.
     """
-    found = authenticator.access_of_headers(request.headers)
+    found = services.authenticator.access_of_headers(request.headers)
     if found is None:
         if "authorization" in request.headers:
-            event_recorder.failed_login(request)
-            await failed_logins.slow_down(request)
+            services.event_recorder.failed_login(request)
+            await services.failed_logins.slow_down(request)
         raise ProblemError(
             401,
             "unauthorized",
@@ -138,13 +107,6 @@ async def operator_anyway(request: Request, role: RoleDep) -> Role:
     return role
 
 
-async def get_control(request: Request) -> Control:
-    """Return the lease of control."""
-    control: Control = request.app.state.control
-    return control
-
-
-ControlDep = Annotated[Control, Depends(get_control)]
 LeaseKey = Annotated[
     str | None,
     Header(
@@ -161,14 +123,14 @@ async def operator(
     request: Request,
     role: Annotated[Role, Depends(operator_anyway)],
     access: AccessDep,
-    control: ControlDep,
+    services: ServicesDep,
 ) -> Role:
     """Return the caller's role, which is operator, while nobody else holds control.
 
     Raises:
         ControlHeldError: Somebody else holds control.
     """
-    control.check(access, request.headers.get(LEASE_HEADER))
+    services.control.check(access, request.headers.get(LEASE_HEADER))
     return role
 
 

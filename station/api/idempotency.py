@@ -18,10 +18,11 @@ from starlette.types import Message
 from typing_extensions import override
 
 from station.api.audit import REPLAYED_HEADER, note_access
-from station.api.auth import Authenticator, Role
+from station.api.auth import Role
 from station.api.control import ControlHeldError
 from station.api.errors import ProblemError, station_error_response
 from station.api.json_route import JsonRoute
+from station.api.services import services_of
 from station.core.errors import StationError
 
 KEY_HEADER = "Idempotency-Key"
@@ -193,17 +194,16 @@ class IdempotentRoute(JsonRoute):
 
         async def handle_once(request: Request) -> Response:
             key = request.headers.get(KEY_HEADER)
-            authenticator: Authenticator = request.app.state.authenticator
-            access = authenticator.access_of_headers(request.headers)
+            services = services_of(request)
+            access = services.authenticator.access_of_headers(request.headers)
             # Whoever may not ask, or has no proper key, is refused as without one.
             if key is None or re.fullmatch(KEY_PATTERN, key) is None:
                 return await handle(request)
             if access is None or not access.role.includes(Role.OPERATOR):
                 return await handle(request)
             note_access(request, access)
-            answers: IdempotentAnswers = request.app.state.idempotent_answers
             repeatable = await _read(request)
-            return await answers.answer(
+            return await services.idempotent_answers.answer(
                 access.name, key, request, lambda: handle(repeatable)
             )
 

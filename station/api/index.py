@@ -9,11 +9,10 @@ from fastapi import APIRouter, Request, Response
 
 import station as package
 from station.api import asyncapi
+from station.api.dependencies import ServicesDep
 from station.api.routes import PREFIX
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from station.api.openapi import StationApi
 
 router = APIRouter(include_in_schema=False)
@@ -23,10 +22,9 @@ REVALIDATED = {"Cache-Control": "no-cache"}
 
 
 @router.get("/")
-async def index(request: Request) -> dict[str, str]:
+async def index(services: ServicesDep) -> dict[str, str]:
     """Return the addresses of the station's parts, relative to this server."""
-    dashboard_url: Callable[[], str | None] = request.app.state.dashboard_url
-    dashboard = dashboard_url()
+    dashboard = services.dashboard_url()
     known = {} if dashboard is None else {"dashboard": dashboard}
     return {
         "station": package.__version__,

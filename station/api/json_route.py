@@ -12,6 +12,7 @@ from typing_extensions import override
 
 from station.api.dependencies import access
 from station.api.errors import ProblemError
+from station.api.services import services_of
 
 MOST_VALUES = 20_000
 """Values in one body: members, items, objects and lists; 10,000 numbers of a trajectory
@@ -50,7 +51,7 @@ class JsonRoute(APIRoute):
         needs_access = _depends_on_access(self.dependant)
 
         async def handle_json(request: Request) -> Response:
-            authenticator = request.app.state.authenticator
+            authenticator = services_of(request).authenticator
             if needs_access and not authenticator.access_of_headers(request.headers):
                 return await handle(JsonRequest(request.scope, _no_body))
             asked = JsonRequest(request.scope, request.receive)

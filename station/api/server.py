@@ -21,7 +21,7 @@ from station.local.tls import TlsFiles
 from station.web.limited_server import LimitedServer
 
 if TYPE_CHECKING:
-    from station.api.streams import Broadcaster
+    from station.api.services import Services
 
 SEND_BUFFER = 128 * 1024
 """What the system keeps for a client that does not read [bytes]: then it is slow."""
@@ -84,8 +84,9 @@ class ApiServer:
         self.port = port
         context = None if tls is None else tls.context()
         self._scheme = "http" if context is None else "https"
-        self._broadcaster: Broadcaster = app.state.broadcaster
-        self._right_of_way: RightOfWay = app.state.station.loop.right_of_way
+        services: Services = app.state.services
+        self._broadcaster = services.broadcaster
+        self._right_of_way = services.station.loop.right_of_way
         self._foxglove = foxglove
         self._server = LimitedServer(
             uvicorn.Config(

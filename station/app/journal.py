@@ -19,9 +19,7 @@ from station.trials.background_experiments import RunState
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from station.api.audit import EventRecorder
-    from station.api.control import Control
-    from station.events import Alarms
+    from station.api.services import Services
     from station.records.record_store import RecordingInfo
     from station.records.recorder import Recorder
 
@@ -86,7 +84,8 @@ class Journal:
         Args:
             app: The application, whose counts of repeated requests are recorded, too.
         """
-        recorder: EventRecorder = app.state.event_recorder
+        services: Services = app.state.services
+        recorder = services.event_recorder
         robot = self._station.status().robot_type
         self.log.record(
             EventKind.STATION,
@@ -101,16 +100,14 @@ class Journal:
             result="ended",
         )
         self._stack.callback(recorder.repeats.finish)
-        if app.state.recorder is not None:
-            self._exchange(app.state.recorder)
-        if app.state.experiments is not None:
-            app.state.experiments.tell = self._follow_experiments()
-        control: Control = app.state.control
-        alarms: Alarms = app.state.alarms
+        if services.recorder is not None:
+            self._exchange(services.recorder)
+        if services.experiments is not None:
+            services.experiments.tell = self._follow_experiments()
         also = {
             "repeated requests": recorder.repeats.flush,
-            "control": control.look,
-            "alarms": alarms.look,
+            "control": services.control.look,
+            "alarms": services.alarms.look,
         }
         watcher = StateWatcher(self._station, self.log, also)
         watcher.start()

@@ -115,10 +115,10 @@ async def no_sleep(_):
 def app():
     """Return the app of an arm that Ada controls."""
     app = create_app(make_franka_station(), Authenticator(OPERATOR, VIEWER))
-    app.state.failed_logins = FailedLogins(sleep=no_sleep)
-    take = app.state.control.take
+    app.state.services.failed_logins = FailedLogins(sleep=no_sleep)
+    take = app.state.services.control.take
     take(Access(Role.OPERATOR), None, "Ada", 1000.0, origin=Origin())
-    named = app.state.authenticator.named
+    named = app.state.services.authenticator.named
     secret = asyncio.run(named.create("eve", "operator", None))
     CALLERS["revoked token"].headers = bearer(secret)
     asyncio.run(named.revoke("eve"))
@@ -209,7 +209,7 @@ def test_nobody_gets_in_who_may_not(app):
 
 def test_a_revoked_token_with_an_open_socket():
     app = create_app(make_station(), Authenticator(OPERATOR, VIEWER))
-    named = app.state.authenticator.named
+    named = app.state.services.authenticator.named
     secret = asyncio.run(named.create("eve", "operator", None))
     with (
         ApiServer(app, port=0) as server,

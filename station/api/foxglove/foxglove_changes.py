@@ -2,12 +2,12 @@
 
 import json
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from starlette.websockets import WebSocket
 
-from station.api.audit import EventRecorder, origin_of
+from station.api.audit import origin_of
 from station.api.auth import Access, Role
+from station.api.services import services_of
 from station.core.control.switching import SwitchRequest
 from station.core.errors import (
     InvalidCommandError,
@@ -16,10 +16,6 @@ from station.core.errors import (
     suggest,
 )
 from station.events import EventKind, Origin, Severity
-
-if TYPE_CHECKING:
-    from station.api.control import Control
-    from station.core.facade.station import Station
 
 SWITCH_SERVICE = "/switch_controllers"
 _SLASH = "/"
@@ -54,10 +50,10 @@ class FoxgloveChanges:
     """
 
     def __init__(self, websocket: WebSocket, access: Access, lease: str | None) -> None:
-        state = websocket.app.state
-        self._station: Station = state.station
-        self._control: Control = state.control
-        self._recorder: EventRecorder = state.event_recorder
+        services = services_of(websocket)
+        self._station = services.station
+        self._control = services.control
+        self._recorder = services.event_recorder
         self._websocket = websocket
         self._access = access
         self._lease = lease

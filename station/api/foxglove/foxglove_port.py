@@ -16,7 +16,7 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from station.api.audit import note_access
-from station.api.auth import Access, Authenticator, Role
+from station.api.auth import Access, Role
 from station.api.control import HEADER as LEASE_HEADER
 from station.api.errors import ProblemError
 from station.api.foxglove.foxglove_changes import FoxgloveChanges
@@ -24,6 +24,7 @@ from station.api.foxglove.foxglove_session import SUBPROTOCOLS, FoxgloveSession
 from station.api.foxglove.live_channels import LiveChannels
 from station.api.guard import Guard
 from station.api.host_policy import HostPolicy
+from station.api.services import Services, services_of
 from station.api.streams.broadcaster import CLOSE_INTERNAL_ERROR, PORT, first_end
 from station.wire import (
     CLOSE_BAD_REQUEST,
@@ -34,10 +35,7 @@ from station.wire import (
 )
 
 if TYPE_CHECKING:
-    from station.api.audit import EventRecorder
-    from station.api.streams import Broadcaster
     from station.api.streams.stream_client import StreamPort
-    from station.web.failed_logins import FailedLogins
 
 RATE = 50.0
 """Cycles per second that are sent [Hz wall time]."""
@@ -125,7 +123,8 @@ class FoxglovePort:
 
     async def _access(self, websocket: WebSocket) -> Access | None:
         """Return what a client may do; None when it shows something that is wrong."""
-        authenticator: Authenticator = self._app.state.authenticator
+        services = services_of(websocket)
+        authenticator = services.authenticator
         ticket = websocket.query_params.get("ticket")
         token = websocket.query_params.get("token")
         if ticket is not None:
@@ -139,10 +138,8 @@ class FoxglovePort:
         if found is not None:
             note_access(websocket, found)
         elif token is not None or "authorization" in websocket.headers:
-            event_recorder: EventRecorder = self._app.state.event_recorder
-            failed_logins: FailedLogins = self._app.state.failed_logins
-            event_recorder.failed_login(websocket)
-            await failed_logins.slow_down(websocket)
+            services.event_recorder.failed_login(websocket)
+            await services.failed_logins.slow_down(websocket)
         return found
 
     def _refusal(self, access: Access) -> str | None:
@@ -156,6 +153,7 @@ class FoxglovePort:
         return None
 
     async def _talk(self, websocket: WebSocket, access: Access) -> None:
+        services = services_of(websocket)
         lease = websocket.query_params.get("lease")
         lease = lease or websocket.headers.get(LEASE_HEADER)
         changes = FoxgloveChanges(websocket, access, lease)
@@ -165,7 +163,7 @@ class FoxglovePort:
         if self._ticking is None or self._ticking.done():
             self._ticking = asyncio.create_task(self._tick_forever())
         try:
-            await session.greet(self._app.state.station.boot_id)
+            await session.greet(services.station.boot_id)
             code, reason = await self._first_end(session, access, self._ticking)
         except WebSocketDisconnect:
             return
@@ -182,11 +180,15 @@ class FoxglovePort:
         self, session: FoxgloveSession, access: Access, ticking: asyncio.Task[None]
     ) -> tuple[int, str]:
         """Return how to close: (0, "") when the client is gone already."""
-        broadcaster: Broadcaster = self._app.state.broadcaster
+        services: Services = self._app.state.services
         ends = [
             (session.listen(), 0, ""),
             (session.feed(SLOW_AFTER), CLOSE_TOO_SLOW, "took no message in time"),
-            (broadcaster.wait_closing(), CLOSE_GOING_AWAY, "the station shuts down"),
+            (
+                services.broadcaster.wait_closing(),
+                CLOSE_GOING_AWAY,
+                "the station shuts down",
+            ),
             (access.wait_for_end(), CLOSE_UNAUTHORIZED, "the token has ended"),
             (_end_of(ticking), CLOSE_INTERNAL_ERROR, "no more cycles are sent"),
         ]

@@ -1,6 +1,6 @@
 """Access: cookies for browsers, tickets for WebSockets."""
 
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import RedirectResponse
@@ -13,34 +13,23 @@ from station.api.auth import (
 )
 from station.api.dependencies import (
     AccessDep,
-    AuthenticatorDep,
-    EventRecorderDep,
-    FailedLoginsDep,
+    ServicesDep,
 )
 from station.api.errors import ProblemError
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
-from station.web.failed_logins import FailedLogins
+from station.api.services import Services
 from station.wire import LoginRequest, Session, StreamTicket
-
-if TYPE_CHECKING:
-    from station.api.audit import EventRecorder
 
 router = APIRouter(tags=["access"], route_class=JsonRoute)
 login_page = APIRouter(include_in_schema=False)
 
 
-async def _access_of(
-    request: Request,
-    authenticator: Authenticator,
-    failed_logins: FailedLogins,
-    token: str,
-) -> Access:
-    event_recorder: EventRecorder = request.app.state.event_recorder
-    access = authenticator.access_of_token(token)
+async def _access_of(request: Request, services: Services, token: str) -> Access:
+    access = services.authenticator.access_of_token(token)
     if access is None:
-        event_recorder.failed_login(request)
-        await failed_logins.slow_down(request)
+        services.event_recorder.failed_login(request)
+        await services.failed_logins.slow_down(request)
         raise ProblemError(
             401,
             "unauthorized",
@@ -48,7 +37,7 @@ async def _access_of(
             "Use the token that the station printed when it was started; every start "
             "makes a new one.",
         )
-    event_recorder.login(request, access, "login")
+    services.event_recorder.login(request, access, "login")
     return access
 
 
@@ -71,12 +60,11 @@ async def login(
     body: LoginRequest,
     request: Request,
     response: Response,
-    authenticator: AuthenticatorDep,
-    failed_logins: FailedLoginsDep,
+    services: ServicesDep,
 ) -> Session:
     """Exchange a token for a session cookie (SameSite=Strict, HttpOnly)."""
-    access = await _access_of(request, authenticator, failed_logins, body.token)
-    _set_cookie(request, response, authenticator, access)
+    access = await _access_of(request, services, body.token)
+    _set_cookie(request, response, services.authenticator, access)
     return Session(role=access.role.value, name=access.name)
 
 
@@ -84,13 +72,13 @@ async def login(
 async def logout(
     request: Request,
     response: Response,
-    authenticator: AuthenticatorDep,
-    event_recorder: EventRecorderDep,
+    services: ServicesDep,
 ) -> None:
     """Revoke the session cookie, and end the streams of the session."""
+    authenticator = services.authenticator
     access = authenticator.access_of_headers(request.headers)
     if access is not None and access.session is not None:
-        event_recorder.login(request, access, "logout")
+        services.event_recorder.login(request, access, "logout")
     authenticator.close_session(authenticator.session_of(request.headers))
     response.delete_cookie(
         authenticator.cookie_name, path="/", httponly=True, samesite="strict"
@@ -104,28 +92,25 @@ async def session(access: AccessDep) -> Session:
 
 
 @router.post("/stream-tickets", responses=problems())
-async def issue_ticket(
-    access: AccessDep, authenticator: AuthenticatorDep
-) -> StreamTicket:
+async def issue_ticket(access: AccessDep, services: ServicesDep) -> StreamTicket:
     """Return a ticket that opens one WebSocket soon: `?ticket=…`."""
     return StreamTicket(
-        ticket=authenticator.issue_ticket(access), expires_in=TICKET_LIFETIME
+        ticket=services.authenticator.issue_ticket(access), expires_in=TICKET_LIFETIME
     )
 
 
 @login_page.get("/login")
 async def login_by_link(
     request: Request,
-    authenticator: AuthenticatorDep,
-    failed_logins: FailedLoginsDep,
+    services: ServicesDep,
     token: str,
     target: Annotated[str, Query(alias="next")] = "/docs",
 ) -> Response:
     """Log a browser in by the link that the station printed, then show a page."""
-    access = await _access_of(request, authenticator, failed_logins, token)
+    access = await _access_of(request, services, token)
     # A link that leads to another site would let an attacker use the login page to
     # send people there; browsers take // and /\\ for the beginning of a host name.
     own = target.startswith("/") and not target.startswith(("//", "/\\"))
     response = RedirectResponse(target if own else "/docs", status_code=303)
-    _set_cookie(request, response, authenticator, access)
+    _set_cookie(request, response, services.authenticator, access)
     return response

@@ -6,7 +6,7 @@ from fastapi import APIRouter, Path, Request
 
 from station.api import answers
 from station.api.audit import origin_of
-from station.api.dependencies import AlarmsDep, Operator, Viewer
+from station.api.dependencies import Operator, ServicesDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
 from station.wire import Alarm, Alarms
@@ -20,13 +20,13 @@ Number = Annotated[
 
 
 @router.get("", responses=problems())
-def list_alarms(alarms: AlarmsDep) -> Alarms:
+def list_alarms(services: ServicesDep) -> Alarms:
     """List what asks for a person, newest first.
 
     An alarm leaves the list once its cause is gone and somebody has acknowledged it, in
     either order.
     """
-    found = [answers.alarm(each) for each in alarms.all()]
+    found = [answers.alarm(each) for each in services.alarms.all()]
     unseen = sum(each.acknowledged_at is None for each in found)
     return Alarms(alarms=found, unacknowledged=unseen)
 
@@ -34,10 +34,10 @@ def list_alarms(alarms: AlarmsDep) -> Alarms:
 @router.post(
     "/{number}/acknowledge", dependencies=[Operator], responses=problems(404, 422)
 )
-def acknowledge_alarm(number: Number, request: Request, alarms: AlarmsDep) -> Alarm:
+def acknowledge_alarm(number: Number, request: Request, services: ServicesDep) -> Alarm:
     """Say that the alarm was seen, under the name of the caller's token.
 
     It clears no cause and moves nothing. A second acknowledgement changes nothing.
     """
-    alarms.look()
-    return answers.alarm(alarms.acknowledge(number, origin_of(request)))
+    services.alarms.look()
+    return answers.alarm(services.alarms.acknowledge(number, origin_of(request)))

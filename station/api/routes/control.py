@@ -9,9 +9,9 @@ from station.api.auth import Access
 from station.api.control import Control
 from station.api.dependencies import (
     AccessDep,
-    ControlDep,
     LeaseKey,
     OperatorAnyway,
+    ServicesDep,
     Viewer,
 )
 from station.api.json_route import JsonRoute
@@ -23,10 +23,10 @@ router = APIRouter(tags=["control"], dependencies=[Viewer], route_class=JsonRout
 
 @router.get("/control", responses=problems())
 def get_control(
-    access: AccessDep, control: ControlDep, key: LeaseKey = None
+    access: AccessDep, services: ServicesDep, key: LeaseKey = None
 ) -> ControlState:
     """Return who holds control."""
-    return control_state(control, access, key)
+    return control_state(services.control, access, key)
 
 
 @router.post(
@@ -35,7 +35,7 @@ def get_control(
 def take_control(
     connection: Request,
     access: AccessDep,
-    control: ControlDep,
+    services: ServicesDep,
     request: ControlRequest | None = None,
     key: LeaseKey = None,
 ) -> ControlState:
@@ -47,7 +47,7 @@ def take_control(
     or a browser's session of the owner need none.
     """
     asked = request or ControlRequest()
-    lease = control.take(
+    lease = services.control.take(
         access,
         key,
         asked.owner or access.name,
@@ -55,7 +55,7 @@ def take_control(
         force=asked.force,
         origin=origin_of(connection),
     )
-    return control_state(control, access, lease.key)
+    return control_state(services.control, access, lease.key)
 
 
 @router.patch(
@@ -65,23 +65,23 @@ def renew_control(
     connection: Request,
     request: ControlPatch,
     access: AccessDep,
-    control: ControlDep,
+    services: ServicesDep,
     key: LeaseKey = None,
 ) -> ControlState:
     """Send a heartbeat, or offer control to somebody who may then take it."""
-    lease = control.renew(
+    lease = services.control.renew(
         access, key, request.ttl, request.hand_over_to, origin_of(connection)
     )
-    return control_state(control, access, lease.key)
+    return control_state(services.control, access, lease.key)
 
 
 @router.delete("/control", dependencies=[OperatorAnyway], responses=problems(409, 423))
 def release_control(
-    connection: Request, access: AccessDep, control: ControlDep, key: LeaseKey = None
+    connection: Request, access: AccessDep, services: ServicesDep, key: LeaseKey = None
 ) -> ControlState:
     """Give control back; what moves goes on."""
-    control.release(access, key, origin_of(connection))
-    return control_state(control, access, None)
+    services.control.release(access, key, origin_of(connection))
+    return control_state(services.control, access, None)
 
 
 def control_state(

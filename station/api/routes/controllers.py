@@ -6,7 +6,7 @@ from fastapi import APIRouter, Request, Response
 
 from station.api import answers
 from station.api.audit import note_preview
-from station.api.dependencies import EventRecorderDep, Operator, StationDep, Viewer
+from station.api.dependencies import Operator, ServicesDep, StationDep, Viewer
 from station.api.idempotency import Idempotent, IdempotentRoute
 from station.api.routes.problems import problems
 from station.core.control import switching
@@ -75,7 +75,7 @@ def switch_controllers(
     request: SwitchRequest,
     connection: Request,
     station: StationDep,
-    event_recorder: EventRecorderDep,
+    services: ServicesDep,
 ) -> SwitchResult:
     """Start and stop controllers, all of them in one cycle.
 
@@ -99,7 +99,7 @@ def switch_controllers(
         )
     )
     if not request.dry_run:
-        event_recorder.switch(connection, result)
+        services.event_recorder.switch(connection, result)
     return answers.switch_result(result)
 
 

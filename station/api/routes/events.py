@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 from fastapi import APIRouter, Header, Query, Request
 from fastapi.responses import StreamingResponse
 
-from station.api.dependencies import AccessDep, EventRecorderDep, Viewer
-from station.api.event_feed import MEDIA_TYPE, EventFeed
+from station.api.dependencies import AccessDep, ServicesDep, Viewer
+from station.api.event_feed import MEDIA_TYPE
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
 from station.events import EventKind, Severity
@@ -67,7 +67,7 @@ LastEventId = Annotated[
 async def get_events(
     request: Request,
     access: AccessDep,
-    event_recorder: EventRecorderDep,
+    services: ServicesDep,
     since: Since = None,
     kind: Kinds = None,
     severity: LeastSeverity = "info",
@@ -80,20 +80,19 @@ async def get_events(
     happens, as server-sent events with `id`, `event` (the kind) and `data`. A client
     that connects again with `Last-Event-ID` misses none.
     """
-    feed: EventFeed = request.app.state.event_feed
+    feed = services.event_feed
     kinds = [EventKind(each) for each in kind or []]
     least = Severity(severity)
     if MEDIA_TYPE in request.headers.get("accept", ""):
         after = since if last_event_id is None else int(last_event_id)
-        broadcaster: Broadcaster = request.app.state.broadcaster
         lines = feed.follow(
-            after, kinds, least, lambda: _first_end(access, broadcaster)
+            after, kinds, least, lambda: _first_end(access, services.broadcaster)
         )
         return StreamingResponse(lines, media_type=MEDIA_TYPE)
     found = await feed.page(since, limit, kinds, least)
     return Events(
         events=found,
-        newest_id=event_recorder.log.newest_id,
+        newest_id=services.event_recorder.log.newest_id,
     )
 
 

@@ -2,9 +2,9 @@
 
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Path, Query, Request
+from fastapi import APIRouter, Depends, Path, Query
 
-from station.api.dependencies import Operator, StationDep, Viewer
+from station.api.dependencies import Operator, ServicesDep, StationDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
 from station.core.facade.station import Station
@@ -27,19 +27,18 @@ from station.wire.experiments import (
 )
 
 
-async def get_background(request: Request) -> BackgroundExperiments:
+async def get_background(services: ServicesDep) -> BackgroundExperiments:
     """Return what runs the experiments of the station.
 
     Raises:
         ExperimentError: This station runs none.
     """
-    background: BackgroundExperiments | None = request.app.state.experiments
-    if background is None:
+    if services.experiments is None:
         raise ExperimentError(
             "This station runs no experiments.",
             remedy="Run them with the command line: `station tune --help`.",
         )
-    return background
+    return services.experiments
 
 
 BackgroundDep = Annotated[BackgroundExperiments, Depends(get_background)]

@@ -8,9 +8,9 @@ from fastapi import APIRouter, Query
 from station.api import answers
 from station.api.dependencies import (
     AccessDep,
-    ControlDep,
     LeaseKey,
     Operator,
+    ServicesDep,
     StationDep,
     Viewer,
 )
@@ -38,7 +38,7 @@ def submit_goal(
     name: str,
     request: GoalRequest,
     station: StationDep,
-    control: ControlDep,
+    services: ServicesDep,
     access: AccessDep,
     key: LeaseKey = None,
 ) -> Goal:
@@ -47,7 +47,7 @@ def submit_goal(
     A stop, a reset or a recovery ends the goal, and so does whoever takes control by
     force; nothing resumes it.
     """
-    admit = partial(control.admit, access, key, name)
+    admit = partial(services.control.admit, access, key, name)
     return answers.goal(
         station.motion.submit_goal(name, request.goal, request.epoch, admit)
     )
@@ -87,7 +87,7 @@ def follow_trajectory(
     name: str,
     request: TrajectoryRequest,
     station: StationDep,
-    control: ControlDep,
+    services: ServicesDep,
     access: AccessDep,
     key: LeaseKey = None,
 ) -> CommandAccepted:
@@ -102,7 +102,7 @@ def follow_trajectory(
         request.trajectory,
         request.epoch,
         receipt,
-        partial(control.admit, access, key, name),
+        partial(services.control.admit, access, key, name),
     )
     return CommandAccepted(epoch=epoch, cycle=station.motion.wait_for(receipt))
 

@@ -2,10 +2,10 @@
 
 from typing import TYPE_CHECKING, Annotated, Any
 
-from fastapi import APIRouter, Depends, Path, Query, Request
+from fastapi import APIRouter, Depends, Path, Query
 from starlette.responses import FileResponse, StreamingResponse
 
-from station.api.dependencies import Operator, StationDep, Viewer
+from station.api.dependencies import Operator, ServicesDep, StationDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
 from station.core.errors import RecordingRefusedError
@@ -65,29 +65,31 @@ RowRate = Annotated[
 ]
 
 
-async def get_recorder(request: Request) -> "Recorder":
+async def get_recorder(services: ServicesDep) -> "Recorder":
     """Return the recorder of the station.
 
     Raises:
         RecordingRefusedError: This station records nothing.
     """
-    recorder: Recorder | None = request.app.state.recorder
-    if recorder is None:
+    if services.recorder is None:
         raise RecordingRefusedError(
             "This station records nothing.",
             remedy="Set `records.enabled` in its configuration, and install the extra "
             "`records`.",
         )
-    return recorder
+    return services.recorder
 
 
-async def get_incident_store(request: Request) -> RecordStore:
+RecorderDep = Annotated[Any, Depends(get_recorder)]
+
+
+async def get_incident_store(recorder: RecorderDep) -> RecordStore:
     """Return where the incidents are.
 
     Raises:
         RecordingRefusedError: This station keeps no incidents.
     """
-    store = (await get_recorder(request)).incidents
+    store: RecordStore | None = recorder.incidents
     if store is None:
         raise RecordingRefusedError(
             "This station keeps no incidents.",
@@ -96,7 +98,6 @@ async def get_incident_store(request: Request) -> RecordStore:
     return store
 
 
-RecorderDep = Annotated[Any, Depends(get_recorder)]
 IncidentsDep = Annotated[RecordStore, Depends(get_incident_store)]
 _FILE: dict[int | str, dict[str, Any]] = {
     200: {

@@ -1,15 +1,15 @@
 """Set-points of controllers, and the states that follow."""
 
-from typing import Annotated
+from functools import partial
 
-from fastapi import APIRouter, Depends, Request
+from fastapi import APIRouter
 
 from station.api import answers
 from station.api.dependencies import (
     AccessDep,
-    ControlDep,
     LeaseKey,
     Operator,
+    ServicesDep,
     StationDep,
     Viewer,
 )
@@ -17,7 +17,6 @@ from station.api.errors import ProblemError
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
 from station.core.control import controller as core_controller
-from station.trials.live_bench import LiveBench
 from station.wire import (
     CommandAccepted,
     CommandInfo,
@@ -26,14 +25,6 @@ from station.wire import (
 )
 from station.wire.bench import BenchRequest, BenchResponse
 
-
-async def get_bench(request: Request) -> LiveBench:
-    """Return the bench of the station."""
-    bench: LiveBench = request.app.state.bench
-    return bench
-
-
-BenchDep = Annotated[LiveBench, Depends(get_bench)]
 router = APIRouter(tags=["set-points"], dependencies=[Viewer], route_class=JsonRoute)
 
 
@@ -51,8 +42,7 @@ def get_command(name: str, station: StationDep) -> CommandInfo:
 def measure_response(
     name: str,
     request: BenchRequest,
-    bench: BenchDep,
-    control: ControlDep,
+    services: ServicesDep,
     access: AccessDep,
     key: LeaseKey = None,
 ) -> BenchResponse:
@@ -62,7 +52,8 @@ def measure_response(
     excitation is checked: size, rate, and distance from the joint's limits. A stop, a
     loss of control, or a joint that leaves the envelope ends it.
     """
-    return bench.measure(name, request, lambda: control.admit(access, key, name))
+    admit = partial(services.control.admit, access, key, name)
+    return services.bench.measure(name, request, admit)
 
 
 @router.put(
@@ -74,7 +65,7 @@ def put_command(
     name: str,
     request: CommandRequest,
     station: StationDep,
-    control: ControlDep,
+    services: ServicesDep,
     access: AccessDep,
     key: LeaseKey = None,
 ) -> CommandAccepted:
@@ -84,7 +75,7 @@ def put_command(
     """
     receipt = station.motion.receipt()
     # Control may have changed hands since the request's access was checked.
-    with control.commanding(access, key, name):
+    with services.control.commanding(access, key, name):
         epoch = station.motion.set_command(
             name,
             request.command,

@@ -4,11 +4,11 @@ import platform
 from functools import lru_cache
 from importlib.metadata import PackageNotFoundError, version
 
-from fastapi import APIRouter, Request
+from fastapi import APIRouter
 
 import station as package
 from station.api import answers
-from station.api.dependencies import ControlDep, EventRecorderDep, StationDep, Viewer
+from station.api.dependencies import ServicesDep, Viewer
 from station.api.routes.problems import problems
 from station.wire import Recording, Status
 
@@ -29,16 +29,14 @@ def versions() -> dict[str, str]:
 
 @router.get("/status", responses=problems())
 def status(
-    request: Request,
-    station: StationDep,
-    event_recorder: EventRecorderDep,
-    control: ControlDep,
+    services: ServicesDep,
 ) -> Status:
     """Return robot mode, epoch, stop state, loop summary and versions."""
-    lease = control.present()
+    lease = services.control.present()
     owner = None if lease is None else lease.owner
-    found = answers.status(station, versions(), event_recorder.log.state(), owner)
-    recorder = request.app.state.recorder
+    log = services.event_recorder.log
+    found = answers.status(services.station, versions(), log.state(), owner)
+    recorder = services.recorder
     if recorder is None:
         return found
     last = recorder.last

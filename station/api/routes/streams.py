@@ -1,16 +1,17 @@
 """WebSocket streams."""
 
-from typing import TYPE_CHECKING, NoReturn
+from typing import NoReturn
 
 from fastapi import APIRouter, WebSocket
 
 from station.api.audit import note_access, origin_of
-from station.api.auth import Access, Authenticator, Role
+from station.api.auth import Access, Role
 from station.api.control import HEADER as LEASE_HEADER
 from station.api.control import ControlHeldError
 from station.api.dependencies import Viewer
 from station.api.errors import ProblemError
 from station.api.routes.problems import problems
+from station.api.services import services_of
 from station.api.streams import StreamRequestError
 from station.api.streams.command_stream import CommandStream, parse_command_request
 from station.api.streams.request import parse_request
@@ -25,13 +26,6 @@ from station.wire import (
     CLOSE_UNKNOWN_TOPIC,
 )
 
-if TYPE_CHECKING:
-    from station.api.audit import EventRecorder
-    from station.api.streams import Broadcaster
-    from station.core.facade.station import Station
-    from station.events import EventLog
-    from station.web.failed_logins import FailedLogins
-
 MOST_COMMAND_STREAMS = 16
 """Most streams of set-points at a time."""
 
@@ -40,7 +34,7 @@ router = APIRouter(tags=["streams"])
 
 def access_of(websocket: WebSocket) -> Access | None:
     """Return the access that a WebSocket's ticket, token or cookie proves."""
-    authenticator: Authenticator = websocket.app.state.authenticator
+    authenticator = services_of(websocket).authenticator
     ticket = websocket.query_params.get("ticket")
     if ticket is not None:
         return authenticator.redeem_ticket(ticket)
@@ -57,15 +51,15 @@ async def command_stream(websocket: WebSocket, controller: str) -> None:
     access = await accepted_access(websocket)
     if access is None:
         return
-    state = websocket.app.state
+    services = services_of(websocket)
     try:
         if not access.role.includes(Role.OPERATOR):
             raise StreamRequestError("Only operators command.", CLOSE_FORBIDDEN)
         lease = websocket.headers.get(LEASE_HEADER)
-        state.control.check(access, lease)
-        state.station.motion.set_point(controller)
+        services.control.check(access, lease)
+        services.station.motion.set_point(controller)
         request = parse_command_request(controller, websocket.query_params, lease)
-        if state.command_streams >= MOST_COMMAND_STREAMS:
+        if services.command_streams >= MOST_COMMAND_STREAMS:
             reason = f"there are {MOST_COMMAND_STREAMS} command streams already"
             raise StreamRequestError(reason, CLOSE_TRY_LATER)
     except StreamRequestError as error:
@@ -74,19 +68,20 @@ async def command_stream(websocket: WebSocket, controller: str) -> None:
     except StationError as error:
         await websocket.close(_close_code(error), _short(error.message))
         return
-    stream = CommandStream(state.station, state.control, access, request)
-    state.command_streams += 1
+    stream = CommandStream(services.station, services.control, access, request)
+    services.command_streams += 1
     origin = origin_of(websocket)
-    log: EventLog = state.event_recorder.log
+    log = services.event_recorder.log
     text = f"{origin.who} sends set-points to '{controller}'."
     log.record(
         EventKind.COMMAND_STREAM, text, what=controller, result="open", origin=origin
     )
     code, reason = 0, ""
     try:
-        code, reason = await stream.serve(websocket, state.broadcaster.wait_closing)
+        closing = services.broadcaster.wait_closing
+        code, reason = await stream.serve(websocket, closing)
     finally:
-        state.command_streams -= 1
+        services.command_streams -= 1
         log.record(
             EventKind.COMMAND_STREAM,
             f"{origin.who} sends no more set-points to '{controller}'.",
@@ -114,14 +109,13 @@ def _short(reason: str) -> str:
 
 async def accepted_access(websocket: WebSocket) -> Access | None:
     """Accept a WebSocket and return what it may do; close it when it proves nothing."""
-    failed_logins: FailedLogins = websocket.app.state.failed_logins
-    event_recorder: EventRecorder = websocket.app.state.event_recorder
+    services = services_of(websocket)
     await websocket.accept()
     access = access_of(websocket)
     if access is None:
         if "authorization" in websocket.headers:
-            event_recorder.failed_login(websocket)
-            await failed_logins.slow_down(websocket)
+            services.event_recorder.failed_login(websocket)
+            await services.failed_logins.slow_down(websocket)
         reason = "The token, session or ticket is missing, unknown or too old."
         await websocket.close(CLOSE_UNAUTHORIZED, reason)
         return None
@@ -132,20 +126,21 @@ async def accepted_access(websocket: WebSocket) -> Access | None:
 @router.websocket("/streams/{topic:path}")
 async def stream(websocket: WebSocket, topic: str) -> None:
     """Stream a topic; refusals are close codes, which browsers only see once open."""
-    station: Station = websocket.app.state.station
-    broadcaster: Broadcaster = websocket.app.state.broadcaster
-    event_recorder: EventRecorder = websocket.app.state.event_recorder
+    services = services_of(websocket)
     access = await accepted_access(websocket)
     if access is None:
         return
     try:
         request, source = parse_request(
-            station, topic, websocket.query_params, event_recorder.log
+            services.station,
+            topic,
+            websocket.query_params,
+            services.event_recorder.log,
         )
     except StreamRequestError as error:
         await websocket.close(error.close_code, error.reason)
         return
-    await broadcaster.serve(websocket, request, source, access)
+    await services.broadcaster.serve(websocket, request, source, access)
 
 
 @router.get(

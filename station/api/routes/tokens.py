@@ -8,9 +8,8 @@ from station.api.audit import origin_of
 from station.api.auth import Access
 from station.api.dependencies import (
     AccessDep,
-    AuthenticatorDep,
-    EventRecorderDep,
     OperatorAnyway,
+    ServicesDep,
 )
 from station.api.errors import ProblemError
 from station.api.json_route import JsonRoute
@@ -30,9 +29,11 @@ Name = Annotated[TokenName, Path(description="Name of the token.", examples=["ad
 
 
 @router.get("", responses=problems())
-async def list_tokens(authenticator: AuthenticatorDep) -> Tokens:
+async def list_tokens(services: ServicesDep) -> Tokens:
     """List the named tokens that are valid; the tokens themselves are not kept."""
-    return Tokens(tokens=[_token(token) for token in authenticator.named.all()])
+    return Tokens(
+        tokens=[_token(token) for token in services.authenticator.named.all()]
+    )
 
 
 @router.post("", status_code=201, responses=problems(409, 413, 422))
@@ -40,8 +41,7 @@ async def create_token(
     request: TokenRequest,
     connection: Request,
     access: AccessDep,
-    authenticator: AuthenticatorDep,
-    event_recorder: EventRecorderDep,
+    services: ServicesDep,
 ) -> NewToken:
     """Make a token for a person or a program; the answer alone has it.
 
@@ -49,10 +49,10 @@ async def create_token(
     live on in tokens that it has made.
     """
     _check_own(access)
-    named = authenticator.named
+    named = services.authenticator.named
     secret = await named.create(request.name, request.role, request.expires)
     token = named.get(request.name)
-    event_recorder.log.record(
+    services.event_recorder.log.record(
         EventKind.TOKEN,
         f"A token for {token.name} ({token.role}) was made.",
         what=token.name,
@@ -68,13 +68,12 @@ async def revoke_token(
     name: Name,
     connection: Request,
     access: AccessDep,
-    authenticator: AuthenticatorDep,
-    event_recorder: EventRecorderDep,
+    services: ServicesDep,
 ) -> Token:
     """Revoke a token; its sessions, streams and lease of control end at once."""
     _check_own(access)
-    token = await authenticator.named.revoke(name)
-    event_recorder.log.record(
+    token = await services.authenticator.named.revoke(name)
+    services.event_recorder.log.record(
         EventKind.TOKEN,
         f"The token of {name} was revoked.",
         what=name,

@@ -29,7 +29,7 @@ def test_who_holds_control_changes_and_the_event_says_who(
 
     assert station.gains("arm").values == {"k": 3.0}
     assert running(station) == []
-    events = app.state.event_recorder.log.recent(0)
+    events = app.state.services.event_recorder.log.recent(0)
     found = {e.what: e for e in events if e.kind is EventKind.REQUEST}
     for what in ("foxglove setParameters arm/k", "foxglove /switch_controllers"):
         assert found[what].result == "done"
@@ -49,7 +49,7 @@ def test_refused_changes_and_wrong_tokens_leave_events(app, serve):
     ):
         client.recv(timeout=5.0)
 
-    events = app.state.event_recorder.log.recent(0)
+    events = app.state.services.event_recorder.log.recent(0)
     (refused,) = [e for e in events if e.kind is EventKind.REQUEST and "fox" in e.what]
     assert refused.result == "refused: change_refused"
     assert refused.who == "viewer"

@@ -92,7 +92,7 @@ def test_wrong_tokens_are_held_back_and_right_ones_are_not(app, http, guess):
     async def sleep(delay):
         slept.append(delay)
 
-    app.state.failed_logins = FailedLogins(sleep=sleep)
+    app.state.services.failed_logins = FailedLogins(sleep=sleep)
     for _ in range(6):
         assert guess(http).status_code == 401
     assert slept == [0.1, 0.2, 0.4]
@@ -109,7 +109,7 @@ def test_requests_without_a_token_are_no_failed_logins(app, http):
     async def sleep(delay):
         slept.append(delay)
 
-    app.state.failed_logins = FailedLogins(sleep=sleep)
+    app.state.services.failed_logins = FailedLogins(sleep=sleep)
     for _ in range(6):
         assert http.get("/api/v1/status").status_code == 401
     assert slept == []

@@ -10,7 +10,7 @@ CONTROL = "/api/v1/control"
 
 @pytest.fixture
 def log(app):
-    return app.state.event_recorder.log
+    return app.state.services.event_recorder.log
 
 
 def test_nobody_holds_it_at_first(client):

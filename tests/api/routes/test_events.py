@@ -15,7 +15,7 @@ EVENTS = "/api/v1/events"
 
 @pytest.fixture
 def log(app):
-    return app.state.event_recorder.log
+    return app.state.services.event_recorder.log
 
 
 def requests_of(client):
@@ -95,7 +95,7 @@ def test_a_switch_is_recorded_with_what_it_did(spring):
 def test_set_points_that_repeat_are_counted_instead(spring, app):
     for _ in range(30):
         spring.command("spring", [0.1])
-    app.state.event_recorder.repeats.finish()
+    app.state.services.event_recorder.repeats.finish()
 
     events = [e for e in spring.events(kinds=["request"]) if "PUT" in e.what]
     assert [e.details.get("repeated") for e in events] == [None, 29]

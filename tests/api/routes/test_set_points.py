@@ -184,7 +184,7 @@ def test_an_unknown_controller(spring, ask):
 
 
 def test_a_set_point_under_way_at_a_take_over_does_not_land(spring, station, app):
-    control, motion = app.state.control, station.motion
+    control, motion = app.state.services.control, station.motion
     make_receipt = motion.receipt
 
     def receipt_and_take_over():

@@ -166,7 +166,7 @@ def test_clients_that_go_leave_nothing_behind(server, app):
     for _ in range(20):
         with open_stream(server) as stream:
             read(stream)
-    broadcaster = app.state.broadcaster
+    broadcaster = app.state.services.broadcaster
     deadline = time.monotonic() + 5.0
     while broadcaster.clients and time.monotonic() < deadline:
         time.sleep(0.01)
@@ -182,7 +182,7 @@ def test_a_client_that_reads_nothing_is_closed_4408_and_harms_nobody(
         with open_stream(server, query="?rate=full") as good:
             seq = read(good)["seq"]
             # Until the buffers of the system are full, and the server finds out.
-            while app.state.broadcaster.clients > 1:
+            while app.state.services.broadcaster.clients > 1:
                 station.loop.step(250)
                 frame = read(good)
                 assert frame["data"]["lost"] == 0

@@ -1,0 +1,64 @@
+"""Services of an application: everything that its routes and streams work with."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from starlette.requests import HTTPConnection
+
+if TYPE_CHECKING:
+    from station.api.audit import EventRecorder
+    from station.api.auth import Authenticator
+    from station.api.control import Control
+    from station.api.event_feed import EventFeed
+    from station.api.idempotency import IdempotentAnswers
+    from station.api.streams import Broadcaster
+    from station.core.facade.station import Station
+    from station.events import Alarms
+    from station.records.recorder import Recorder
+    from station.trials.background_experiments import BackgroundExperiments
+    from station.trials.live_bench import LiveBench
+    from station.web.failed_logins import FailedLogins
+
+
+@dataclass(slots=True)
+class Services:
+    """The parts of one application, in `app.state.services`.
+
+    Attributes:
+        station: The station that is served.
+        authenticator: Knows tokens and sessions.
+        failed_logins: Slows down whoever guesses tokens.
+        event_recorder: Records who did what.
+        event_feed: Hands out events, page by page or as they happen.
+        alarms: What asks for a person.
+        control: The lease of control.
+        idempotent_answers: Answers that are repeated for a request that is sent twice.
+        bench: Measures how a joint follows.
+        broadcaster: All streams.
+        dashboard_url: Returns the address of the dashboard; None while it is unknown.
+        recorder: Records every cycle; None for a station that records nothing.
+        experiments: Runs experiments; None for a station that runs none.
+        command_streams: Number of open streams of set-points.
+    """
+
+    station: "Station"
+    authenticator: "Authenticator"
+    failed_logins: "FailedLogins"
+    event_recorder: "EventRecorder"
+    event_feed: "EventFeed"
+    alarms: "Alarms"
+    control: "Control"
+    idempotent_answers: "IdempotentAnswers"
+    bench: "LiveBench"
+    broadcaster: "Broadcaster"
+    dashboard_url: Callable[[], str | None]
+    recorder: "Recorder | None"
+    experiments: "BackgroundExperiments | None"
+    command_streams: int = 0
+
+
+def services_of(connection: HTTPConnection) -> Services:
+    """Return the services of the application that serves a request or a WebSocket."""
+    services: Services = connection.app.state.services
+    return services
