@@ -1,5 +1,7 @@
 """Waypoint paths over HTTP: captured, kept, played, paused, refused."""
 
+from dataclasses import replace
+
 import pytest
 
 from station.api.app import create_app
@@ -37,7 +39,7 @@ def test_a_path_is_captured_edited_and_deleted(paths):
     paths.capture("wave")
     (captured,) = paths.capture("wave", "up", 1.5).waypoints[1:]
     assert captured.positions == pytest.approx({"j1": 0.0, "j2": 0.0})
-    edited = captured.model_copy(update={"positions": {"j1": 0.4}})
+    edited = replace(captured, positions={"j1": 0.4})
     assert paths.save("wave", [edited]).waypoints == [edited]
     assert paths.names() == ["wave"]
     assert paths.delete("wave").waypoints == [edited]

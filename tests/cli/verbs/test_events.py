@@ -1,6 +1,7 @@
 """Verb `events`."""
 
 import json
+from dataclasses import asdict
 
 import pytest
 
@@ -26,7 +27,7 @@ def happened(station):
     """Let the station have two events, and a stream with a known and a new one."""
     station.happened = [event(1), event(2)]
     station.frames = [
-        StreamFrame(topic="events", seq=e.id, epoch=1, stamp=1.0, data=e.model_dump())
+        StreamFrame(topic="events", seq=e.id, epoch=1, stamp=1.0, data=asdict(e))
         for e in (event(2), event(3), event(4, "fault", "error"))
     ]
 

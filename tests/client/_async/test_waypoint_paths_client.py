@@ -28,7 +28,7 @@ POINT = {"name": "up", "duration": 1.0, "positions": {"j": 0.5}}
         (lambda p: p.get("a/b"), ("GET", "/waypoint-paths/a%2Fb", None)),
         (lambda p: p.delete("a"), ("DELETE", "/waypoint-paths/a", None)),
         (
-            lambda p: p.save("a", [Waypoint.model_validate(POINT)]),
+            lambda p: p.save("a", [Waypoint(**POINT)]),
             ("PUT", "/waypoint-paths/a", {"waypoints": [POINT]}),
         ),
         (
