@@ -10,7 +10,7 @@ from starlette.middleware.cors import CORSMiddleware
 from starlette.routing import BaseRoute
 
 import station as package
-from station.api import docs_page, index
+from station.api import docs_page, index, metrics
 from station.api.audit import Audit, EventRecorder
 from station.api.auth import Authenticator
 from station.api.control import Control
@@ -26,7 +26,7 @@ from station.api.host_policy import (
 from station.api.idempotency import IdempotentAnswers
 from station.api.openapi import StationApi, operation_id
 from station.api.representation import Representation
-from station.api.routes import PREFIX, api_router, metrics, robots
+from station.api.routes import PREFIX, api_router, robots
 from station.api.routes.access import login_page
 from station.api.services import Services
 from station.api.streams import Broadcaster

@@ -7,7 +7,13 @@ back. Figures that a reset does begin anew (percentiles) are gauges.
 
 from collections.abc import Iterable, Iterator
 
-from prometheus_client import CollectorRegistry, ProcessCollector, generate_latest
+from fastapi import APIRouter, Response
+from prometheus_client import (
+    CONTENT_TYPE_LATEST,
+    CollectorRegistry,
+    ProcessCollector,
+    generate_latest,
+)
 from prometheus_client.core import (
     CounterMetricFamily,
     GaugeMetricFamily,
@@ -18,12 +24,14 @@ from prometheus_client.registry import Collector
 from typing_extensions import override
 
 import station as package
+from station.api.dependencies import ServicesDep, Viewer
 from station.api.streams import Broadcaster
 from station.core.facade.station import Station
 from station.core.loop.stop_latch import StopState
 from station.events import EventLog
 from station.reports import LoopState, Percentiles
 
+router = APIRouter(include_in_schema=False, dependencies=[Viewer])
 PHASES = ("read", "update", "write", "total")
 
 
@@ -213,3 +221,13 @@ def render(station: Station, broadcaster: Broadcaster, events: EventLog) -> byte
     registry.register(StationCollector(station, broadcaster, events))
     ProcessCollector(registry=registry)
     return generate_latest(registry)
+
+
+@router.get("/metrics")
+def get_metrics(services: ServicesDep) -> Response:
+    """Return all figures in Prometheus' text format."""
+    log = services.event_recorder.log
+    return Response(
+        render(services.station, services.broadcaster, log),
+        media_type=CONTENT_TYPE_LATEST,
+    )

@@ -27,7 +27,6 @@ from station.wire.access import (
     TokenRequest,
     Tokens,
 )
-from station.wire.alarms import Alarm, Alarms
 from station.wire.base import (
     ControllerName,
     RequestModel,
@@ -50,13 +49,15 @@ from station.wire.controllers import (
     Gains,
     GainsPatch,
     LoadRequest,
+    Parameter,
+    ParameterRequest,
     Reloaded,
     ReloadRequest,
     SwitchRequest,
     SwitchResult,
     Tunable,
 )
-from station.wire.events import EventKindName, Events, SeverityName
+from station.wire.events import Alarm, Alarms, EventKindName, Events, SeverityName
 from station.wire.experiments import ExperimentRequest
 from station.wire.gain_sets import GainsChanges, GainSet, GainSetRequest, GainSets
 from station.wire.goals import (
@@ -81,7 +82,6 @@ from station.wire.hardware import (
     HardwareRepair,
     SoftLimits,
 )
-from station.wire.parameters import Parameter, ParameterRequest
 from station.wire.problem import PROBLEM_MEDIA_TYPE, FieldError, Problem
 from station.wire.recordings import (
     Recording,
@@ -116,8 +116,16 @@ from station.wire.robots import (
     StiffnessFrame,
     UserStopRequest,
 )
-from station.wire.scene import Contact, MovingBase, ObjectKind, Scene, SceneObject
-from station.wire.simulation import ResetRequest, SimulationPatch, StepRequest
+from station.wire.simulation import (
+    Contact,
+    MovingBase,
+    ObjectKind,
+    ResetRequest,
+    Scene,
+    SceneObject,
+    SimulationPatch,
+    StepRequest,
+)
 from station.wire.station import (
     CommandViolations,
     Health,

@@ -1,8 +1,8 @@
-"""Wire models of controllers: listing, loading, switching, gains and set-points."""
+"""Wire models of controllers: loading, switching, gains, set-points, parameters."""
 
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, JsonValue, model_validator
+from pydantic import AfterValidator, Field, JsonValue, model_validator
 
 from station.reports import Percentiles
 from station.wire.base import (
@@ -15,6 +15,7 @@ from station.wire.base import (
     Reason,
     RequestModel,
     ResponseModel,
+    check_depth,
 )
 
 LOAD_TIMEOUT = 60.0
@@ -329,3 +330,37 @@ class Reloaded(ResponseModel):
     """
 
     unloaded: Items[str]
+
+
+def _check_depth(value: JsonValue) -> JsonValue:
+    check_depth({"value": value})
+    return value
+
+
+class Parameter(ResponseModel):
+    """A parameter, or a namespace with all that is below it.
+
+    Attributes:
+        path: Names separated by `/`; empty for the whole tree.
+        value: Its value; a namespace is an object.
+
+    Example:
+        {"path": "arm/panda_joint1/p", "value": 600.0}
+    """
+
+    path: str
+    value: JsonValue
+
+
+class ParameterRequest(RequestModel):
+    """A new value of a parameter.
+
+    Attributes:
+        value: Any JSON, nested 32 levels deep at most; an object replaces the whole
+            namespace.
+
+    Example:
+        {"value": 600.0}
+    """
+
+    value: Annotated[JsonValue, AfterValidator(_check_depth)]

@@ -1,4 +1,4 @@
-"""Pause, step, reset and the pace of a simulated robot."""
+"""Pause, step, reset and the pace of a simulated robot, and the scene around it."""
 
 from fastapi import APIRouter
 
@@ -6,24 +6,19 @@ from station.api.dependencies import Operator, StationDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
 from station.reports import Simulation
-from station.wire import ResetRequest, SimulationPatch, StepRequest
+from station.wire import ResetRequest, Scene, SimulationPatch, StepRequest
 
-router = APIRouter(
-    prefix="/simulation",
-    tags=["simulation"],
-    dependencies=[Viewer],
-    route_class=JsonRoute,
-)
+router = APIRouter(tags=["simulation"], dependencies=[Viewer], route_class=JsonRoute)
 _CHANGE = problems(409, 413, 422, 503)
 
 
-@router.get("", responses=problems(409))
+@router.get("/simulation", responses=problems(409))
 def get_simulation(station: StationDep) -> Simulation:
     """Return whether simulated time passes, and how fast."""
     return station.simulation.report()
 
 
-@router.patch("", dependencies=[Operator], responses=_CHANGE)
+@router.patch("/simulation", dependencies=[Operator], responses=_CHANGE)
 def patch_simulation(request: SimulationPatch, station: StationDep) -> Simulation:
     """Pause, resume or change the pace. Stops and switches work while it is paused."""
     return station.simulation.change(
@@ -31,13 +26,13 @@ def patch_simulation(request: SimulationPatch, station: StationDep) -> Simulatio
     )
 
 
-@router.post("/step", dependencies=[Operator], responses=_CHANGE)
+@router.post("/simulation/step", dependencies=[Operator], responses=_CHANGE)
 def step(station: StationDep, request: StepRequest | None = None) -> Simulation:
     """Run some cycles of a paused simulation; answers when they are done."""
     return station.simulation.step((request or StepRequest()).n)
 
 
-@router.post("/reset", dependencies=[Operator], responses=_CHANGE)
+@router.post("/simulation/reset", dependencies=[Operator], responses=_CHANGE)
 def reset(station: StationDep, request: ResetRequest | None = None) -> Simulation:
     """Put the world back to its start, or to a keyframe of the robot.
 
@@ -45,3 +40,13 @@ def reset(station: StationDep, request: ResetRequest | None = None) -> Simulatio
     """
     asked = request or ResetRequest()
     return station.simulation.reset(asked.joint_positions, asked.keyframe)
+
+
+@router.get("/scene", responses=problems(503))
+def scene(station: StationDep) -> Scene:
+    """Return the things around the robots, what touches what, and moving bases."""
+    return Scene.model_validate({
+        "objects": station.scene(),
+        "contacts": station.contacts(),
+        "bases": station.bases(),
+    })

@@ -1,4 +1,4 @@
-"""The station at a glance."""
+"""The station at a glance: health, status, the loop, the joints and the hardware."""
 
 import platform
 from functools import lru_cache
@@ -8,11 +8,41 @@ from fastapi import APIRouter
 
 import station as package
 from station.api import answers
-from station.api.dependencies import ServicesDep, Viewer
+from station.api.dependencies import Operator, ServicesDep, StationDep, Viewer
+from station.api.errors import ProblemError
 from station.api.routes.problems import problems
-from station.wire import Recording, Status
+from station.reports import LoopReport
+from station.wire import Hardware, Health, JointStates, Ready, Recording, Status
 
-router = APIRouter(tags=["station"], dependencies=[Viewer])
+router = APIRouter()
+
+
+@router.get("/health", tags=["health"], responses=problems(503))
+async def health(station: StationDep) -> Health:
+    """Answer while the process lives; 503 when its control loop died: restart it.
+
+    Raises:
+        ProblemError: The control loop died.
+    """
+    reason = station.dead()
+    if reason is not None:
+        raise ProblemError(503, "loop_died", reason, "Restart the station.")
+    return Health(boot_id=station.boot_id)
+
+
+@router.get("/ready", tags=["health"], responses=problems(503))
+async def ready(station: StationDep) -> Ready:
+    """Answer while the loop runs with fresh cycles; 503 with the reason if not.
+
+    Raises:
+        ProblemError: The loop does not run, or its last cycle is old.
+    """
+    reason = station.ready()
+    if reason is not None:
+        raise ProblemError(
+            503, "not_ready", reason, "See GET /api/v1/loop for what the loop does."
+        )
+    return Ready()
 
 
 @lru_cache(maxsize=1)
@@ -27,10 +57,8 @@ def versions() -> dict[str, str]:
     return found
 
 
-@router.get("/status", responses=problems())
-def status(
-    services: ServicesDep,
-) -> Status:
+@router.get("/status", tags=["station"], dependencies=[Viewer], responses=problems())
+def status(services: ServicesDep) -> Status:
     """Return robot mode, epoch, stop state, loop summary and versions."""
     lease = services.control.present()
     owner = None if lease is None else lease.owner
@@ -44,3 +72,35 @@ def status(
     return found.model_copy(
         update={"recording": recording, "recorder_failure": recorder.failure or ""}
     )
+
+
+@router.get(
+    "/joint_states", tags=["robot"], dependencies=[Viewer], responses=problems(503)
+)
+async def joint_states(station: StationDep) -> JointStates:
+    """Return positions, velocities and efforts of all joints, of the same cycle."""
+    return answers.joint_states(station.latest(), station.joint_names)
+
+
+@router.get("/hardware", tags=["robot"], dependencies=[Viewer], responses=problems())
+def hardware(station: StationDep) -> Hardware:
+    """Return interfaces, claims, limits with their sources, transmissions, clamps."""
+    return answers.hardware(station.hardware())
+
+
+@router.get("/loop", tags=["loop"], dependencies=[Viewer], responses=problems())
+def loop(station: StationDep) -> LoopReport:
+    """Return rate, lateness, skipped cycles and the time that each phase takes."""
+    return station.loop_report()
+
+
+@router.post(
+    "/loop/statistics/reset",
+    tags=["loop"],
+    dependencies=[Viewer, Operator],
+    responses=problems(503),
+)
+def reset_statistics(station: StationDep) -> LoopReport:
+    """Start the statistics anew."""
+    station.reset_loop_statistics()
+    return station.loop_report()
