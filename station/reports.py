@@ -398,7 +398,7 @@ class ArmRecord(Report):
 
 
 class Severity(TextEnum):
-    """How much an event asks for somebody's attention."""
+    """Severity of an event."""
 
     INFO = "info"
     """Something happened as it should."""
@@ -414,7 +414,7 @@ class Severity(TextEnum):
 
 
 class EventKind(TextEnum):
-    """What an event is about."""
+    """Subject of an event."""
 
     STATION = "station"
     """The station starts, ends, or could not do part of its start."""

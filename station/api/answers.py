@@ -1,6 +1,6 @@
 """Answers whose structure differs from that of the core's values.
 
-Everything else is read by attribute: `wire.LoopReport.model_validate(report)`.
+Everything else is a report that is sent as it is, or read by attribute.
 """
 
 from collections.abc import Iterable, Mapping

@@ -49,7 +49,7 @@ do; a refused request changes nothing. Units are SI.
 
 @dataclass(frozen=True, slots=True)
 class Kept:
-    """What a station keeps on disk.
+    """Data that a station keeps on disk.
 
     Attributes:
         events: Where events are recorded; a log in memory when left out.

@@ -130,7 +130,7 @@ def _severity(status: int) -> Severity:
 
 
 class EventRecorder:
-    """What the API records events with: the log, and the counter of repeats.
+    """Record events of the API: in the log, with repeats counted.
 
     Args:
         log: The event log.

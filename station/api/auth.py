@@ -24,7 +24,7 @@ oldest are dropped first."""
 
 
 class Role(Enum):
-    """What the bearer of a token may do."""
+    """Role of the bearer of a token."""
 
     VIEWER = "viewer"
     """Read everything, and stop the robot."""
@@ -79,7 +79,7 @@ class Session:
 
 @dataclass(frozen=True, slots=True)
 class Access:
-    """What a request or a WebSocket may do, and what proves it.
+    """Rights of a request or a WebSocket, and their proof.
 
     Attributes:
         role: What it may do.
@@ -95,7 +95,7 @@ class Access:
 
     @property
     def name(self) -> str:
-        """Who is behind it: the role, for the tokens that the station makes itself."""
+        """Name of the bearer; the role, for tokens that the station makes itself."""
         return self.role.value if self.token is None else self.token.name
 
     def has_ended(self) -> bool:

@@ -1,4 +1,4 @@
-"""Who holds control: a lease of one operator, which others respect.
+"""Lease of control: of one operator, which others respect.
 
 A lease is no protection against an operator who means harm: every operator may take it
 by force. It keeps two people from moving the same robot without knowing of each other.

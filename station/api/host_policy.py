@@ -1,4 +1,4 @@
-"""Which addresses and which web pages may talk to the station.
+"""Addresses and web pages that may talk to the station.
 
 A web page elsewhere must not drive a robot on this machine: neither by a request of
 its own (the Origin tells) nor under a name that its DNS server points here (the Host

@@ -1,4 +1,4 @@
-"""What is wrong with a field of a request, in the station's own words."""
+"""Explain in the station's own words why a field of a request is refused."""
 
 from collections.abc import Callable, Mapping
 from typing import Any

@@ -106,7 +106,7 @@ class ControlPatch(RequestModel):
 
 
 class ControlState(ResponseModel):
-    """Who holds control.
+    """Owner and terms of the lease of control.
 
     Attributes:
         owner: Name of the owner; null while nobody holds control, and every operator

@@ -1,7 +1,8 @@
 """The bases of all wire models, and the numbers and names they are made of.
 
-Answers are read from the core's own values by attribute, without importing them:
-`wire.LoopReport.model_validate(report)`. The types here convert what JSON has no word
+Reports of `station.reports` are sent as they are. An answer whose form on the wire is
+another one than that of the core's value is a model, read from the value by attribute:
+`wire.ArmReport.model_validate(report)`. The types here convert what JSON has no word
 for: numbers that are not finite, members of enumerations, tuples and absent reasons.
 """
 
@@ -96,7 +97,7 @@ def reader_of(kind: type[ReadT]) -> TypeAdapter[ReadT]:
 
 
 class ResponseModel(WireModel):
-    """What the station answers; read from JSON, or from the core by attribute.
+    """Base of the answers; read from JSON, or from the core by attribute.
 
     Unknown keys are ignored, because a newer station may add some.
     """
@@ -111,7 +112,7 @@ class ResponseModel(WireModel):
 
 
 class RequestModel(WireModel):
-    """What the station is asked. Unknown keys, `"600"`, `true` and NaN are refused."""
+    """Base of the requests. Unknown keys, `"600"`, `true` and NaN are refused."""
 
     model_config = ConfigDict(
         strict=True, extra="forbid", frozen=True, allow_inf_nan=False

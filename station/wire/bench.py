@@ -34,7 +34,7 @@ class BenchRequest(RequestModel):
 
 
 class BenchResponse(ResponseModel):
-    """How a joint has followed an excitation.
+    """Response of a joint to an excitation.
 
     Attributes:
         controller: Name of the controller.

@@ -32,7 +32,7 @@ ControllerStateName = Annotated[
 
 
 class ClaimedResources(ResponseModel):
-    """What a controller claims of one interface (HardwareInterfaceResources).
+    """Resources of one interface that a controller claims (HardwareInterfaceResources).
 
     Attributes:
         hardware_interface: Name of the interface.
@@ -139,7 +139,7 @@ class SwitchRequest(RequestModel):
 
 
 class SwitchResult(ResponseModel):
-    """What a switch did, or would do.
+    """Result of a switch, or the plan of a dry run.
 
     Attributes:
         ok: Every controller runs or stopped as planned.
@@ -286,7 +286,7 @@ class CommandAccepted(ResponseModel):
 
 
 class ControllerSample(ResponseModel):
-    """What a controller did in one cycle, shape (n,) each.
+    """Quantities of a controller in one cycle, shape (n,) each.
 
     Attributes:
         stamp: Station time [s].
@@ -323,7 +323,7 @@ class ReloadRequest(RequestModel):
 
 
 class Reloaded(ResponseModel):
-    """What a reload did.
+    """Result of a reload.
 
     Attributes:
         unloaded: Names of the controllers that were unloaded.

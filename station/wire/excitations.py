@@ -19,7 +19,7 @@ Vector = Annotated[tuple[float, ...], Field(strict=False, min_length=3, max_leng
 
 
 class _Tagged(RequestModel):
-    """What a kind tells from its siblings."""
+    """Base of the excitations; the kind tells them apart."""
 
     @override
     def model_post_init(self, context: object, /) -> None:

@@ -45,7 +45,7 @@ class GainSets(ResponseModel):
 
 
 class GainSetRequest(RequestModel):
-    """Whose gains are saved or applied.
+    """Controllers whose gains are saved or applied.
 
     Attributes:
         controllers: Names of controllers; null or left out for all: those that are
@@ -78,7 +78,7 @@ class GainsOfControllersPatch(RequestModel):
 
 
 class GainsChanges(ResponseModel):
-    """What changed in one cycle.
+    """Changes of gains that took effect in one cycle.
 
     Attributes:
         changes: The change of each controller, by its name.

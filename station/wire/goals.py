@@ -39,7 +39,7 @@ class GoalRequest(RequestModel):
 
 
 class GoalResult(ResponseModel):
-    """How a goal ended.
+    """Result of a goal.
 
     Attributes:
         code: The action's number for it; 0 for success and an end from outside.

@@ -87,7 +87,7 @@ class GripperMoveRequest(RequestModel):
 
 
 class GraspEpsilon(RequestModel):
-    """How far the width of a grasped object may be from the expected one.
+    """Tolerance of the width of a grasped object.
 
     Attributes:
         inner: How much narrower [m].

@@ -31,7 +31,7 @@ RepairKindName = Literal[
 
 
 class SoftLimits(ResponseModel):
-    """Where a joint is slowed down before its hard limits.
+    """Range beyond which a joint is slowed down before its hard limits.
 
     Attributes:
         min_position: Lower bound [rad or m].
@@ -47,7 +47,7 @@ class SoftLimits(ResponseModel):
 
 
 class HardwareLimits(ResponseModel):
-    """What a joint may do; null where it is not limited.
+    """Limits of a joint; null where it is not limited.
 
     Attributes:
         joint: Its name.
@@ -74,7 +74,7 @@ class HardwareLimits(ResponseModel):
 
 
 class Clamp(ResponseModel):
-    """How often limits cut off a joint's command, and the last time.
+    """Number of commands of a joint that limits cut off, and the last one.
 
     Attributes:
         joint: Its name.

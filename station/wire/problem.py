@@ -1,4 +1,4 @@
-"""How a refusal looks on the wire (RFC 9457, application/problem+json)."""
+"""Wire models of a refusal (RFC 9457, application/problem+json)."""
 
 from pydantic import Field, JsonValue
 

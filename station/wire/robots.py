@@ -129,7 +129,7 @@ class Arms(ResponseModel):
 
 
 class RecoveryRequest(RequestModel):
-    """How to recover from an error.
+    """Manner of a recovery from an error.
 
     Attributes:
         restart: `previous` starts the controllers again that the error stopped; with
@@ -226,7 +226,7 @@ class CartesianImpedance(RequestModel):
 
 
 class EndEffectorFrame(RequestModel):
-    """Where the end effector is.
+    """Pose of the end effector.
 
     Attributes:
         NE_T_EE: Pose of the end effector in the nominal end effector frame, column-
@@ -241,7 +241,7 @@ class EndEffectorFrame(RequestModel):
 
 
 class StiffnessFrame(RequestModel):
-    """Where the stiffness frame is.
+    """Pose of the stiffness frame.
 
     Attributes:
         EE_T_K: Pose of the stiffness frame in the end effector frame, column-major,

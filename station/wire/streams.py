@@ -68,7 +68,7 @@ class CommandError(ResponseModel):
 
 
 class CommandCounts(ResponseModel):
-    """What the sender of a command stream is told, twice a second at most.
+    """Counts that the sender of a command stream gets, twice a second at most.
 
     Attributes:
         received: Set-points that have come, 0 or more.

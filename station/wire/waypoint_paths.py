@@ -84,7 +84,7 @@ class WaypointPaths(ResponseModel):
 
 
 class PlayRequest(RequestModel):
-    """How a path is played.
+    """Options of the playing of a path.
 
     Attributes:
         controller: The trajectory controller that moves along it; null for the one
@@ -123,7 +123,7 @@ class PlaybackPatch(RequestModel):
 
 
 class LastPlayback(ResponseModel):
-    """What plays.
+    """Path that plays, or played last.
 
     Attributes:
         playback: The path that plays or played last; null when none was played yet.

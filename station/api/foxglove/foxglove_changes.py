@@ -1,4 +1,4 @@
-"""What a Foxglove client may change: gains, as parameters, and running controllers."""
+"""Changes by a Foxglove client: of gains, as parameters, and running controllers."""
 
 import json
 from dataclasses import dataclass
@@ -22,14 +22,14 @@ _SLASH = "/"
 
 
 class ChangeRefusedError(StationError, PermissionError):
-    """Who asks for a change may not make it."""
+    """A client asks for a change that it may not make."""
 
     code = "change_refused"
 
 
 @dataclass(frozen=True, slots=True)
 class GainsAnswer:
-    """What became of parameters that a client has set.
+    """Outcome of parameters that a client has set.
 
     Attributes:
         values: Those that were asked for and exist, as they are in force now.

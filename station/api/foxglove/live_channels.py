@@ -33,7 +33,7 @@ class LiveMessage(NamedTuple):
 
 
 class LiveChannels:
-    """What there is to see of the newest cycle. For one event loop.
+    """Channels with values of the newest cycle. For one event loop.
 
     Args:
         station: The station.

@@ -1,4 +1,4 @@
-"""Who holds control: taken, kept by heartbeats, handed over, given back."""
+"""Routes of the lease of control: take, keep by heartbeats, hand over, give back."""
 
 import time
 

@@ -1,4 +1,4 @@
-"""What happened: who did what, when, from where, with what result."""
+"""Routes of events, whose answers are pages or endless."""
 
 import asyncio
 from typing import TYPE_CHECKING, Annotated

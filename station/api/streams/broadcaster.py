@@ -54,7 +54,7 @@ class Broadcaster:
 
     @property
     def clients(self) -> int:
-        """How many clients are connected."""
+        """Number of connected clients."""
         return len(self._clients)
 
     async def close(self, timeout: float = 1.0) -> None:

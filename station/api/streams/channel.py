@@ -23,7 +23,7 @@ HEARTBEAT = 1.0
 
 
 class ChannelClient(Protocol):
-    """Who takes the frames of a channel."""
+    """Client that takes the frames of a channel."""
 
     def ticked(self) -> None:
         """Take what there is; called after every tick."""
@@ -53,7 +53,7 @@ class Channel(ABC):
 
     @property
     def clients(self) -> int:
-        """How many clients take its frames; it ticks while there are any."""
+        """Number of clients that take its frames; it ticks while there are any."""
         return len(self._clients)
 
     @property

@@ -44,7 +44,7 @@ REPORT_PERIOD = 0.5
 
 @dataclass(frozen=True, slots=True)
 class CommandStreamRequest:
-    """What the sender of set-points asks for.
+    """Request of the sender of set-points.
 
     Attributes:
         controller: The controller.

@@ -18,7 +18,7 @@ BATCH_LIMIT = 250
 
 
 class Payload(NamedTuple):
-    """What a frame is about, before it is encoded.
+    """Content of a frame, before it is encoded.
 
     Attributes:
         cycle: Cycle of the data.

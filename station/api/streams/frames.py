@@ -1,4 +1,4 @@
-"""How frames are written: JSON text or msgpack, once for all clients of a channel."""
+"""Write frames as JSON text or msgpack, once for all clients of a channel."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""What a client asks of a stream: topic, rate, fields, format."""
+"""Requests of streams: topic, rate, fields, format."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -36,7 +36,7 @@ class StreamRequestError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class StreamRequest:
-    """What a client asks for. Clients with equal requests get the same frames.
+    """Request of a stream. Clients with equal requests get the same frames.
 
     Attributes:
         topic: Name of the topic.

@@ -1,4 +1,4 @@
-"""What can be streamed, and how each topic's payload is made."""
+"""Topics that can be streamed, and their payloads."""
 
 import dataclasses
 from abc import ABC, abstractmethod
@@ -125,7 +125,7 @@ class JointStatesTopic(CycleTopic):
 
 
 class ControllerStateTopic(CycleTopic):
-    """What one controller does: desired, actual, error, output.
+    """Quantities of one controller: desired, actual, error, output.
 
     Args:
         station: The station.
@@ -242,7 +242,7 @@ class ControllersTopic(ReportTopic):
 
 
 class LoopTopic(ReportTopic):
-    """How the loop does, and the stop."""
+    """State of the loop and of the stop."""
 
     name = "loop"
     default_rate = 2.0
@@ -288,7 +288,7 @@ class SceneTopic(ReportTopic):
 
 
 class EventsTopic(Topic):
-    """What happens: every event is a frame of its own, and none is left out.
+    """Events: each is a frame of its own, and none is left out.
 
     Args:
         station: The station.
