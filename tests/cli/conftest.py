@@ -6,10 +6,10 @@ import pytest
 
 from station.cli.main import main
 from station.client import ApiError
-from station.controllers.forward_command_controller.command_timeout import (
+from station.core.control.controller_type import ControllerType as CoreControllerType
+from station.core.ports.set_point import (
     timeout_parameters,
 )
-from station.core.control.controller_type import ControllerType as CoreControllerType
 from station.wire import (
     ArmReport,
     CommandAccepted,

@@ -25,13 +25,6 @@ from station.controllers.cartesian_motion.lookahead_settings import (
     LOOKAHEAD_PARAMETERS,
     read_lookahead_settings,
 )
-from station.controllers.forward_command_controller.command_timeout import (
-    read_command_timeout,
-    timeout_parameters,
-)
-from station.controllers.forward_command_controller.watched_set_point import (
-    WatchedSetPoint,
-)
 from station.controllers.franka_arm import (
     ARM_ID,
     JOINT_NAMES,
@@ -53,7 +46,12 @@ from station.core.franka import (
 )
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
-from station.core.ports.set_point import SetPointPort
+from station.core.ports.set_point import (
+    ActiveSetPoint,
+    SetPointPort,
+    read_command_timeout,
+    timeout_parameters,
+)
 
 DEFAULT_TIMEOUT = 0.2
 """Default of `command_timeout` [s]."""
@@ -124,10 +122,10 @@ class CartesianMotionController(MultiInterfaceController):
         )
         self.set_points = self.make_port(self.limits, timeout)
         self.joint_names = [element.name for element in self.set_points.elements]
-        self._watched = WatchedSetPoint(self.set_points, action, arm_id, self.rest)
+        self._active = ActiveSetPoint(self.set_points, action, arm_id, self.rest)
         self.cycle_sample = self.make_sample()
         self.sampled = self.cycle_sample.sampled
-        self._usual = RestingEndEffector(self._watched.news, self.cycle_sample)
+        self._usual = RestingEndEffector(self.set_points, self.cycle_sample)
         self._obstacle, self._until = Obstacle.NONE, 0.0
         self._joint: str | None = None
 
@@ -174,12 +172,12 @@ class CartesianMotionController(MultiInterfaceController):
         self._obstacle, self._joint, self._until = Obstacle.NONE, None, time
         self.handle.set_command(self.generator.pose)
         self._usual.is_resting = False
-        self._watched.begin()
+        self._active.start_at_rest()
 
     @override
     def update(self, time: float, period: float) -> None:
         """Advance the motion if the joints can follow, else brake."""
-        self.steer(self._watched.newest())
+        self.steer(self._active.newest())
         if self.generator.is_still:
             self._note(Obstacle.NONE, None, time)
         else:

@@ -5,7 +5,7 @@ from station.core.control.usual_update import UsualUpdate
 from station.core.franka.model_sources import ModelSource
 from station.core.numerics.arm_chain import turn_to_inner_axes, twist_of
 from station.core.numerics.rigid_motion import numbers_of
-from station.core.ports.set_point_news import SetPointNews
+from station.core.ports.set_point import SetPointPort
 from station.memory.doubles import Doubles, doubles, zeros
 from station.memory.vectors import copy_into
 
@@ -136,21 +136,21 @@ class RestingEndEffector(UsualUpdate):
     """Keeps an end effector at rest while no set-point arrives.
 
     Args:
-        news: Whether a set-point may have come.
+        port: Receives the set-points.
         sample: What is kept of a cycle.
 
     Attributes:
         is_resting: Whether it rests, and nothing but rest is wanted.
     """
 
-    def __init__(self, news: SetPointNews, sample: EndEffectorSample) -> None:
-        self.news = news
+    def __init__(self, port: SetPointPort, sample: EndEffectorSample) -> None:
+        self.port = port
         self.sample = sample
         self.is_resting = False
 
     def run(self, time: float, period: float) -> bool:
         """Keep the sample while it rests; see `UsualUpdate.run`."""
-        if not self.is_resting or self.news.is_possible():
+        if not self.is_resting or self.port.has_changed():
             return False
         self.sample.keep(time)
         return True

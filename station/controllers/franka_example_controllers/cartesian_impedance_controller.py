@@ -10,9 +10,6 @@ from typing import ClassVar
 
 from typing_extensions import override
 
-from station.controllers.forward_command_controller.command_timeout import (
-    timeout_parameters,
-)
 from station.controllers.franka_arm import (
     ARM_ID,
     JOINT_NAMES,
@@ -35,6 +32,7 @@ from station.core.franka import FrankaModelInterface, FrankaStateInterface
 from station.core.hardware.interfaces import EffortJointInterface
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
+from station.core.ports.set_point import timeout_parameters
 from station.core.toolbox.publish_timer import PublishTimer
 
 _DEFAULTS = {
@@ -88,7 +86,7 @@ class CartesianImpedanceExampleController(MultiInterfaceController):
         self.set_points = self._target.port
         self.tunables = Tunables(_SCHEMA, _DEFAULTS, apply=self._want)
         self._usual = SpringUpdate(
-            self._target.news, [self._spring.driven], PublishTimer(0.0)
+            self._target.port, [self._spring.driven], PublishTimer(0.0)
         )
 
     @override

@@ -14,9 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from station.controllers.forward_command_controller.command_timeout import (
-    timeout_parameters,
-)
 from station.controllers.franka_arm import (
     ARM_ID,
     JOINT_NAMES,
@@ -47,6 +44,7 @@ from station.core.franka import FrankaModelInterface, FrankaStateInterface
 from station.core.hardware.interfaces import EffortJointInterface
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
+from station.core.ports.set_point import timeout_parameters
 from station.core.toolbox.publish_timer import PublishTimer
 
 RATE_HZ = 30.0
@@ -116,7 +114,7 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
         self.tunables = Tunables(_SCHEMA, _DEFAULTS, apply=self._want)
         springs = [spring.driven for spring in self._springs.values()]
         self._timer = PublishTimer(RATE_HZ)
-        self._usual = SpringUpdate(self._target.news, springs, self._timer)
+        self._usual = SpringUpdate(self._target.port, springs, self._timer)
         self._right_to_left = self._left_to_center = np.eye(4)
 
     @override

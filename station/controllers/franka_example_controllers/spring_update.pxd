@@ -3,7 +3,7 @@ from station.memory.vectors cimport copy_into
 from station.core.franka.model_sources cimport ModelSource
 from station.controllers.franka_example_controllers.pose_spring cimport PoseSpring
 from station.core.toolbox.publish_timer cimport PublishTimer
-from station.core.ports.set_point_news cimport SetPointNews
+from station.core.ports.set_point cimport SetPointPort
 from station.core.control.usual_update cimport UsualUpdate
 
 cdef class DrivenSpring:
@@ -16,7 +16,7 @@ cdef class DrivenSpring:
     cpdef drive(self)
 
 cdef class SpringUpdate(UsualUpdate):
-    cdef SetPointNews news
+    cdef SetPointPort port
     cdef list springs
     cdef PublishTimer timer
     cdef readonly object published

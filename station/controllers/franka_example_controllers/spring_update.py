@@ -3,7 +3,7 @@
 from station.controllers.franka_example_controllers.pose_spring import PoseSpring
 from station.core.control.usual_update import UsualUpdate
 from station.core.franka.model_sources import ModelSource
-from station.core.ports.set_point_news import SetPointNews
+from station.core.ports.set_point import SetPointPort
 from station.core.toolbox.publish_timer import PublishTimer
 from station.memory.doubles import Doubles
 from station.memory.vectors import copy_into
@@ -48,7 +48,7 @@ class SpringUpdate(UsualUpdate):
     """Drives all springs of a controller.
 
     Args:
-        news: Whether a set-point may have come.
+        port: Receives the set-points.
         springs: The springs.
         timer: Tells when to publish.
 
@@ -59,18 +59,18 @@ class SpringUpdate(UsualUpdate):
 
     def __init__(
         self,
-        news: SetPointNews,
+        port: SetPointPort,
         springs: list[DrivenSpring],
         timer: PublishTimer,
     ) -> None:
-        self.news = news
+        self.port = port
         self.springs = springs
         self.timer = timer
         self.published: tuple[float, list[float]] | None = None
 
     def run(self, time: float, period: float) -> bool:
         """Drive the springs unless there may be another set-point."""
-        if self.news.is_possible():
+        if self.port.has_changed():
             return False
         self.follow(time)
         return True

@@ -9,19 +9,18 @@ from dataclasses import replace
 
 from typing_extensions import override
 
-from station.controllers.forward_command_controller import JointQuantity
-from station.controllers.forward_command_controller.command_laws import (
-    CommandLaw,
-    DirectLaw,
-    PidLaw,
-)
 from station.controllers.joint_trajectory_controller.joint_tracking import (
     JointTracking,
 )
-from station.controllers.pid_command_controller import (
+from station.controllers.joint_trajectory_controller.trajectory_update import (
+    FeedForwardPidLaw,
+)
+from station.controllers.set_point_controller import (
+    CommandLaw,
+    DirectLaw,
     JointPidGroup,
+    JointQuantity,
     pid_parameters,
-    read_pid_gains,
 )
 from station.core.control.tunables import Tunables
 from station.core.declared_parameter import EACH_JOINT, DeclaredParameter, ParameterType
@@ -38,6 +37,7 @@ from station.core.hardware.interfaces import (
     VelocityJointInterface,
 )
 from station.core.hardware.interfaces.interface_manager import interface_type_name
+from station.core.numerics.pid import PidGains
 from station.core.parameters import Parameters
 from station.memory.doubles import doubles
 
@@ -82,7 +82,7 @@ class HardwareInterfaceAdapter:
         """
         if self._law is None:
             raise NotImplementedError
-        self._law.command(period)
+        self._law.compute_commands(period)
 
     def command_law(self) -> CommandLaw | None:
         """Return what does the same as `update_command`; None for nothing."""
@@ -108,8 +108,8 @@ class PositionAdapter(HardwareInterfaceAdapter):
 class ClosedLoopAdapter(HardwareInterfaceAdapter):
     """Commands `velocity_ff` times the desired velocity plus the output of a PID.
 
-    Parameters: the gains of every joint, see `read_pid_gains`; `velocity_ff/<joint>`, 0
-    by default.
+    Parameters: the gains of every joint, see `PidGains.of_joints`; and
+    `velocity_ff/<joint>`, 0 by default.
 
     Args:
         interface: The robot's interface.
@@ -136,17 +136,19 @@ class ClosedLoopAdapter(HardwareInterfaceAdapter):
         super().__init__(joints, JointGroup(handles))
         self._pids = JointPidGroup(
             joints,
-            read_pid_gains(params, joints),
+            PidGains.of_joints(params, [joint.name for joint in joints]),
             error=JointQuantity.POSITION,
             command=command,
             commands=self.output,
             errors=self.tracking.errors,
             rates=self.tracking.rate_errors,
         )
-        shares = doubles(
+        velocity_gains = doubles(
             _VELOCITY_FF.of(joint.name).read_float(params) for joint in joints
         )
-        self._law = PidLaw(self._pids.group, self.tracking.velocities, shares)
+        self._law = FeedForwardPidLaw(
+            self._pids.group, self.tracking.velocities, velocity_gains
+        )
         self.tunables = self._pids.tunables
 
     @override

@@ -2,7 +2,7 @@
 
 from math import inf
 
-from station.controllers.forward_command_controller import ControlledJoints
+from station.controllers.set_point_controller import ControlledJoints
 from station.core.description.robot_description import JointDescription
 from station.core.description.urdf import JointType
 from station.core.hardware.interfaces import JointStateGroup
@@ -49,8 +49,8 @@ class JointTracking:
         # The bounds of zero that the comparisons start with are none of these.
         self._bounds: list[StateTolerances | None] = [StateTolerances()] * size
         for index, joint in enumerate(joints):
-            way = CONTINUOUS if joint.type is JointType.CONTINUOUS else PLAIN
-            self._position.set_way(index, way, joint.lower, joint.upper)
+            wrapping = CONTINUOUS if joint.type is JointType.CONTINUOUS else PLAIN
+            self._position.set_wrapping(index, wrapping, joint.lower, joint.upper)
 
     def set_bounds(self, index: int, bounds: StateTolerances | None) -> None:
         """Set the errors beyond which `splines` says so; None for no bounds.

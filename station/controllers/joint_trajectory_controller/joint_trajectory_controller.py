@@ -9,10 +9,6 @@ from typing import ClassVar, NamedTuple, TypeVar
 
 from typing_extensions import override
 
-from station.controllers.forward_command_controller.joint_names import (
-    JOINTS,
-    read_joint_names,
-)
 from station.controllers.joint_trajectory_controller.follow_joint_trajectory_port import (  # noqa: E501
     FollowJointTrajectoryPort,
 )
@@ -31,6 +27,7 @@ from station.controllers.joint_trajectory_controller.speed_scaling import (
 from station.controllers.joint_trajectory_controller.trajectory_execution import (
     TrajectoryExecution,
 )
+from station.controllers.set_point_controller import JOINTS, read_joint_names
 from station.core.control.controller import Controller, PackedSample
 from station.core.control.sample_columns import SampleColumns
 from station.core.control.tunables import Tunables

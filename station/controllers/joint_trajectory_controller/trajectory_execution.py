@@ -12,7 +12,6 @@ from math import inf, pi
 
 from typing_extensions import override
 
-from station.controllers.forward_command_controller.command_laws import CommandLaw
 from station.controllers.joint_trajectory_controller.goal_supervision import (
     GoalSupervision,
     StateErrors,
@@ -30,6 +29,7 @@ from station.controllers.joint_trajectory_controller.trajectory_update import (
     TrajectoryTime,
     TrajectoryUpdate,
 )
+from station.controllers.set_point_controller import CommandLaw
 from station.core.control.sample_columns import SampleColumns
 from station.core.description.robot_description import JointDescription
 from station.core.description.urdf import JointType

@@ -1,5 +1,6 @@
 cimport cython
-from station.controllers.forward_command_controller.command_laws cimport CommandLaw
+from station.controllers.set_point_controller cimport CommandLaw
+from station.core.numerics.pid cimport PidGroup
 from station.core.trajectory.ros_time cimport uptime_seconds
 from station.core.control.sample_columns cimport SampleColumns
 from station.core.trajectory.splines cimport SplineGroup
@@ -35,6 +36,12 @@ cdef class TrajectoryTime:
     cpdef double pass_time(self, double time, double period) except? -1.0
     @cython.locals(found=long)
     cpdef bint sample(self, double now) except -1
+
+cdef class FeedForwardPidLaw(CommandLaw):
+    cdef PidGroup pids
+    cdef double[::1] rates
+    cdef double[::1] gains
+    cdef bint feeds_forward
 
 cdef class TrajectoryUpdate(UsualUpdate):
     cdef TrajectoryTime execution

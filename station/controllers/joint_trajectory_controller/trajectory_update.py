@@ -3,12 +3,13 @@
 from collections.abc import Sized
 from typing import Any
 
-from station.controllers.forward_command_controller.command_laws import CommandLaw
+from station.controllers.set_point_controller import CommandLaw
 from station.core.control.sample_columns import SampleColumns
 from station.core.control.usual_update import UsualUpdate
+from station.core.numerics.pid import PidGroup
 from station.core.trajectory.ros_time import to_nanoseconds, uptime_seconds
 from station.core.trajectory.splines import SplineGroup
-from station.memory.doubles import zeros
+from station.memory.doubles import Doubles, zeros
 
 _INF = float("inf")
 
@@ -134,6 +135,28 @@ class TrajectoryTime:
         return found >= 2  # EXCEEDS
 
 
+class FeedForwardPidLaw(CommandLaw):
+    """Commands what PIDs compute, and desired rates times gains.
+
+    Args:
+        pids: One PID per joint; their errors and rates are known.
+        rates: Desired rates, shape (n,).
+        gains: Gains of the rates, shape (n,).
+    """
+
+    def __init__(self, pids: PidGroup, rates: Doubles, gains: Doubles) -> None:
+        self.pids = pids
+        self.rates = rates
+        self.gains = gains
+        self.feeds_forward = any(gains)
+
+    def compute_commands(self, period: float) -> None:
+        """Compute the commands."""
+        self.pids.compute_commands(period, rates_known=True)
+        if self.feeds_forward:
+            self.pids.add_feed_forward(self.rates, self.gains)
+
+
 class TrajectoryUpdate(UsualUpdate):
     """Commands the joints along a trajectory that ends no goal.
 
@@ -164,6 +187,6 @@ class TrajectoryUpdate(UsualUpdate):
         if len(self.requests) or self.supervision.goal is not None:
             return False
         self.execution.sample(self.execution.pass_time(time, period))
-        self.law.command(period)
+        self.law.compute_commands(period)
         self.sampled.keep(time)
         return True

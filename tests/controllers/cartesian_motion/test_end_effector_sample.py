@@ -11,7 +11,7 @@ from station.controllers.cartesian_motion.end_effector_sample import (
     TwistSample,
 )
 from station.core.franka.model_sources import ModelSource
-from station.core.ports.set_point_news import SetPointNews
+from station.core.ports.set_point import SetPointPort
 from station.hw.franka.arm.franka_kinematics import CHAIN
 from station.memory.doubles import doubles, put, zeros
 from tests.both_modes import arrays, assert_same, needs_both, sibling
@@ -85,11 +85,13 @@ def test_twists_are_kept_in_the_axes_that_are_asked_for(is_inner):
 
 @pytest.mark.parametrize("news", ["none", "waiting", "void"])
 def test_rest_ends_with_news(news):
-    slot = ["a set-point"] if news == "waiting" else []
-    told = SetPointNews(slot)
-    told.is_void = news == "void"
+    port = SetPointPort([])
+    if news == "waiting":
+        port.post([])
+    elif news == "void":
+        port.clear()
     sample = PoseSample(doubles(HERE), ModelSource(lambda result: put(result, HERE)))
-    resting = RestingEndEffector(told, sample)
+    resting = RestingEndEffector(port, sample)
 
     assert not resting.run(1.0, 0.001)
     assert sample.sampled.newest is None

@@ -8,7 +8,7 @@ from station.controllers.franka_example_controllers.spring_update import (
     SpringUpdate,
 )
 from station.core.franka.model_sources import ModelSource
-from station.core.ports.set_point_news import SetPointNews
+from station.core.ports.set_point import SetPointPort
 from station.core.toolbox.publish_timer import PublishTimer
 from station.memory.doubles import put, zeros
 
@@ -53,9 +53,12 @@ def test_a_cycle_reads_the_pose_before_the_model_and_commands_the_torques():
 @pytest.mark.parametrize("news", ["none", "waiting", "void"])
 def test_a_cycle_with_news_is_left_to_the_controller(news):
     springs = [Driven(), Driven()]
-    told = SetPointNews(["a set-point"] if news == "waiting" else [])
-    told.is_void = news == "void"
-    update = SpringUpdate(told, [one.driven for one in springs], PublishTimer(0.0))
+    port = SetPointPort([])
+    if news == "waiting":
+        port.post([])
+    elif news == "void":
+        port.clear()
+    update = SpringUpdate(port, [one.driven for one in springs], PublishTimer(0.0))
 
     assert update.run(1.0, 0.001) is (news == "none")
     for one in springs:
@@ -64,7 +67,7 @@ def test_a_cycle_with_news_is_left_to_the_controller(news):
 
 def test_the_first_pose_is_published_at_a_rate():
     springs, timer = [Driven(), Driven()], PublishTimer(10.0)
-    update = SpringUpdate(SetPointNews([]), [one.driven for one in springs], timer)
+    update = SpringUpdate(SetPointPort([]), [one.driven for one in springs], timer)
     update.run(1.0, 0.001)
     assert update.published is None
     timer.start(1.0, at_once=False)

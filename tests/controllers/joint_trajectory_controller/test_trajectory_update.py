@@ -7,14 +7,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from typing_extensions import override
 
-from station.controllers.forward_command_controller.command_laws import DirectLaw
 from station.controllers.joint_trajectory_controller.trajectory_update import (
+    FeedForwardPidLaw,
     SpeedFactor,
     TrajectoryTime,
     TrajectoryUpdate,
 )
+from station.controllers.set_point_controller import DirectLaw
 from station.core.control.sample_columns import SampleColumns
 from station.core.numerics.joint_errors import JointErrors
+from station.core.numerics.pid import PidGains, PidGroup
 from station.core.trajectory.splines import SplineGroup
 from station.memory.doubles import doubles, zeros
 from tests.both_modes import assert_same, needs_both
@@ -98,6 +100,15 @@ def test_the_speed_changes_by_its_ramp():
     passed = [speed.advance(0.2) for _ in range(4)]
     assert passed == pytest.approx([0.2 * 0.8, 0.2 * 0.4, 0.2 * 0.1, 0.0])
     assert (speed.factor, speed.rate) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize(("gain", "command"), [(0.0, 6.0), (0.5, 7.0)])
+def test_a_desired_rate_times_its_gain_is_added_to_the_pid(gain, command):
+    commands = zeros(1)
+    pids = PidGroup(doubles([3.0]), doubles([0.0]), commands)
+    pids.set_gains(0, PidGains(p=2.0))
+    FeedForwardPidLaw(pids, doubles([2.0]), doubles([gain])).compute_commands(0.001)
+    assert [*commands] == [command]
 
 
 @needs_both

@@ -1,7 +1,4 @@
-cpdef void add_feed_forward(
-    double[::1] commands, double[::1] rates, double[::1] shares
-) noexcept
-
+cdef long NO_ERROR, NO_RATE
 
 cdef class PidGroup:
     cdef Py_ssize_t n
@@ -17,14 +14,10 @@ cdef class PidGroup:
     cdef double[::1] i_min
     cdef double[::1] antiwindup
 
-    cpdef void set_gains(
-        self, Py_ssize_t k, double p, double i, double d, double i_max, double i_min
-    ) noexcept
-    cpdef void set_antiwindup(self, Py_ssize_t k, bint bounds_integral) noexcept
+    cpdef set_gains(self, Py_ssize_t k, gains)
     cpdef void reset(self) noexcept
     cpdef void reset_to(self, Py_ssize_t k, double rate, double integral) noexcept
     cpdef void set_integral(self, Py_ssize_t k, double integral) noexcept
     cpdef double integral(self, Py_ssize_t k) noexcept
-    cpdef long compute(self, double period) noexcept
-    cpdef long compute_with_rates(self, double period) noexcept
-    cdef long follow(self, double period, bint rates_known) noexcept
+    cpdef long compute_commands(self, double period, bint rates_known) noexcept
+    cpdef void add_feed_forward(self, double[::1] rates, double[::1] gains) noexcept

@@ -2,8 +2,7 @@
 
 import pytest
 
-from station.controllers.forward_command_controller import JointQuantity
-from station.controllers.pid_command_controller import JointPidGroup, read_pid_gains
+from station.controllers.set_point_controller import JointPidGroup, JointQuantity
 from station.core.description.robot_description import JointDescription
 from station.core.description.urdf import JointType
 from station.core.errors import ParameterError
@@ -40,10 +39,10 @@ def test_commands_are_computed_joint_by_joint():
     )
     put(pids.errors, [0.5, 0.1])
     for step in range(1, 3):
-        pids.group.compute(0.1)
+        pids.group.compute_commands(0.1, rates_known=False)
         assert list(pids.commands) == pytest.approx([1.0, 0.03 * step])
     pids.reset()
-    pids.group.compute(0.1)
+    pids.group.compute_commands(0.1, rates_known=False)
     assert list(pids.commands) == pytest.approx([1.0, 0.03])
 
 
@@ -70,10 +69,10 @@ def test_a_change_of_gains_keeps_the_integral_part_of_the_command(
     )
     put(pids.errors, [1.0])
     for _ in range(30):  # far beyond the bound, which wound-up integrals are
-        pids.group.compute(0.1)
+        pids.group.compute_commands(0.1, rates_known=False)
     pids.tunables.apply(pids.tunables.checked(change))
     put(pids.errors, [0.0])
-    pids.group.compute(0.1)
+    pids.group.compute_commands(0.1, rates_known=False)
     assert list(pids.commands) == pytest.approx([part])
 
 
@@ -83,9 +82,9 @@ def test_an_integral_gain_that_was_0_begins_without_a_step():
     )
     put(pids.errors, [1.0])
     for _ in range(30):
-        pids.group.compute(0.1)
+        pids.group.compute_commands(0.1, rates_known=False)
     pids.tunables.apply(pids.tunables.checked({"elbow/i": 2.0}))
-    pids.group.compute(0.1)
+    pids.group.compute_commands(0.1, rates_known=False)
     assert list(pids.commands) == pytest.approx([0.2])
 
 
@@ -96,7 +95,7 @@ def test_commands_are_written_where_the_robot_reads_them():
     )
     put(pids.errors, [0.5])
     put(pids.rates, [3.0])
-    pids.group.compute_with_rates(0.1)
+    pids.group.compute_commands(0.1, rates_known=True)
     assert list(commands) == [6.0]
 
 
@@ -113,14 +112,14 @@ def test_gains_go_in_and_come_out_by_name():
     assert pids.tunables.values == wanted
     assert pids.columns()["i_clamp"] == [4.0]
     put(pids.errors, [0.5])
-    pids.group.compute(0.1)
+    pids.group.compute_commands(0.1, rates_known=False)
     assert list(pids.commands) == pytest.approx([0.5 + 2.0 * 0.05 + 3.0 * 5.0])
 
 
 def test_the_gains_of_a_group_are_not_taken_from_a_single_pid_block():
     params = Parameters(ParameterTree({"arm": {"pid": {"p": 1.0}}}), "arm")
     with pytest.raises(ParameterError, match="'arm/elbow/pid/p' is missing"):
-        read_pid_gains(params, [ELBOW, SLIDE])
+        PidGains.of_joints(params, ["elbow", "slide"])
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.controllers.forward_command_controller import ControlledJoints
+from station.controllers.set_point_controller import ControlledJoints
 from station.core.hardware.interfaces import (
     JointGroup,
     JointHandle,

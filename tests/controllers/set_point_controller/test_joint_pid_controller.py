@@ -9,7 +9,7 @@ from station.controllers.effort_controllers import (
     JointGroupPositionController,
     JointVelocityController,
 )
-from station.controllers.pid_command_controller import set_ways
+from station.controllers.set_point_controller import set_wrapping
 from station.core.description.robot_description import JointDescription
 from station.core.description.urdf import JointType
 from station.core.errors import RobotDescriptionError
@@ -50,7 +50,7 @@ def position_error(joint, measured, set_point):
     """Return the error of the position of one joint."""
     errors = zeros(1)
     comparison = JointErrors(doubles([set_point]), doubles([measured]), errors)
-    set_ways(comparison, [joint])
+    set_wrapping(comparison, [joint])
     comparison.compare()
     return errors[0]
 
@@ -94,7 +94,7 @@ def test_the_derivative_gain_acts_on_the_difference_to_a_given_velocity(
     robot.velocity[1] = 0.0
     controller.set_points.clear()
     robot.step(controller)
-    assert controller.rates == []
+    assert not controller._active.has_rates
 
 
 def _start(robot):

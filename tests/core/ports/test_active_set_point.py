@@ -2,13 +2,14 @@
 
 import pytest
 
-from station.controllers.forward_command_controller.command_timeout import TimeoutAction
-from station.controllers.forward_command_controller.watched_set_point import (
-    WatchedSetPoint,
-)
 from station.core.clock import ManualClock
 from station.core.errors import CommandTimeoutError
-from station.core.ports.set_point import SetPointElement, SetPointPort
+from station.core.ports.set_point import (
+    ActiveSetPoint,
+    SetPointElement,
+    SetPointPort,
+    TimeoutAction,
+)
 
 
 @pytest.fixture
@@ -18,44 +19,44 @@ def port():
     )
 
 
-def watch(port, action=TimeoutAction.HOLD):
-    watched = WatchedSetPoint(port, action, "the arm", lambda: [0.5])
-    watched.begin()
-    return watched
+def start(port, action=TimeoutAction.HOLD):
+    active = ActiveSetPoint(port, action, "the arm", lambda: [0.5])
+    active.start_at_rest()
+    return active
 
 
 def test_the_first_set_point_in_force_is_rest(port):
-    assert watch(port).newest() == [0.5]
+    assert start(port).newest() == [0.5]
 
 
 def test_the_newest_is_kept_within_its_range_and_brings_its_rates(port):
-    watched = watch(port)
+    active = start(port)
     port.post([3.0, 0.1])
 
-    assert watched.newest() == [1.0]
-    assert watched.rates == [0.1]
-    assert watched.newest() is watched.values
+    assert active.newest() == [1.0]
+    assert [*active.desired_rates] == [0.1]
+    assert active.newest() is active.values
 
 
 def test_rest_replaces_a_void_or_expired_set_point(port):
-    watched = watch(port)
+    active = start(port)
     port.post([0.1])
-    watched.newest()
+    active.newest()
     port.clock.advance(0.21)
-    assert watched.newest() == [0.5]
+    assert active.newest() == [0.5]
     assert port.last == [0.5]
 
     port.post([0.1])
-    watched.newest()
+    active.newest()
     port.clear()
-    assert watched.newest() == [0.5]
+    assert active.newest() == [0.5]
 
 
 def test_stop_fails_and_says_what_got_no_set_points(port):
-    watched = watch(port, TimeoutAction.STOP)
+    active = start(port, TimeoutAction.STOP)
     port.post([0.1])
-    watched.newest()
+    active.newest()
     port.clock.advance(0.21)
 
     with pytest.raises(CommandTimeoutError, match="for the arm arrived in time"):
-        watched.newest()
+        active.newest()

@@ -3,10 +3,6 @@
 import pytest
 
 from station.controllers import CONTROLLERS
-from station.controllers.forward_command_controller.command_timeout import (
-    TimeoutAction,
-    read_command_timeout,
-)
 from station.controllers.position_controllers import JointGroupPositionController
 from station.controllers.velocity_controllers import JointGroupVelocityController
 from station.core.clock import ManualClock
@@ -14,6 +10,10 @@ from station.core.control.controller_loader import TableLoader
 from station.core.control.controller_manager import ControllerManager
 from station.core.errors import CommandTimeoutError, ParameterError
 from station.core.parameters import Parameters, ParameterTree
+from station.core.ports.set_point import (
+    TimeoutAction,
+    read_command_timeout,
+)
 
 
 def _start(robot, controller_class=JointGroupVelocityController, **values):

@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.controllers.forward_command_controller.joint_names import read_joint_names
+from station.controllers.set_point_controller import read_joint_names
 from station.core.errors import ParameterError
 from station.core.parameters import Parameters, ParameterTree
 

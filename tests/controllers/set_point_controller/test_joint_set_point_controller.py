@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.controllers.forward_command_controller import (
+from station.controllers.set_point_controller import (
     JointQuantity,
     JointSetPointController,
 )
