@@ -227,33 +227,36 @@ class DirectLaw(CommandLaw):
 
 
 class PidLaw(CommandLaw):
-    """Commands what PIDs compute from the errors of a set-point.
+    """Commands what PIDs compute from the errors of a set-point, or from known errors.
 
     Args:
-        set_point: The set-point.
-        errors: Compares its values with the measured ones.
-        rate_errors: Compares its rates.
         pids: One PID per joint.
+        set_point: The set-point; None if the owner of the PIDs writes errors and rates.
+        errors: Compares the values of the set-point with the measured ones.
+        rate_errors: Compares its rates.
     """
 
     def __init__(
         self,
-        set_point: ActiveSetPoint,
-        errors: JointErrors,
-        rate_errors: JointErrors,
         pids: PidGroup,
+        set_point: ActiveSetPoint | None = None,
+        errors: JointErrors | None = None,
+        rate_errors: JointErrors | None = None,
     ) -> None:
+        self.pids = pids
         self.set_point = set_point
         self.errors = errors
         self.rate_errors = rate_errors
-        self.pids = pids
 
     def compute_commands(self, period: float) -> None:
-        """Compute the errors, and the commands from them."""
-        self.errors.compare()
-        if self.set_point.has_rates:
+        """Compute the errors of a set-point, and the commands."""
+        rates_known = True
+        if self.set_point is not None and self.errors is not None:
+            self.errors.compare()
+            rates_known = self.set_point.has_rates
+        if rates_known and self.rate_errors is not None:
             self.rate_errors.compare()
-        self.pids.compute_commands(period, self.set_point.has_rates)
+        self.pids.compute_commands(period, rates_known)
 
 
 class SetPointUpdate(UsualUpdate):
@@ -464,14 +467,14 @@ def _named(gains: PidGains) -> dict[str, float]:
         "i": gains.i,
         "d": gains.d,
         "i_clamp_max": gains.i_max,
-        "i_clamp_min": gains.i_min
-        + 0.0,  # turns -0.0, which would be printed, into 0.0
+        # Turns -0.0, which would be printed, into 0.0.
+        "i_clamp_min": gains.i_min + 0.0,
     }
 
 
 def _units(command: str, error: str) -> dict[str, str]:
     """Return the unit of every gain, e.g. Nm/rad, Nm/(rad s), Nm s/rad."""
-    base, per_second = (error[:-2], True) if error.endswith("/s") else (error, False)
+    base, per_second = error.removesuffix("/s"), error.endswith("/s")
     proportional = f"{command} s/{base}" if per_second else f"{command}/{base}"
     integral = f"{command}/{base}" if per_second else f"{command}/({base} s)"
     derivative = f"{command} s^2/{base}" if per_second else f"{command} s/{base}"
@@ -686,7 +689,7 @@ class JointPidController(JointSetPointController[CommandInterfaceT]):
         if self.quantity is JointQuantity.POSITION:
             set_wrapping(errors, self.joints)
         self.follow_by(
-            PidLaw(self._active, errors, rate_errors, self._pids.group),
+            PidLaw(self._pids.group, self._active, errors, rate_errors),
             (desired, actual, self._pids.errors, self.memory.commands),
         )
         self.tunables = self._pids.tunables

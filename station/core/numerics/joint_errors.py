@@ -76,6 +76,21 @@ def shortest_angular_distance_with_limits(
     return short
 
 
+def first_excess(errors: Storage, bounds: Storage) -> int:
+    """Return the index of the first error beyond its bound in either direction, or -1.
+
+    Args:
+        errors: Errors, shape (n,); NaN exceeds no bound.
+        bounds: Largest errors, >= 0, shape (n,); inf for none.
+    """
+    for k in range(len(errors)):
+        error = errors[k]
+        bound = bounds[k]
+        if error > bound or -error > bound:
+            return k
+    return -1
+
+
 class JointErrors:
     """Compares the desired with the measured values of n joints, in place.
 
@@ -132,10 +147,4 @@ class JointErrors:
 
     def exceeds(self) -> bool:
         """Return whether an error is larger than its bound, in either direction."""
-        errors, bounds = self.errors, self.bounds
-        for k in range(self.n):
-            error = errors[k]
-            bound = bounds[k]
-            if error > bound or -error > bound:
-                return True
-        return False
+        return first_excess(self.errors, self.bounds) >= 0

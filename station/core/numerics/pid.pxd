@@ -13,6 +13,9 @@ cdef class PidGroup:
     cdef double[::1] i_max
     cdef double[::1] i_min
     cdef double[::1] antiwindup
+    cdef bint feeds_forward
+    cdef double[::1] desired_rates
+    cdef double[::1] rate_gains
 
     cpdef set_gains(self, Py_ssize_t k, gains)
     cpdef void reset(self) noexcept
@@ -20,4 +23,3 @@ cdef class PidGroup:
     cpdef void set_integral(self, Py_ssize_t k, double integral) noexcept
     cpdef double integral(self, Py_ssize_t k) noexcept
     cpdef long compute_commands(self, double period, bint rates_known) noexcept
-    cpdef void add_feed_forward(self, double[::1] rates, double[::1] gains) noexcept

@@ -11,7 +11,8 @@ With `error = target - measured value`:
 | with antiwindup  | the integral is kept between `i_min / i` and `i_max / i`         |
 |                  | if i != 0                                                        |
 | i term           | `i * integral`; without antiwindup kept from `i_min` to `i_max`  |
-| command          | `p * error + i term + d * rate`                                  |
+| command          | `p * error + i term + d * rate`; then                            |
+|                  | `rate gain * desired rate` is added, see `feed_forward`          |
 
 Source: control_toolbox@de05a5c src/pid.cpp, Pid.
 """
@@ -199,6 +200,19 @@ class PidGroup:
         self.i_min = own_zeros(size)
         # Not 0 where antiwindup is on.
         self.antiwindup = own_zeros(size)
+        self.feeds_forward = False
+        self.desired_rates = rates
+        self.rate_gains = rates
+
+    def feed_forward(self, rates: Doubles, gains: Doubles) -> None:
+        """Add desired rates times gains to all commands from now on.
+
+        Args:
+            rates: Desired rates, shape (n,); the owner writes them.
+            gains: Gains of the rates, shape (n,).
+        """
+        self.feeds_forward = any(gains)
+        self.desired_rates, self.rate_gains = rates, gains
 
     def set_gains(self, k: int, gains: PidGains) -> None:
         """Set the gains of joint `k`; its error and integral stay."""
@@ -294,13 +308,10 @@ class PidGroup:
                     part = i_max[k]
             integrals[k] = integral
             commands[k] = p[k] * error + part + d[k] * rate
+        if self.feeds_forward:
+            for k in range(self.n):
+                commands[k] = self.rate_gains[k] * self.desired_rates[k] + commands[k]
         return mask
-
-    def add_feed_forward(self, rates: Doubles, gains: Doubles) -> None:
-        """Add desired rates times gains to the commands, shape (n,) each."""
-        commands = self.commands
-        for k in range(self.n):
-            commands[k] = gains[k] * rates[k] + commands[k]
 
 
 class Pid:

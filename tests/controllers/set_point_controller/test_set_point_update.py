@@ -32,10 +32,10 @@ class Following:
             pids.set_gains(k, PidGains(p=p, d=d))
         compare = errors_of.JointErrors
         law = module.PidLaw(
+            pids,
             self.set_point,
             compare(self.set_point.desired, doubles([1.0, 2.0]), errors),
             compare(self.set_point.desired_rates, doubles([0.1, 0.2]), rates),
-            pids,
         )
         columns = [self.set_point.desired, self.commands]
         self.sampled = samples.SampleColumns(columns)

@@ -211,13 +211,13 @@ def test_a_new_epoch_voids_what_is_under_way(arm, submit):
 @pytest.mark.parametrize("submit", SUBMISSIONS)
 def test_an_epoch_that_ends_during_the_check_voids_the_wish(arm, submit, monkeypatch):
     controller = arm.manager.get_controller("arm")
-    real = controller.execution.plan
+    real = controller.planner.plan
 
     def plan(*arguments, **options):
         arm.loop.control_cycle.next_epoch("A reset.")
         real(*arguments, **options)
 
-    monkeypatch.setattr(controller.execution, "plan", plan)
+    monkeypatch.setattr(controller.planner, "plan", plan)
     with pytest.raises(StaleEpochError):
         submit(arm)
     arm.loop.step(600)

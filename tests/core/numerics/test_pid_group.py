@@ -122,19 +122,23 @@ def test_the_comparison_of_both_modes_can_fail():
 
 
 def test_a_desired_rate_times_its_gain_is_added():
-    group, _, _, commands = make(PidGroup)
-    put(commands, [1.0, 2.0, 3.0])
-    group.add_feed_forward(doubles([10.0, 20.0, 0.0]), doubles([0.5, 0.0, 1.0]))
-    assert commands.tolist() == [6.0, 2.0, 3.0]
+    group, errors, rates, commands = make(PidGroup)
+    put(errors, [1.0, nan, 1.0])
+    put(rates, [0.0] * SIZE)
+    group.feed_forward(doubles([10.0, 20.0, 0.0]), doubles([0.5, 1.0, 1.0]))
+    group.compute_commands(0.5, rates_known=True)
+    # p 2, integral 0.5 with i 3
+    assert commands.tolist() == [3.5 + 5.0, 20.0, 3.5]
 
 
 @needs_both
 @given(arrays(SIZE), arrays(SIZE), arrays(SIZE))
-def test_both_modes_add_the_same(commands, rates, gains):
+def test_both_modes_add_the_same(given_errors, rates, gains):
     def scenario(module):
-        group, _, _, found = make(module.PidGroup)
-        put(found, commands)
-        group.add_feed_forward(doubles(rates), doubles(gains))
-        return found
+        group, errors, _, commands = make(module.PidGroup)
+        put(errors, given_errors)
+        group.feed_forward(doubles(rates), doubles(gains))
+        group.compute_commands(0.5, rates_known=True)
+        return commands
 
     assert_same("pid", scenario)

@@ -9,27 +9,24 @@ from typing import ClassVar, NamedTuple, TypeVar
 
 from typing_extensions import override
 
-from station.controllers.joint_trajectory_controller.follow_joint_trajectory_port import (  # noqa: E501
-    FollowJointTrajectoryPort,
-)
-from station.controllers.joint_trajectory_controller.hardware_interface_adapter import (
+from station.controllers.joint_trajectory_controller.adapters import (
     HardwareInterfaceAdapter,
     adapter_for,
     adapter_parameters,
 )
-from station.controllers.joint_trajectory_controller.joint_trajectory_port import (
-    JointTrajectoryPort,
-)
-from station.controllers.joint_trajectory_controller.speed_scaling import (
+from station.controllers.joint_trajectory_controller.execution import (
     SPEED_PARAMETERS,
     SpeedScaling,
-)
-from station.controllers.joint_trajectory_controller.trajectory_execution import (
     TrajectoryExecution,
+    TrajectoryUpdate,
 )
+from station.controllers.joint_trajectory_controller.goals import (
+    FollowJointTrajectoryPort,
+    JointTrajectoryPort,
+)
+from station.controllers.joint_trajectory_controller.planning import TrajectoryPlanner
 from station.controllers.set_point_controller import JOINTS, read_joint_names
 from station.core.control.controller import Controller, PackedSample
-from station.core.control.sample_columns import SampleColumns
 from station.core.control.tunables import Tunables
 from station.core.control.usual_update import UsualUpdate
 from station.core.declared_parameter import DeclaredParameter, ParameterType
@@ -46,7 +43,6 @@ from station.core.hardware.interfaces import (
 )
 from station.core.parameters import Parameters
 from station.core.ports.goal import GoalStatus
-from station.core.quick_way import is_in_force
 from station.core.trajectory import (
     TOLERANCE_PARAMETERS,
     PosVelAccState,
@@ -106,6 +102,7 @@ class JointTrajectoryController(Controller[InterfaceT]):
     Attributes:
         joints: Descriptions of the joints.
         execution: The trajectory that is executed.
+        planner: Plans trajectories.
     """
 
     accepted_parameters: ClassVar[tuple[str, ...]] = (
@@ -114,9 +111,9 @@ class JointTrajectoryController(Controller[InterfaceT]):
     )
     joints: list[JointDescription]
     execution: TrajectoryExecution
-    sampled: SampleColumns
+    planner: TrajectoryPlanner
     _adapter: HardwareInterfaceAdapter
-    _usual: UsualUpdate | None
+    _update: TrajectoryUpdate
 
     @classmethod
     @override
@@ -138,40 +135,27 @@ class JointTrajectoryController(Controller[InterfaceT]):
         self.joints = [description.joint(name) for name in self.joint_names]
         self._adapter = self.make_adapter(interface, params)
         speed = SpeedScaling.from_parameters(params)
-        tracking = self._adapter.tracking
         tolerances = read_tolerances(params.namespace(_CONSTRAINTS), self.joint_names)
         self.execution = TrajectoryExecution(
             self.joints,
-            tracking,
+            self._adapter.tracking,
             stop_duration=_STOP_TRAJECTORY_DURATION.read_float(params),
             path_bounds=[tolerances[name].path for name in self.joint_names],
-            allow_partial_joints_goal=_ALLOW_PARTIAL_JOINTS_GOAL.read_bool(params),
             speed=speed,
         )
-        columns = (
-            tracking.positions,
-            tracking.memory.positions,
-            tracking.errors,
-            self._adapter.output,
-            tracking.velocities,
-            tracking.accelerations,
-            tracking.memory.velocities,
-            tracking.rate_errors,
-            self.execution.times_from_start,
-        )
-        self.sampled = SampleColumns(columns)
-        self._usual = None
-        if is_in_force(self._adapter, "command_law", "update_command"):
-            law = self._adapter.command_law()
-            if law is not None and not tracking.memory.is_copy:
-                self._usual = self.execution.update_by(law, self.sampled)
-        self.goals = FollowJointTrajectoryPort(
+        self.planner = TrajectoryPlanner(
             self.execution,
-            tolerances,
-            self.is_running,
-            self._state_message,
+            self.joints,
+            allow_partial_joints_goal=_ALLOW_PARTIAL_JOINTS_GOAL.read_bool(params),
         )
-        self.trajectories = JointTrajectoryPort(self.execution, self.is_running)
+        self._update = TrajectoryUpdate(
+            self.execution, self._adapter.law, self._adapter.output
+        )
+        self.sampled = self._update.sampled
+        self.goals = FollowJointTrajectoryPort(
+            self.planner, tolerances, self.is_running, self._state_message
+        )
+        self.trajectories = JointTrajectoryPort(self.planner, self.is_running)
         self.tunables = Tunables.joined(self._adapter.tunables, speed.tunables)
 
     def make_adapter(
@@ -192,7 +176,7 @@ class JointTrajectoryController(Controller[InterfaceT]):
     def starting(self, time: float) -> None:
         self._adapter.tracking.memory.read()
         self.execution.start(time)
-        self._adapter.starting()
+        self._adapter.reset()
 
     @override
     def stopping(self, time: float) -> None:
@@ -205,19 +189,12 @@ class JointTrajectoryController(Controller[InterfaceT]):
         self.execution.end_goals(GoalStatus.ABORTED, "The controller failed.")
 
     @override
-    def usual_update(self) -> UsualUpdate | None:
-        return self._usual
+    def usual_update(self) -> UsualUpdate:
+        return self._update
 
     @override
     def update(self, time: float, period: float) -> None:
-        memory = self._adapter.tracking.memory
-        if memory.is_copy:
-            memory.read()
-        self.execution.advance(time, period)
-        self._adapter.update_command(period)
-        if memory.is_copy:
-            memory.write()
-        self.sampled.keep(time)
+        self._update.run(time, period)
 
     @property
     def trajectory_state(self) -> JointTrajectoryState | None:

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from station.controllers.joint_trajectory_controller.request_limits import (
+from station.controllers.joint_trajectory_controller.planning import (
     MAX_DURATION,
     check_positions,
     check_segment,

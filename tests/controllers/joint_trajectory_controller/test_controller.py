@@ -54,14 +54,15 @@ def test_a_goal_is_planned_from_one_cycle_alone(robot, start, make_goal, monkeyp
     controller.goals.submit(make_goal(AWAY))
     robot.run_with_position(controller, 500)
     execution, receipt = controller.execution, Receipt(lambda: 0)
-    look = execution._places
+    planner = controller.planner
+    look = planner._places
 
     def look_while_a_cycle_passes():
-        monkeypatch.setattr(execution, "_places", look)
+        monkeypatch.setattr(planner, "_places", look)
         robot.run_with_position(controller)
         return look()
 
-    monkeypatch.setattr(execution, "_places", look_while_a_cycle_passes)
+    monkeypatch.setattr(planner, "_places", look_while_a_cycle_passes)
     before = execution.moment
     controller.goals.submit(make_goal(HOME), receipt)
 

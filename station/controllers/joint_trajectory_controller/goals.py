@@ -1,32 +1,33 @@
-"""The goal of the action follow_joint_trajectory, read from a request.
+"""Goals and trajectories: read from requests, checked and planned on arrival.
 
 Source: control_msgs@1.5.2 action/FollowJointTrajectory.action, msg/JointTolerance.msg;
-differs: times are seconds, `stamp` may stand outside of `header`.
+differs: times are seconds, `stamp` may stand outside of `header`; tolerances for other
+joints are refused, not ignored.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from enum import IntEnum
 from math import isfinite
 
-from station.controllers.joint_trajectory_controller.request_limits import MAX_DURATION
-from station.core.errors import InvalidTrajectoryError
+from typing_extensions import override
+
+from station.controllers.joint_trajectory_controller.execution import ErrorCode
+from station.controllers.joint_trajectory_controller.planning import (
+    MAX_DURATION,
+    TrajectoryPlanner,
+)
+from station.core.errors import ControllerStateError, InvalidTrajectoryError
+from station.core.ports.goal import Goal, GoalPort
+from station.core.ports.receipt import Receipt
 from station.core.trajectory import (
+    JointTolerances,
     JointTrajectory,
     JointTrajectoryPoint,
+    PosVelAccState,
     ToleranceRequest,
+    updated_tolerances,
 )
-
-
-class ErrorCode(IntEnum):
-    """Error codes in the result of the action, with the numbers of the original."""
-
-    SUCCESSFUL = 0
-    INVALID_GOAL = -1
-    INVALID_JOINTS = -2
-    OLD_HEADER_TIMESTAMP = -3
-    PATH_TOLERANCE_VIOLATED = -4
-    GOAL_TOLERANCE_VIOLATED = -5
+from station.core.trajectory.trajectory_port import TrajectoryPort
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +46,153 @@ class FollowJointTrajectoryGoal:
     path_tolerance: tuple[ToleranceRequest, ...] = ()
     goal_tolerance: tuple[ToleranceRequest, ...] = ()
     goal_time_tolerance: float = 0.0
+
+
+class FollowJointTrajectoryPort(GoalPort):
+    """Checks goals and plans their trajectories; the controller executes them.
+
+    Args:
+        planner: Plans the trajectories.
+        tolerances: Default bounds of the errors by joint.
+        is_running: Returns whether the controller is running.
+        feedback: Returns the feedback message of the active goal.
+
+    Source:
+        ros_controllers@678b92a joint_trajectory_controller_impl.h, goalCB.
+    """
+
+    def __init__(
+        self,
+        planner: TrajectoryPlanner,
+        tolerances: Mapping[str, JointTolerances],
+        is_running: Callable[[], bool],
+        feedback: Callable[[], Mapping[str, object]],
+    ) -> None:
+        super().__init__(is_running, feedback)
+        self._planner = planner
+        self._tolerances = tolerances
+
+    @override
+    def submit(
+        self, request: Mapping[str, object], receipt: Receipt | None = None
+    ) -> Goal:
+        """Check a follow_joint_trajectory goal and let it replace the present one.
+
+        Args:
+            request: See `parse_goal`.
+            receipt: Where the cycle is noted that takes the goal up.
+
+        Raises:
+            ControllerStateError: The controller is not running.
+            InvalidTrajectoryError: The goal is malformed or cannot be followed;
+                `details["error_code"]` is the error code of the action's result.
+        """
+        try:
+            return self._accept(request, receipt)
+        except InvalidTrajectoryError as error:
+            error.details["error_code"] = int(error_code_of(error))
+            raise
+
+    def _accept(self, request: Mapping[str, object], receipt: Receipt | None) -> Goal:
+        wanted = parse_goal(request)
+        self._check_tolerances([*wanted.path_tolerance, *wanted.goal_tolerance])
+        goal = self.new_goal(request, receipt)
+        bounds = updated_tolerances(
+            self._tolerances,
+            wanted.path_tolerance,
+            wanted.goal_tolerance,
+            wanted.goal_time_tolerance,
+        )
+        self._planner.plan(wanted.trajectory, goal, bounds, receipt)
+        self.remember(goal)
+        return goal
+
+    def _check_tolerances(self, tolerances: Sequence[ToleranceRequest]) -> None:
+        """Refuse tolerances that would have no effect.
+
+        Raises:
+            InvalidTrajectoryError: One is for a joint that the controller does not
+                have, or bounds an acceleration.
+        """
+        for tolerance in tolerances:
+            # No joint tells its acceleration; the original compares an error of 0.
+            if tolerance.acceleration > 0.0:
+                raise InvalidTrajectoryError(
+                    f"The goal has the acceleration tolerance {tolerance.acceleration} "
+                    f"for '{tolerance.name}'; joints have no measured acceleration, so "
+                    "it would never be checked.",
+                    remedy="Leave it out, or give a velocity tolerance.",
+                    details={"joint": tolerance.name, "quantity": "acceleration"},
+                )
+            if tolerance.name not in self._tolerances:
+                known = ", ".join(self._tolerances)
+                raise InvalidTrajectoryError(
+                    f"The goal has a tolerance for '{tolerance.name}'; the joints are "
+                    f"{known}.",
+                    remedy="Name tolerances after joints of the controller.",
+                    details={"joint": tolerance.name},
+                )
+
+    @override
+    def void(self, reason: str) -> None:
+        """End every goal and every trajectory without a goal; the joints hold."""
+        super().void(reason)
+        self._planner.execution.hold(is_void=True)
+
+
+class JointTrajectoryPort(TrajectoryPort):
+    """The topic `command` and the service `query_state` of the original.
+
+    Args:
+        planner: Plans the trajectories.
+        is_running: Returns whether the controller is running.
+    """
+
+    def __init__(
+        self, planner: TrajectoryPlanner, is_running: Callable[[], bool]
+    ) -> None:
+        self._planner = planner
+        self._is_running = is_running
+
+    @override
+    def follow(
+        self, request: Mapping[str, object], receipt: Receipt | None = None
+    ) -> None:
+        """Replace the trajectory being executed.
+
+        Args:
+            request: See `parse_trajectory`; without points: stop and hold.
+            receipt: Where the cycle is noted that takes the trajectory up.
+
+        Raises:
+            ControllerStateError: The controller is not running.
+            InvalidTrajectoryError: The trajectory is malformed or cannot be followed.
+        """
+        trajectory = parse_trajectory(request)
+        self._check_running()
+        self._planner.plan(trajectory, receipt=receipt)
+
+    @override
+    def hold(self, receipt: Receipt | None = None) -> None:
+        self._planner.execution.hold(receipt)
+
+    @override
+    def query_state(self, time: float) -> PosVelAccState:
+        """Return the desired state of the joints at a station time [s].
+
+        Raises:
+            ControllerStateError: The controller is not running.
+            InvalidTrajectoryError: `time` is before the executed trajectory.
+        """
+        self._check_running()
+        return self._planner.query(time)
+
+    def _check_running(self) -> None:
+        if not self._is_running():
+            raise ControllerStateError(
+                "The controller is not running; it has no trajectory.",
+                remedy="Start the controller first.",
+            )
 
 
 def parse_goal(request: Mapping[str, object]) -> FollowJointTrajectoryGoal:

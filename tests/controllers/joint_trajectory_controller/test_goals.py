@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.controllers.joint_trajectory_controller.follow_joint_trajectory_goal import (  # noqa: E501
+from station.controllers.joint_trajectory_controller.goals import (
     parse_goal,
 )
 from station.core.errors import InvalidTrajectoryError

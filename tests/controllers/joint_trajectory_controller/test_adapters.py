@@ -9,7 +9,7 @@ from station.controllers.joint_trajectory_controller import (
     PosVelJointTrajectoryController,
     VelocityJointTrajectoryController,
 )
-from station.controllers.joint_trajectory_controller.hardware_interface_adapter import (
+from station.controllers.joint_trajectory_controller.adapters import (
     adapter_for,
 )
 from station.core.errors import (
