@@ -38,8 +38,9 @@ cdef class TwistSample(EndEffectorSample):
     cdef double[::1] jacobian
     cpdef measure(self)
 
-cdef class RestingEndEffector(UsualUpdate):
+cdef class EndEffectorUpdate(UsualUpdate):
     cdef SetPointPort port
+    cdef object move
     cdef EndEffectorSample sample
     cdef public bint is_resting
     cpdef bint run(self, double time, double period) except -1

@@ -35,7 +35,7 @@ class PoseTarget:
         self._active = ActiveSetPoint(self.port, action, subject, rest)
         self._followed: list[float] = []
 
-    def begin(self) -> None:
+    def start_at_rest(self) -> None:
         """Rest at the present pose; called when the controller starts."""
         self._active.start_at_rest()
         self._followed = self._active.values

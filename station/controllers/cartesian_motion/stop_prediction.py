@@ -22,7 +22,7 @@ from station.memory.vectors import copy_into
 _NEAR = 0.01
 
 
-class JointPreview:
+class StopPrediction:
     """Where n joints would rest after each step, and how near that is to their limits.
 
     Args:
@@ -66,7 +66,7 @@ class JointPreview:
         self.way, self.step = own([0.0] * 6), own([0.0] * size)
         self.size = size
 
-    def begin(self, q_d: Doubles) -> None:
+    def start_at_rest(self, q_d: Doubles) -> None:
         """Start at rest.
 
         Args:

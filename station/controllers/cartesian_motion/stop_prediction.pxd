@@ -11,7 +11,7 @@ from station.core.numerics.rigid_motion cimport twist_between
 
 cdef double _NEAR
 
-cdef class JointPreview:
+cdef class StopPrediction:
     cdef double[::1] pose
     cdef double[::1] new
     cdef double[::1] lower
@@ -29,7 +29,7 @@ cdef class JointPreview:
     cdef double[::1] step
     cdef Py_ssize_t size
 
-    cpdef begin(self, double[::1] q_d)
+    cpdef start_at_rest(self, double[::1] q_d)
     cpdef bint passes(self, PoseMotion motion) noexcept
     cpdef bint has_left(self) noexcept
     cpdef bint leads_away(self, PoseMotion motion) noexcept

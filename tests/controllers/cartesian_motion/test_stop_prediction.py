@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from station.controllers.cartesian_motion import joint_preview
+from station.controllers.cartesian_motion import stop_prediction
 from station.core.franka import Frame
 from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
 from station.memory.doubles import doubles, zeros
@@ -16,7 +16,7 @@ LOWER, UPPER = [value - 0.5 for value in Q], [value + 0.5 for value in Q]
 SLOW = [0.05, 0.0, 0.02, 0.0, 0.1, 0.0]
 
 
-class Previewed:
+class Predicted:
     """An arm at joint positions whose end effector moves at a twist."""
 
     def __init__(self, module, q, twist=SLOW, accelerations=(0.0,) * 6, **bounds):
@@ -36,7 +36,7 @@ class Previewed:
             speeds=bounds.get("speeds", (1.0, 2.0)),
         )
         self.motion.take_rates(list(twist), list(accelerations))
-        self.preview = module.JointPreview(
+        self.prediction = module.StopPrediction(
             self.pose,
             self.new,
             lower=bounds.get("lower", LOWER),
@@ -45,17 +45,17 @@ class Previewed:
             acceleration=bounds.get("acceleration", [10.0] * 7),
         )
         self.q_d = doubles(q)
-        self.preview.begin(self.q_d)
-        self.preview.note_clearance(bounds.get("room", 0.5))
+        self.prediction.start_at_rest(self.q_d)
+        self.prediction.note_clearance(bounds.get("room", 0.5))
         kinematics = linear.LinearKinematics(
             doubles(q), doubles(zero_jacobian(Frame.END_EFFECTOR, q))
         )
         kinematics.invert()
-        self.preview.present = self.preview.resting = kinematics
+        self.prediction.present = self.prediction.resting = kinematics
 
     def passes_one_by_one(self):
         """Return whether every single test says that the step is a usual one."""
-        it, motion = self.preview, self.motion
+        it, motion = self.prediction, self.motion
         return not (
             it.leads_away(motion)
             or motion.is_at_rest()
@@ -68,14 +68,14 @@ class Previewed:
         )
 
 
-def previewed(**bounds):
-    return Previewed(joint_preview, Q, **bounds)
+def predicted(**bounds):
+    return Predicted(stop_prediction, Q, **bounds)
 
 
 def test_the_joints_would_rest_where_the_end_effector_would():
-    it = previewed()
+    it = predicted()
 
-    assert it.preview.passes(it.motion)
+    assert it.prediction.passes(it.motion)
     ended = frame_pose(Frame.END_EFFECTOR, it.new.tolist())
     it.motion.brake()
     # Second order in a way of some millimetres.
@@ -85,10 +85,10 @@ def test_the_joints_would_rest_where_the_end_effector_would():
 
 
 def test_a_step_in_the_middle_is_usual():
-    it = previewed()
+    it = predicted()
 
     assert it.passes_one_by_one()
-    assert it.preview.passes(it.motion)
+    assert it.prediction.passes(it.motion)
 
 
 @pytest.mark.parametrize(
@@ -107,18 +107,18 @@ def test_a_step_in_the_middle_is_usual():
     ],
 )
 def test_whatever_is_unusual_is_left_undecided(unusual):
-    it = previewed(**unusual)
+    it = predicted(**unusual)
 
     assert not it.passes_one_by_one()
-    assert not it.preview.passes(it.motion)
+    assert not it.prediction.passes(it.motion)
 
 
 def test_an_arm_that_has_left_its_configuration_is_looked_at():
-    it = previewed()
+    it = predicted()
     it.q_d[0] += 0.02
 
-    assert it.preview.has_left()
-    assert not it.preview.passes(it.motion)
+    assert it.prediction.has_left()
+    assert not it.prediction.passes(it.motion)
 
 
 rates = st.lists(st.floats(-0.3, 0.3), min_size=6, max_size=6)
@@ -126,7 +126,7 @@ rates = st.lists(st.floats(-0.3, 0.3), min_size=6, max_size=6)
 
 @given(rates, rates, st.floats(0.0, 0.05), st.floats(0.05, 2.0))
 def test_one_call_says_what_the_single_tests_say(twist, accelerations, room, bound):
-    it = previewed(
+    it = predicted(
         twist=twist,
         accelerations=accelerations,
         room=room,
@@ -135,7 +135,7 @@ def test_one_call_says_what_the_single_tests_say(twist, accelerations, room, bou
         speeds=(0.4, 0.4),
     )
 
-    assert it.passes_one_by_one() == it.preview.passes(it.motion)
+    assert it.passes_one_by_one() == it.prediction.passes(it.motion)
 
 
 @needs_both
@@ -143,17 +143,17 @@ def test_one_call_says_what_the_single_tests_say(twist, accelerations, room, bou
 @given(arrays(7), arrays(6), arrays(6), st.lists(rates, max_size=3))
 def test_both_modes_agree_bit_for_bit(q, twist, accelerations, more):
     def scenario(module):
-        it = Previewed(module, Q if more else q, twist, accelerations)
-        preview, found = it.preview, []
+        it = Predicted(module, Q if more else q, twist, accelerations)
+        prediction, found = it.prediction, []
         for each in (twist, *more):
             it.motion.take_rates(each, accelerations)
-            found += [preview.leads_away(it.motion), *it.new, preview.has_left()]
-            found += [preview.limited_joint(), preview.may_collide()]
-            found += [preview.fastest_joint(preview.present, it.motion)]
-            found += [preview.passes(it.motion), *it.new]
+            found += [prediction.leads_away(it.motion), *it.new, prediction.has_left()]
+            found += [prediction.limited_joint(), prediction.may_collide()]
+            found += [prediction.fastest_joint(prediction.present, it.motion)]
+            found += [prediction.passes(it.motion), *it.new]
         return found
 
-    assert_same("joint_preview", scenario)
+    assert_same("stop_prediction", scenario)
 
 
 @settings(max_examples=200, deadline=None)
@@ -166,7 +166,7 @@ def test_both_modes_agree_bit_for_bit(q, twist, accelerations, more):
 def test_joints_that_are_slow_beyond_doubt_exceed_no_bound(
     twist, accelerations, velocity, acceleration
 ):
-    joints, rates = previewed().preview.present, doubles(twist)
+    joints, rates = predicted().prediction.present, doubles(twist)
     bounds = doubles([velocity] * 7), doubles([acceleration] * 7)
     push = max(np.linalg.norm(accelerations[:6]), np.linalg.norm(accelerations[6:]))
     if joints.are_slow(rates, push, *bounds):
@@ -174,7 +174,7 @@ def test_joints_that_are_slow_beyond_doubt_exceed_no_bound(
 
 
 def test_a_slow_hand_is_slow_beyond_doubt():
-    joints = previewed().preview.present
+    joints = predicted().prediction.present
     bounds = doubles([1.0] * 7), doubles([10.0] * 7)
     assert joints.are_slow(doubles(SLOW), 1.0, *bounds)
     assert not joints.are_slow(doubles(SLOW), 100.0, *bounds)
