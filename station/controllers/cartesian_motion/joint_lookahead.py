@@ -259,7 +259,7 @@ class JointLookahead:
         self._note_clearance(self._model.clearance(self._q_d))
 
     def passes(self, motion: CartesianMotionGenerator) -> bool:
-        """Allow a usual step in one call; return whether it was allowed.
+        """Allow a step that is allowed beyond doubt; return whether it was.
 
         Of a step that comes near a limit or leads away from the known configurations
         nothing is decided: `allows` has to look at it.
