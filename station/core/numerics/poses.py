@@ -7,8 +7,7 @@ caller owns, for what runs in every cycle.
 
 from collections.abc import Sequence
 
-from station.core.numerics import arm_chain
-from station.core.numerics import rigid_motion
+from station.core.numerics import arm_chain, rigid_motion
 from station.memory.doubles import doubles, viewed, zeros
 
 
