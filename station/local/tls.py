@@ -7,7 +7,6 @@ from pathlib import Path
 
 from station.core.errors import StationError
 from station.local.station_locator import certificate_of
-from station.local.tls_socket import TlsSocket
 
 CA_VARIABLE = "STATION_CA"
 """Environment variable with the file of certificates that clients trust."""
@@ -77,12 +76,7 @@ def trust(url: str, ca: str | os.PathLike[str] | None = None) -> ssl.SSLContext 
     """
     if not url.startswith("https:"):
         return None
-    context = _trusting(url, ca or os.environ.get(CA_VARIABLE))
-    context.sslsocket_class = TlsSocket
-    return context
-
-
-def _trusting(url: str, ca: str | os.PathLike[str] | None) -> ssl.SSLContext:
+    ca = ca or os.environ.get(CA_VARIABLE)
     if ca is not None:
         return _trust_only(_read(Path(ca), "certificate", "Correct --ca, or ca=."), ca)
     own = certificate_of(url)

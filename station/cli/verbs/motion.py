@@ -13,7 +13,7 @@ from station.local.station_locator import watchdog_of
 if TYPE_CHECKING:
     from station.cli.parser import Parser
     from station.client import StationClient
-    from station.client.routes import Restart
+    from station.client.robots import Restart
     from station.wire import ArmReport, Recoveries, Recovery, StopState
 
 
@@ -83,14 +83,12 @@ def goto(options: Namespace) -> int:
         UsageError: There is no such pose.
         KeyboardInterrupt: The user gave up; the goal was cancelled.
     """
-    from station.client._sync.motion import start_move
     from station.client.poses import UnknownPoseError
 
     name, values = options.name, options.values
     with open_client(options) as client:
         try:
-            handle = start_move(
-                client,
+            handle = client.start_move(
                 values or name,
                 duration=options.duration,
                 controller=name if values else "",
