@@ -7,7 +7,6 @@ from fastapi.security import HTTPBearer
 
 from station.api.audit import EventRecorder, note_access
 from station.api.auth import Access, Authenticator, Role
-from station.api.control import HEADER as LEASE_HEADER
 from station.api.control import Control
 from station.api.errors import ProblemError
 from station.api.lateness import refuse_late
@@ -16,6 +15,7 @@ from station.core.franka.arms import Arms
 from station.core.franka.grippers import Grippers
 from station.events import Alarms
 from station.web.failed_logins import FailedLogins
+from station.wire.protocol import LEASE_HEADER
 
 _bearer = HTTPBearer(
     auto_error=False,

@@ -7,11 +7,7 @@ import time
 from collections.abc import Callable, Mapping
 
 from station.api.errors import ProblemError
-
-CLOCK_HEADER = "X-Station-Clock"
-"""Header of every answer: wall time [s since 1970]."""
-NOT_AFTER_HEADER = "X-Not-After"
-"""Header of a request: the latest time by that clock at which it may begin."""
+from station.wire.protocol import CLOCK_HEADER, NOT_AFTER_HEADER
 
 
 def refuse_late(

@@ -14,3 +14,6 @@ NOT_AFTER_HEADER: Final = "X-Not-After"
 """Header of a change: the latest time by that clock at which it may begin."""
 REPLAYED_HEADER: Final = "Idempotent-Replayed"
 """Header of an answer: whether it is that of the first request with this key."""
+MAX_BODY_BYTES: Final = 256 * 1024
+"""Largest body of a request, which a dashboard may forward: parsing JSON holds the
+interpreter, and with it the control loop."""

@@ -6,7 +6,6 @@ import pytest
 
 from station.api.app import create_app
 from station.api.auth import Authenticator
-from station.api.routes import PREFIX
 from station.api.routes.problems import MEANINGS
 from station.api.streams import broadcaster
 from station.api.streams.topics import (
@@ -16,6 +15,7 @@ from station.api.streams.topics import (
     Topic,
 )
 from station.wire import FrankaState, streams
+from station.wire.protocol import PREFIX
 from tests.api.spring import make_station
 from tests.documentation.shell_examples import ROOT, commands, curl_request
 

@@ -29,8 +29,7 @@ from station.api.routes import (
     tokens,
     waypoint_paths,
 )
-
-PREFIX = "/api/v1"
+from station.wire.protocol import PREFIX
 
 api_router = APIRouter(prefix=PREFIX)
 for _module in (
