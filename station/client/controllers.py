@@ -10,8 +10,8 @@ from pydantic import JsonValue
 from station import wire
 from station.client.connection import AsyncConnection, Sleep, segment
 from station.client.errors import MotionError
-from station.wire.bench import BenchRequest, BenchResponse, Excitation
 from station.wire.controllers import SWITCH_BOUND
+from station.wire.excitations import BenchRequest, BenchResponse, Excitation
 from station.wire.protocol import KEY_HEADER
 
 Strictness = Literal["strict", "best_effort"]
