@@ -16,7 +16,7 @@ from station.client.blocking import GripperClient as GripperClient
 from station.client.blocking import RobotClient as RobotClient
 from station.client.blocking import SimulationClient as SimulationClient
 from station.client.blocking import StationClient as StationClient
-from station.client.blocking import Stream as Stream
+from station.client.blocking_streams import Stream as Stream
 from station.client.controllers import AsyncGoalHandle as AsyncGoalHandle
 from station.client.errors import ApiError as ApiError
 from station.client.errors import MotionError as MotionError
