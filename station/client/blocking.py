@@ -236,7 +236,7 @@ class RecordingsClient(_Client[AsyncRecordingsClient]):
 
 
 class IncidentsClient(_Client[AsyncIncidentsClient]):
-    """What the station kept of stops, reflexes and faults: `client.incidents`."""
+    """Recordings around stops, reflexes and faults: `client.incidents`."""
 
     list = _waited_for(AsyncIncidentsClient.list)
     get = _waited_for(AsyncIncidentsClient.get)
@@ -276,7 +276,7 @@ class WaypointPathsClient(_Client[AsyncWaypointPathsClient]):
 
 
 class AlarmsClient(_Client[AsyncAlarmsClient]):
-    """What asks for a person: `client.alarms`."""
+    """Alarms, each of which asks for a person: `client.alarms`."""
 
     list = _waited_for(AsyncAlarmsClient.list)
     acknowledge = _waited_for(AsyncAlarmsClient.acknowledge)
@@ -310,12 +310,12 @@ class GoalHandle(_Client[AsyncGoalHandle]):
 
     @property
     def latest(self) -> wire.Goal:
-        """How far it was when it was last looked at."""
+        """State of the goal when it was last read."""
         return self._source.latest
 
     @property
     def is_final(self) -> bool:
-        """Whether the goal had ended when it was last looked at."""
+        """True if the goal had ended when it was last read."""
         return self._source.is_final
 
     refresh = _waited_for(AsyncGoalHandle.refresh)
@@ -464,7 +464,7 @@ class StationClient(_Client[AsyncStationClient]):
 
     @property
     def tls(self) -> ssl.SSLContext | None:
-        """How the station's certificate is checked; None for plain HTTP."""
+        """TLS context that checks the station's certificate; None for HTTP."""
         return self._source.tls
 
     begin_within = _made(AsyncStationClient.begin_within, _same)

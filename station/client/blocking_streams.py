@@ -254,7 +254,7 @@ class CommandStream:
 
     @property
     def counts(self) -> CommandCounts | None:
-        """What the station said last of the set-points it received; None before."""
+        """Last report of the station on the set-points; None before the first."""
         return self._source.counts
 
     def __enter__(self) -> Self:

@@ -31,7 +31,7 @@ class AsyncGoalHandle:
 
     Attributes:
         controller: The controller that has the goal.
-        latest: How far it was when it was last looked at.
+        latest: State of the goal when it was last read.
     """
 
     def __init__(
@@ -48,11 +48,11 @@ class AsyncGoalHandle:
 
     @property
     def is_final(self) -> bool:
-        """Whether the goal had ended when it was last looked at."""
+        """True if the goal had ended when it was last read."""
         return self.latest.status in _FINAL
 
     async def refresh(self) -> wire.Goal:
-        """Return how far the goal is."""
+        """Return the goal with its present progress."""
         self.latest = await self._client.goal(self.controller, self.latest.id)
         return self.latest
 
@@ -275,7 +275,7 @@ class AsyncControllersClient:
         return await self._connection.send("PUT", path, wire.CommandAccepted, request)
 
     async def controller_state(self, name: str) -> wire.ControllerSample:
-        """Return what a controller did in the last cycle."""
+        """Return the sample of a controller of the last cycle."""
         path = controller_path(name, "state")
         return await self._connection.get(path, wire.ControllerSample)
 

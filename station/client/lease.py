@@ -157,6 +157,6 @@ class AsyncLeaseClient:
         return await self._connection.send("DELETE", "/control", wire.ControlState)
 
     async def state(self) -> wire.ControlState:
-        """Return who holds control."""
+        """Return the present holder of control."""
         # Unlike `get`, this names the lease: the station says whose it is.
         return await self._connection.send("GET", "/control", wire.ControlState)

@@ -1,4 +1,4 @@
-"""What a notebook shows of a client."""
+"""Summary of a station that a notebook shows of a client."""
 
 import ssl
 from html import escape

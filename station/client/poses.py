@@ -1,4 +1,4 @@
-"""Where an arm can be told to move to: named poses, positions and their goals."""
+"""Targets of a motion: named poses, positions of joints, and their goals."""
 
 import re
 from collections.abc import Mapping, Sequence

@@ -304,11 +304,11 @@ class AsyncSimulationClient:
         return await self._connection.get(_SIMULATION, wire.Simulation)
 
     async def bases(self) -> list[wire.MovingBase]:
-        """Return where the root links are of robots with a floating or planar base."""
+        """Return the poses of the root links of robots with a moving base."""
         return (await self._connection.get("/scene", wire.Scene)).bases
 
     async def contacts(self) -> list[wire.Contact]:
-        """Return where bodies of the world touch, and with which force."""
+        """Return the contacts of the world with their forces."""
         return (await self._connection.get("/scene", wire.Scene)).contacts
 
     async def pause(self) -> wire.Simulation:

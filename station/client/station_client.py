@@ -110,7 +110,7 @@ class AsyncStationClient(AsyncControllersClient):
         await self.close()
 
     def _repr_html_(self) -> str:
-        """Return what a notebook shows: the station and where it is looked at."""
+        """Return the summary of the station that a notebook shows."""
         return describe(self.url, self._connection.token, tls=self._connection.tls)
 
     @property
@@ -138,7 +138,7 @@ class AsyncStationClient(AsyncControllersClient):
 
     @property
     def tls(self) -> ssl.SSLContext | None:
-        """How the station's certificate is checked; None for plain HTTP."""
+        """TLS context that checks the station's certificate; None for HTTP."""
         return self._connection.tls
 
     def talk_to(self, url: str, token: str | None) -> None:
@@ -166,7 +166,7 @@ class AsyncStationClient(AsyncControllersClient):
         return await self._connection.get("/ready", wire.Ready)
 
     async def session(self) -> wire.Session:
-        """Return which role the token has."""
+        """Return the role of the token."""
         return await self._connection.get("/session", wire.Session)
 
     async def status(self) -> wire.Status:
@@ -228,7 +228,7 @@ class AsyncStationClient(AsyncControllersClient):
     async def collect(
         self, seconds: float, topic: str = "joint_states", *, rate: Rate = "full"
     ) -> Samples:
-        """Return what a topic streams for some seconds, as NumPy arrays.
+        """Collect the samples of a topic for some seconds, as NumPy arrays.
 
         Args:
             seconds: How much station time, > 0 [s].
@@ -344,7 +344,7 @@ class AsyncStationClient(AsyncControllersClient):
         severity: wire.SeverityName = "info",
         limit: int = 100,
     ) -> list[wire.Event]:
-        """Return what happened at the station, oldest first.
+        """Return the events of the station, oldest first.
 
         To follow events as they happen, iterate over `stream("events")`; the `data` of
         each frame is an event.

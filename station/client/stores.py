@@ -28,7 +28,7 @@ _CHECKING = 60.0
 
 
 class _AsyncFiles:
-    """What recordings and incidents have in common.
+    """Common part of recordings and incidents.
 
     Args:
         connection: The connection to the station.
@@ -44,7 +44,7 @@ class _AsyncFiles:
         return (await self._connection.get(self._path, wire.Recordings)).recordings
 
     async def get(self, identifier: str) -> wire.Recording:
-        """Return what is known of one."""
+        """Return the description of one."""
         return await self._connection.get(self._of(identifier), wire.Recording)
 
     async def trajectory(self, identifier: str, rate: float = 30.0) -> wire.Trajectory:
@@ -151,7 +151,7 @@ class AsyncRecordingsClient(_AsyncFiles):
 
 
 class AsyncIncidentsClient(_AsyncFiles):
-    """What the station kept of stops, reflexes and faults: `client.incidents`.
+    """Recordings around stops, reflexes and faults: `client.incidents`.
 
     Args:
         connection: The connection to the station.
@@ -377,7 +377,7 @@ class AsyncExperimentsClient:
         )
 
     async def get(self, name: str) -> Experiment:
-        """Return how far an experiment is, its first trial and the best so far."""
+        """Return an experiment's progress, its first trial and the best so far."""
         return await self._connection.get(_below(_EXPERIMENTS, name), Experiment)
 
     async def wait(
@@ -447,7 +447,7 @@ class AsyncExperimentsClient:
         return (await self._connection.get(path, ExperimentResponses)).responses
 
     async def preview(self, name: str, trial: str | None = None) -> ExperimentPreview:
-        """Return which gains would change if those of a trial were put into force.
+        """Return the gains that a trial's own would change.
 
         Args:
             name: The experiment.
@@ -483,7 +483,7 @@ class AsyncExperimentsClient:
 
 
 class AsyncAlarmsClient:
-    """What asks for a person: `client.alarms`.
+    """Alarms, each of which asks for a person: `client.alarms`.
 
     Args:
         connection: The client's connection.

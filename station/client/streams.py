@@ -311,7 +311,7 @@ class AsyncStream:
 
 @dataclass(frozen=True, slots=True)
 class CommandOptions:
-    """Where set-points go, and when they expire.
+    """Address of set-points, and the time after which they expire.
 
     Attributes:
         base_url: The station, http or https.

@@ -21,7 +21,7 @@ from station.local.private_files import (
 
 @dataclass(frozen=True, slots=True)
 class RunningStation:
-    """Where a station runs and how to get in.
+    """Addresses and tokens of a station that runs.
 
     Attributes:
         url: The API.
@@ -127,7 +127,7 @@ def locate(url: str | None, token: str | None) -> tuple[str, str | None]:
 
 
 def watchdog_of(url: str) -> str:
-    """Return where the watchdog of a station on this machine answers; empty if none."""
+    """Return the URL of the watchdog of a station on this machine, or empty text."""
     found = {urlsplit(s.url).netloc: s.watchdog_url for s in find_running()}
     return found.get(_netloc(url), "")
 

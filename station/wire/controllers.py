@@ -40,7 +40,7 @@ ControllerStateName = Annotated[
 
 
 class ClaimedResources(ResponseModel):
-    """What a controller claims of one interface (HardwareInterfaceResources).
+    """Claims of a controller on one interface (HardwareInterfaceResources).
 
     Attributes:
         hardware_interface: Name of the interface.
@@ -178,7 +178,7 @@ class SwitchRequest(RequestModel):
 
 
 class SwitchResult(ResponseModel):
-    """What a switch did, or would do.
+    """Result of a switch, or of a dry run.
 
     Attributes:
         ok: Every controller runs or stopped as planned.
@@ -360,7 +360,7 @@ class CommandAccepted(ResponseModel):
 
 
 class ControllerSample(ResponseModel):
-    """What a controller did in one cycle, shape (n,) each.
+    """Sample of a controller of one cycle, shape (n,) each.
 
     Attributes:
         stamp: Station time [s].
@@ -396,7 +396,7 @@ class ReloadRequest(RequestModel):
 
 
 class Reloaded(ResponseModel):
-    """What a reload did.
+    """Result of a reload.
 
     Attributes:
         unloaded: Names of the controllers that were unloaded.
@@ -558,7 +558,7 @@ class GoalRequest(RequestModel):
 
 
 class GoalResult(ResponseModel):
-    """How a goal ended.
+    """End of a goal.
 
     Attributes:
         code: The action's number for it; 0 for success and an end from outside.

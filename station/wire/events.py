@@ -111,7 +111,7 @@ class Events(ResponseModel):
 
 
 class EventLogState(ResponseModel):
-    """How the event log is doing.
+    """State of the event log.
 
     Attributes:
         newest_id: Number of the newest event, 0 without any.

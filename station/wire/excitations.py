@@ -15,7 +15,7 @@ Vector = Annotated[tuple[float, ...], Field(strict=False, min_length=3, max_leng
 
 
 class _Tagged(RequestModel):
-    """What a kind tells from its siblings."""
+    """Base of the kinds, which their tag tells apart."""
 
     @override
     def model_post_init(self, context: object, /) -> None:
@@ -242,7 +242,7 @@ class BenchRequest(RequestModel):
 
 
 class BenchResponse(ResponseModel):
-    """How a joint has followed an excitation.
+    """Response of a joint to an excitation.
 
     Attributes:
         controller: Name of the controller.

@@ -142,7 +142,7 @@ class CommandError(ResponseModel):
 
 
 class CommandCounts(ResponseModel):
-    """What the sender of a command stream is told, twice a second at most.
+    """Report to the sender of a command stream, twice a second at most.
 
     Attributes:
         received: Set-points that have come, 0 or more.

@@ -129,7 +129,7 @@ class Arms(ResponseModel):
 
 
 class RecoveryRequest(RequestModel):
-    """How to recover from an error.
+    """Way to recover from an error.
 
     Attributes:
         restart: `previous` starts the controllers again that the error stopped; with
@@ -247,7 +247,7 @@ class CartesianImpedance(RequestModel):
 
 
 class EndEffectorFrame(RequestModel):
-    """Where the end effector is.
+    """Frame of the end effector.
 
     Attributes:
         NE_T_EE: Pose of the end effector in the nominal end effector frame, column-
@@ -279,7 +279,7 @@ class EndEffectorFrame(RequestModel):
 
 
 class StiffnessFrame(RequestModel):
-    """Where the stiffness frame is.
+    """Stiffness frame.
 
     Attributes:
         EE_T_K: Pose of the stiffness frame in the end effector frame, column-major,
@@ -678,7 +678,7 @@ class GripperMoveRequest(RequestModel):
 
 
 class GraspEpsilon(RequestModel):
-    """How far the width of a grasped object may be from the expected one.
+    """Tolerance of the width of a grasped object.
 
     Attributes:
         inner: How much narrower [m].

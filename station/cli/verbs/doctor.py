@@ -1,4 +1,4 @@
-"""Verb `doctor`: is this machine fit for a station, and what does a robot need?"""
+"""Verb `doctor`: check this machine, or examine the description of a robot."""
 
 from argparse import Namespace
 from dataclasses import asdict

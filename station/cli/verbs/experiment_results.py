@@ -298,7 +298,7 @@ def _cancel(options: Namespace) -> int:
 
 
 def _opened(name: str) -> "Results":
-    """Return what an experiment has found, for a `with` block."""
+    """Return the results of an experiment, for a `with` block."""
     from station.trials.results import Results, file_of
 
     return Results.open(file_of(name))

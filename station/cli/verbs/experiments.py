@@ -220,7 +220,7 @@ def _start(options: Namespace, request: "ExperimentRequest") -> int:
 
 
 def _request(options: Namespace, kind: "ExperimentKind") -> "ExperimentRequest":
-    """Return what the options ask for.
+    """Return the request that the options describe.
 
     Raises:
         UsageError: The script is one of another controller, or a value is impossible.
@@ -264,7 +264,7 @@ def _request(options: Namespace, kind: "ExperimentKind") -> "ExperimentRequest":
 
 
 def _script_fields(options: Namespace) -> dict[str, object]:
-    """Return what a script or a recording says, as fields of a request.
+    """Return the fields of a request that a script or a recording gives.
 
     Raises:
         UsageError: The script is one of another controller.

@@ -50,7 +50,7 @@ def parameters(options: Namespace) -> int:
 
 
 def _value(text: str) -> "JsonValue":
-    """Return what a word says: JSON, or otherwise text."""
+    """Return the value of a word: JSON, or otherwise text."""
     try:
         value: JsonValue = json.loads(text)
     except ValueError:

@@ -154,7 +154,7 @@ def _stop(client: "StationClient", name: str | None) -> "Recording":
 
 
 def _told(found: "Recording", action: str) -> str:
-    """Return what happened, for people."""
+    """Return a sentence about a recording."""
     if action == "start":
         return f"Recording {found.identifier}. `station record stop` ends it."
     if action == "delete":

@@ -125,7 +125,7 @@ def _add_servers(parser: "Parser") -> None:
 
 
 def _patience(text: str) -> float:
-    """Return how long to wait for a command [s].
+    """Return the longest wait for a command [s].
 
     Raises:
         ArgumentTypeError: The text is no number from 0 to 10.
