@@ -9,7 +9,7 @@ from fastapi import APIRouter, Request, Response
 
 import station as package
 from station.api import asyncapi
-from station.api.routes import PREFIX
+from station.wire.protocol import PREFIX
 
 if TYPE_CHECKING:
     from collections.abc import Callable

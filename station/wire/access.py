@@ -103,7 +103,7 @@ class ControlPatch(RequestModel):
 
 
 class ControlState(ResponseModel):
-    """Who holds control.
+    """Control of the station, and its holder.
 
     Attributes:
         owner: Name of the owner; null while nobody holds control, and every operator

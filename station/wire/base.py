@@ -130,7 +130,7 @@ def described(docstring: str | None) -> tuple[str, dict[str, str]]:
 
 
 class ResponseModel(WireModel):
-    """What the station answers; read from JSON, or from the core by attribute.
+    """Answer of the station; read from JSON, or from the core by attribute.
 
     Unknown keys are ignored, because a newer station may add some.
     """
@@ -145,7 +145,7 @@ class ResponseModel(WireModel):
 
 
 class RequestModel(WireModel):
-    """What the station is asked. Unknown keys, `"600"`, `true` and NaN are refused."""
+    """Request to the station. Unknown keys, `"600"`, `true` and NaN are refused."""
 
     model_config = ConfigDict(
         strict=True, extra="forbid", frozen=True, allow_inf_nan=False

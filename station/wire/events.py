@@ -1,4 +1,4 @@
-"""Wire models of events: what happened, who did it, from where, with what result."""
+"""Wire models of events: who did what, and alarms: what asks for a person."""
 
 from typing import Annotated, Literal
 
@@ -111,7 +111,7 @@ class Events(ResponseModel):
 
 
 class EventLogState(ResponseModel):
-    """How the event log is doing.
+    """State of the event log.
 
     Attributes:
         newest_id: Number of the newest event, 0 without any.
@@ -124,3 +124,61 @@ class EventLogState(ResponseModel):
     pending: int
     lost: int
     failure: Reason
+
+
+class Alarm(ResponseModel):
+    """Something that asks for a person, or did until a person has seen it.
+
+    Attributes:
+        id: Number of the alarm, 1 or more; a cause that returns gets a new one.
+        subject: What is in trouble: `stop`, `loop`, `events`, `robot <arm_id>` or
+            `controller <name>`.
+        severity: `warning`: as somebody wanted, such as a stop; `error`: a failure.
+        text: What is wrong, with its cause.
+        remedy: What to do about it.
+        raised_at: When it was noticed, as wall time [s since 1970, UTC].
+        cleared_at: When the cause was gone, as wall time [s since 1970]; null before.
+        acknowledged_by: Name of who has seen it; empty before.
+        acknowledged_at: When that was, as wall time [s since 1970]; null before.
+    """
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "id": 3,
+                    "subject": "stop",
+                    "severity": "warning",
+                    "text": "The station is stopped: Stopped by operator.",
+                    "remedy": "Remove the reason, then release the stop and allow "
+                    "motion.",
+                    "raised_at": 1767225600.25,
+                    "cleared_at": None,
+                    "acknowledged_by": "ada",
+                    "acknowledged_at": 1767225604.5,
+                }
+            ]
+        }
+    )
+
+    id: int
+    subject: str
+    severity: Annotated[SeverityName, FromEnum]
+    text: str
+    remedy: str
+    raised_at: float
+    cleared_at: float | None
+    acknowledged_by: str
+    acknowledged_at: float | None
+
+
+class Alarms(ResponseModel):
+    """The alarms, newest first.
+
+    Attributes:
+        alarms: Those whose cause is there, and those that nobody has acknowledged.
+        unacknowledged: How many of them nobody has acknowledged, 0 or more.
+    """
+
+    alarms: Items[Alarm]
+    unacknowledged: int

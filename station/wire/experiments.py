@@ -28,7 +28,7 @@ TrialHash = Annotated[str, Field(pattern=r"^[0-9a-f]{4,16}$")]
 
 
 class ExperimentBound(RequestModel):
-    """What every trial of a search must keep.
+    """Bound that every trial of a search must keep.
 
     Attributes:
         metric: A metric, such as `effort_peak`.
@@ -227,7 +227,7 @@ class Experiments(ResponseModel):
 
 
 class ExperimentResponse(ResponseModel):
-    """What the joints did in a trial.
+    """Response of the joints in a trial.
 
     Attributes:
         hash: The trial.
@@ -260,7 +260,7 @@ class ExperimentResponses(ResponseModel):
 
 
 class ExperimentPreview(ResponseModel):
-    """What would change if the gains of a trial were put into force.
+    """Changes that the gains of a trial would make.
 
     Attributes:
         experiment: Name of the experiment.
@@ -291,7 +291,7 @@ class ExperimentPreview(ResponseModel):
 
 
 class ExperimentApplyRequest(RequestModel):
-    """Which gains to put into force.
+    """Choice of the gains to put into force.
 
     Attributes:
         trial: Hash of the trial, or the beginning of it; null for the best one.

@@ -78,7 +78,7 @@ class GainSets(ResponseModel):
 
 
 class GainSetRequest(RequestModel):
-    """Whose gains are saved or applied.
+    """Controllers whose gains are saved or applied.
 
     Attributes:
         controllers: Names of controllers; null or left out for all: those that are
@@ -120,7 +120,7 @@ class GainsOfControllersPatch(RequestModel):
 
 
 class GainsChanges(ResponseModel):
-    """What changed in one cycle.
+    """Changes of gains in one cycle.
 
     Attributes:
         changes: The change of each controller, by its name.

@@ -54,7 +54,7 @@ class HardwareInterface(ResponseModel):
 
 
 class SoftLimits(ResponseModel):
-    """Where a joint is slowed down before its hard limits.
+    """Soft limits, which slow a joint down before its hard limits.
 
     Attributes:
         min_position: Lower bound [rad or m].
@@ -70,7 +70,7 @@ class SoftLimits(ResponseModel):
 
 
 class HardwareLimits(ResponseModel):
-    """What a joint may do; null where it is not limited.
+    """Limits of a joint; null where it has none.
 
     Attributes:
         joint: Its name.
@@ -97,7 +97,7 @@ class HardwareLimits(ResponseModel):
 
 
 class HardwareTransmission(ResponseModel):
-    """What is between actuators and joints.
+    """Transmission between actuators and joints.
 
     Attributes:
         name: Its name.
@@ -113,7 +113,7 @@ class HardwareTransmission(ResponseModel):
 
 
 class Clamp(ResponseModel):
-    """How often limits cut off a joint's command, and the last time.
+    """Count of the commands of a joint that limits cut off, and the last one.
 
     Attributes:
         joint: Its name.

@@ -1,8 +1,10 @@
-"""The pace of a simulated robot, and what may be asked of it."""
+"""Wire models of the simulation: time, scene and contacts."""
 
-from pydantic import Field
+from typing import Literal
 
-from station.wire.base import Items, RequestModel, ResponseModel, example
+from pydantic import AliasChoices, ConfigDict, Field
+
+from station.wire.base import Items, Measurements, RequestModel, ResponseModel, example
 
 
 class Simulation(ResponseModel):
@@ -66,3 +68,114 @@ class ResetRequest(RequestModel):
     keyframe: str | None = Field(default=None, min_length=1, max_length=128)
 
     joint_positions: dict[str, float] = Field(default_factory=dict)
+
+
+ObjectKind = Literal["box", "sphere", "cylinder", "table", "mesh"]
+
+
+class SceneObject(ResponseModel):
+    """A thing, where it is now.
+
+    Attributes:
+        name: Its name.
+        type: What it is; a table is a box.
+        size: Edges of a box or table; radius of a sphere; radius and height of a
+            cylinder [m]; empty for a mesh.
+        position: Of its middle, in the world [m], shape (3,).
+        orientation: Unit quaternion x, y, z, w.
+        mass: [kg]; 0 for a thing that cannot move.
+        file: File of a mesh, on the station's machine.
+    """
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "name": "cube",
+                    "type": "box",
+                    "size": [0.05, 0.05, 0.05],
+                    "position": [0.5, 0.0, 0.025],
+                    "orientation": [0.0, 0.0, 0.0, 1.0],
+                    "mass": 0.1,
+                    "file": "",
+                }
+            ]
+        }
+    )
+
+    name: str
+    type: ObjectKind = Field(validation_alias=AliasChoices("type", "kind"))
+    size: Items[float]
+    position: Measurements = Field(min_length=3, max_length=3)
+    orientation: Measurements = Field(min_length=4, max_length=4)
+    mass: float
+    file: str = ""
+
+
+class MovingBase(ResponseModel):
+    """The root link of a simulated robot that floats or drives, where it is now.
+
+    Attributes:
+        link: Name of the root link.
+        position: Of its frame, in the world [m], shape (3,).
+        orientation: Unit quaternion x, y, z, w.
+    """
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "link": "base_footprint",
+                    "position": [0.8, -0.1, 0.0],
+                    "orientation": [0.0, 0.0, 0.1, 0.995],
+                }
+            ]
+        }
+    )
+
+    link: str
+    position: Measurements = Field(min_length=3, max_length=3)
+    orientation: Measurements = Field(min_length=4, max_length=4)
+
+
+class Contact(ResponseModel):
+    """A point at which two bodies of a simulated world touch.
+
+    Attributes:
+        bodies: Names of the two links or things; `world` is the floor.
+        position: The point, in the world [m], shape (3,).
+        force: On the second body in the last step, axes of the world [N], shape (3,);
+            the first one feels the opposite.
+    """
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "bodies": ["world", "cube"],
+                    "position": [0.5, 0.02, 0.0],
+                    "force": [0.0, 0.0, 0.25],
+                }
+            ]
+        }
+    )
+
+    bodies: Items[str] = Field(min_length=2, max_length=2)
+    position: Measurements = Field(min_length=3, max_length=3)
+    force: Measurements = Field(min_length=3, max_length=3)
+
+
+class Scene(ResponseModel):
+    """All things in the world besides robots, and what touches what.
+
+    Attributes:
+        objects: The things; empty where there are none, and around a real robot.
+        contacts: The contacts, 64 at most; empty around a real robot, which has no
+            sensors for them.
+        bases: Where the root links are of simulated robots with a floating or planar
+            base; empty where all robots are fixed.
+    """
+
+    objects: Items[SceneObject]
+    contacts: Items[Contact] = Field(default_factory=list)
+    bases: Items[MovingBase] = Field(default_factory=list)

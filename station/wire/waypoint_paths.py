@@ -125,7 +125,7 @@ class WaypointPaths(ResponseModel):
 
 
 class PlayRequest(RequestModel):
-    """How a path is played.
+    """Options with which a path is played.
 
     Attributes:
         controller: The trajectory controller that moves along it; null for the one
@@ -195,7 +195,7 @@ class Playback(ResponseModel):
 
 
 class LastPlayback(ResponseModel):
-    """What plays.
+    """Path that plays, or played last.
 
     Attributes:
         playback: The path that plays or played last; null when none was played yet.

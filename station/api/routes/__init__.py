@@ -1,4 +1,4 @@
-"""The routes, one resource a file; `api_router` has them all."""
+"""The routes, a file for what belongs together; `api_router` has them all."""
 
 from fastapi import APIRouter
 
@@ -13,14 +13,10 @@ from station.api.routes import (
     gains,
     goals,
     grippers,
-    hardware,
     health,
-    joint_states,
-    loop,
     parameters,
     recordings,
     robots,
-    scene,
     set_points,
     simulation,
     status,
@@ -29,8 +25,7 @@ from station.api.routes import (
     tokens,
     waypoint_paths,
 )
-
-PREFIX = "/api/v1"
+from station.wire.protocol import PREFIX
 
 api_router = APIRouter(prefix=PREFIX)
 for _module in (
@@ -43,15 +38,11 @@ for _module in (
     set_points,
     goals,
     waypoint_paths,
-    joint_states,
     parameters,
-    hardware,
-    loop,
     recordings,
     experiments,
     robots,
     grippers,
-    scene,
     simulation,
     stop,
     control,

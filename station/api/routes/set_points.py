@@ -24,7 +24,7 @@ from station.wire import (
     CommandRequest,
     ControllerSample,
 )
-from station.wire.bench import BenchRequest, BenchResponse
+from station.wire.excitations import BenchRequest, BenchResponse
 
 
 async def get_bench(request: Request) -> LiveBench:

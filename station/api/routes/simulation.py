@@ -1,28 +1,33 @@
-"""Pause, step, reset and the pace of a simulated robot."""
+"""Pause, step, reset and the pace of a simulated robot, and what is around it."""
 
 from fastapi import APIRouter
 
 from station.api.dependencies import Operator, StationDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
-from station.wire import ResetRequest, Simulation, SimulationPatch, StepRequest
+from station.wire import ResetRequest, Scene, Simulation, SimulationPatch, StepRequest
 
-router = APIRouter(
-    prefix="/simulation",
-    tags=["simulation"],
-    dependencies=[Viewer],
-    route_class=JsonRoute,
-)
+router = APIRouter(tags=["simulation"], dependencies=[Viewer], route_class=JsonRoute)
 _CHANGE = problems(409, 413, 422, 503)
 
 
-@router.get("", responses=problems(409))
+@router.get("/scene", responses=problems(503))
+def scene(station: StationDep) -> Scene:
+    """Return the things around the robots, what touches what, and moving bases."""
+    return Scene.model_validate({
+        "objects": station.scene(),
+        "contacts": station.contacts(),
+        "bases": station.bases(),
+    })
+
+
+@router.get("/simulation", responses=problems(409))
 def get_simulation(station: StationDep) -> Simulation:
     """Return whether simulated time passes, and how fast."""
     return Simulation.model_validate(station.simulation.report())
 
 
-@router.patch("", dependencies=[Operator], responses=_CHANGE)
+@router.patch("/simulation", dependencies=[Operator], responses=_CHANGE)
 def patch_simulation(request: SimulationPatch, station: StationDep) -> Simulation:
     """Pause, resume or change the pace. Stops and switches work while it is paused."""
     return Simulation.model_validate(
@@ -32,7 +37,7 @@ def patch_simulation(request: SimulationPatch, station: StationDep) -> Simulatio
     )
 
 
-@router.post("/step", dependencies=[Operator], responses=_CHANGE)
+@router.post("/simulation/step", dependencies=[Operator], responses=_CHANGE)
 def step(station: StationDep, request: StepRequest | None = None) -> Simulation:
     """Run some cycles of a paused simulation; answers when they are done."""
     return Simulation.model_validate(
@@ -40,7 +45,7 @@ def step(station: StationDep, request: StepRequest | None = None) -> Simulation:
     )
 
 
-@router.post("/reset", dependencies=[Operator], responses=_CHANGE)
+@router.post("/simulation/reset", dependencies=[Operator], responses=_CHANGE)
 def reset(station: StationDep, request: ResetRequest | None = None) -> Simulation:
     """Put the world back to its start, or to a keyframe of the robot.
 

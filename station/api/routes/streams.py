@@ -6,7 +6,6 @@ from fastapi import APIRouter, WebSocket
 
 from station.api.audit import note_access, origin_of
 from station.api.auth import Access, Authenticator, Role
-from station.api.control import HEADER as LEASE_HEADER
 from station.api.control import ControlHeldError
 from station.api.dependencies import Viewer
 from station.api.errors import ProblemError
@@ -24,6 +23,7 @@ from station.wire import (
     CLOSE_UNAUTHORIZED,
     CLOSE_UNKNOWN_TOPIC,
 )
+from station.wire.protocol import LEASE_HEADER
 
 if TYPE_CHECKING:
     from station.api.audit import EventRecorder
