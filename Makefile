@@ -7,7 +7,7 @@
 #   make bench  the benchmarks        make clean   removes all that can be made again
 #   make performance  measures anew and writes the tables of docs/performance.md
 #   make compile  compiles the control cycle now; `make run` does it beside the station
-#   make client  generates the blocking client from the one for asyncio, its page, the notebook
+#   make client  writes the reference of the client in docs/client.md, and the notebook
 
 .DEFAULT_GOAL := help
 .PHONY: help setup run compile compile-if-possible browser test check static client lock bench \
@@ -50,12 +50,12 @@ static: $(READY_DEV)
 	.venv/bin/ruff format --check .
 	.venv/bin/mypy
 	.venv/bin/lint-imports --no-logo
-	.venv/bin/python tools/generate_client.py --check
+	.venv/bin/python tools/client_page.py --check
 	.venv/bin/python tools/generate_notebook.py --check
 	.venv/bin/python tools/check_subjects.py
 
 client: $(READY_DEV)
-	.venv/bin/python tools/generate_client.py
+	.venv/bin/python tools/client_page.py
 	.venv/bin/python tools/generate_notebook.py
 
 check: static compile-if-possible

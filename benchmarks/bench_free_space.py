@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 
 import station
 from station.client.errors import MotionError
-from station.client.joint_goals import joint_positions
-from station.client.poses import POSES
+from station.client.poses import POSES, joint_positions
 from station.core.franka.franka_model import Frame
 from station.hw.franka.arm.arm_limits import PANDA_LIMITS, ArmLimits
 from station.hw.franka.arm.franka_kinematics import zero_jacobian

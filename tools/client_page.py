@@ -1,7 +1,12 @@
-"""The reference in docs/client.md, from the docstrings of the client."""
+"""The reference in docs/client.md, from the docstrings of the client.
+
+python tools/client_page.py           writes it
+python tools/client_page.py --check   fails when it is stale
+"""
 
 import inspect
 import re
+import sys
 from pathlib import Path
 
 from station import client
@@ -66,3 +71,17 @@ def _arguments(member: object) -> str:
 def _first_line(member: object) -> str:
     paragraph = (inspect.getdoc(member) or "").partition("\n\n")[0]
     return re.sub(r"\s+", " ", paragraph).replace("|", "\\|")
+
+
+def main() -> int:
+    """Write the page, or with `--check` say whether it is stale and return 1."""
+    if "--check" not in sys.argv[1:]:
+        PAGE.write_text(page())
+    elif page() != PAGE.read_text():
+        print(f"{PAGE.name} is stale; run `make client`.")
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -16,7 +16,7 @@ from station.api.auth import Authenticator
 from station.api.control import Control
 from station.api.errors import add_error_handlers
 from station.api.event_feed import EventFeed
-from station.api.guard import MAX_BODY_BYTES, Guard
+from station.api.guard import Guard
 from station.api.host_policy import (
     ANSWER_HEADERS,
     METHODS,
@@ -26,7 +26,7 @@ from station.api.host_policy import (
 from station.api.idempotency import IdempotentAnswers
 from station.api.openapi import StationApi, operation_id
 from station.api.representation import Representation
-from station.api.routes import PREFIX, api_router, robots
+from station.api.routes import api_router, robots
 from station.api.routes.access import login_page
 from station.api.services import Services
 from station.api.streams import Broadcaster
@@ -36,6 +36,7 @@ from station.trials.background_experiments import BackgroundExperiments
 from station.trials.live_bench import LiveBench
 from station.web.failed_logins import FailedLogins
 from station.web.request_id import RequestId
+from station.wire.protocol import MAX_BODY_BYTES, PREFIX
 
 if TYPE_CHECKING:
     from station.records.recorder import Recorder

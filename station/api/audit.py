@@ -8,21 +8,18 @@ from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from station.api.auth import Access
-from station.api.control import HEADER as LEASE_HEADER
 from station.api.errors import PROBLEM_CODE
 from station.api.services import services_of
 from station.core.control.switching import SwitchResult
 from station.events import EventKind, EventLog, Origin, Severity
 from station.events.repeats import Repeats
 from station.web.request_id import present_request_id
+from station.wire.protocol import LEASE_HEADER, PREFIX, REPLAYED_HEADER
 
-REPLAYED_HEADER = "Idempotent-Replayed"
-"""Header of an answer that was given before."""
 WHO = "who"
 """Key in the scope's state of who is behind a request, as far as it has proved that."""
 _PREVIEW = "is_preview"
 _READS = frozenset({"GET", "HEAD", "OPTIONS"})
-_PREFIX = "/api/v1"
 # They change nothing of the station; logins have events of their own.
 _UNREMARKABLE = frozenset({"/login", "/logout", "/stream-tickets"})
 # It comes every few seconds for hours. An offer to hand over has an event of its own.
@@ -98,7 +95,7 @@ class Audit:
             self._record(scope, status, is_repeated=is_repeated)
 
     def _record(self, scope: Scope, status: int, *, is_repeated: bool) -> None:
-        path = scope["path"].removeprefix(_PREFIX)
+        path = scope["path"].removeprefix(PREFIX)
         is_done = 200 <= status < 400
         if scope["state"].get(_PREVIEW) or (is_done and path in _UNREMARKABLE):
             return

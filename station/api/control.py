@@ -17,8 +17,6 @@ from station.api.auth import Access
 from station.core.errors import StationError
 from station.events import EventKind, EventLog, Origin, Severity
 
-HEADER = "X-Control-Lease"
-"""Header in which a request names the lease that it acts under."""
 DEFAULT_TTL = 10.0
 """How long a lease lasts without a heartbeat unless told otherwise [s]."""
 

@@ -1,5 +1,7 @@
 """Dependencies of routes: the station, its arms, and the role of the caller."""
 
+import time
+from collections.abc import Callable, Mapping
 from typing import Annotated
 
 from fastapi import Depends, Header, Request, Security
@@ -7,13 +9,12 @@ from fastapi.security import HTTPBearer
 
 from station.api.audit import note_access
 from station.api.auth import Access, Role
-from station.api.control import HEADER as LEASE_HEADER
 from station.api.errors import ProblemError
-from station.api.lateness import refuse_late
 from station.api.services import Services, services_of
 from station.core.facade.station import Station
 from station.core.franka.arms import Arms
 from station.core.franka.grippers import Grippers
+from station.wire.protocol import CLOCK_HEADER, LEASE_HEADER, NOT_AFTER_HEADER
 
 _bearer = HTTPBearer(
     auto_error=False,
@@ -137,3 +138,37 @@ async def operator(
 Viewer = Depends(viewer)
 Operator = Depends(operator)
 OperatorAnyway = Depends(operator_anyway)
+
+
+def refuse_late(
+    headers: Mapping[str, str], now: Callable[[], float] = time.time
+) -> None:
+    """Refuse a request that comes too late to be begun.
+
+    Args:
+        headers: Those of the request; without `X-Not-After` it is never too late.
+        now: Wall clock [s since 1970].
+
+    Raises:
+        ProblemError: It comes too late, or the header is no number.
+    """
+    told = headers.get(NOT_AFTER_HEADER)
+    if told is None:
+        return
+    try:
+        late = now() - float(told)
+    except ValueError as error:
+        raise ProblemError(
+            422,
+            "invalid_request",
+            f"{NOT_AFTER_HEADER} is {told!r:.40}; it is seconds since 1970.",
+            f"Add to {CLOCK_HEADER} of the last answer, or leave it out.",
+        ) from error
+    if not late <= 0.0:
+        raise ProblemError(
+            412,
+            "expired",
+            f"The request came {late:.1f} s too late to be begun, for example because "
+            "the station stood still. Nothing was done.",
+            "Look at the robot, then ask again.",
+        )

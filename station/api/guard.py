@@ -7,14 +7,11 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from station.api.errors import ProblemError
 from station.api.host_policy import HostPolicy
-from station.api.lateness import CLOCK_HEADER
 from station.web.body_limit import announces_more_than, limited
 from station.wire import CLOSE_FORBIDDEN
+from station.wire.protocol import CLOCK_HEADER, MAX_BODY_BYTES, PREFIX
 
-MAX_BODY_BYTES = 256 * 1024
-"""Parsing JSON holds the interpreter, and with it the control loop: stay small."""
-
-_PROBES = frozenset({"/api/v1/health", "/api/v1/ready"})
+_PROBES = frozenset({f"{PREFIX}/health", f"{PREFIX}/ready"})
 _CLOCK = CLOCK_HEADER.lower().encode()
 _HEADERS = (
     (b"x-content-type-options", b"nosniff"),

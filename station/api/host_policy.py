@@ -10,21 +10,30 @@ from collections.abc import Iterable
 from ipaddress import ip_address
 from urllib.parse import urlsplit
 
+from station.web.request_id import HEADER as REQUEST_ID_HEADER
+from station.wire.protocol import (
+    CLOCK_HEADER,
+    KEY_HEADER,
+    LEASE_HEADER,
+    NOT_AFTER_HEADER,
+    REPLAYED_HEADER,
+)
+
 METHODS = ("GET", "HEAD", "POST", "PUT", "PATCH", "DELETE")
 """Methods that pages of an allowed origin may use."""
 REQUEST_HEADERS = (
     "Authorization",
     "Content-Type",
-    "Idempotency-Key",
+    KEY_HEADER,
     "If-Match",
     "If-None-Match",
     "Last-Event-ID",
-    "X-Control-Lease",
-    "X-Not-After",
-    "X-Request-ID",
+    LEASE_HEADER,
+    NOT_AFTER_HEADER,
+    REQUEST_ID_HEADER,
 )
 """Headers that they may send. They have no cookie: they show a token."""
-ANSWER_HEADERS = ("ETag", "Idempotent-Replayed", "X-Request-ID", "X-Station-Clock")
+ANSWER_HEADERS = ("ETag", REPLAYED_HEADER, REQUEST_ID_HEADER, CLOCK_HEADER)
 """Headers that they may read."""
 _HOST = re.compile(r"(?P<name>\[[0-9a-f:.]+\]|[a-z0-9._-]+)(:\d{1,5})?", re.ASCII)
 

@@ -17,16 +17,15 @@ from fastapi import Depends, Header, Request, Response
 from starlette.types import Message
 from typing_extensions import override
 
-from station.api.audit import REPLAYED_HEADER, note_access
+from station.api.audit import note_access
 from station.api.auth import Role
 from station.api.control import ControlHeldError
 from station.api.errors import ProblemError, station_error_response
 from station.api.json_route import JsonRoute
 from station.api.services import services_of
 from station.core.errors import StationError
+from station.wire.protocol import KEY_HEADER, REPLAYED_HEADER
 
-KEY_HEADER = "Idempotency-Key"
-"""Header in which a request has its key."""
 LIFETIME = 600.0
 """How long an answer is kept [s]."""
 MOST_KEYS = 1024

@@ -10,7 +10,7 @@ from fastapi import APIRouter, Request, Response
 import station as package
 from station.api import asyncapi
 from station.api.dependencies import ServicesDep
-from station.api.routes import PREFIX
+from station.wire.protocol import PREFIX
 
 if TYPE_CHECKING:
     from station.api.openapi import StationApi

@@ -9,11 +9,10 @@ from fastapi import FastAPI
 from fastapi.routing import APIRoute, iter_route_contexts
 from typing_extensions import override
 
-from station.api.audit import REPLAYED_HEADER
-from station.api.idempotency import KEY_HEADER
 from station.api.routes.problems import MEANINGS
 from station.reports import Described, examples_of
 from station.wire import PROBLEM_MEDIA_TYPE, Problem
+from station.wire.protocol import KEY_HEADER, REPLAYED_HEADER
 
 _REF = "#/components/schemas/"
 _PROBLEM = {PROBLEM_MEDIA_TYPE: {"schema": {"$ref": f"{_REF}Problem"}}}

@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING, Self
 from station.app.composition import compose
 from station.app.panda_fetch import fetch_what_is_missing
 from station.app.recording_start import describe
-from station.client.claims import in_the_way
 from station.client.errors import MotionError
-from station.client.joint_goals import joint_positions, trajectory_goal
-from station.client.poses import Target
+from station.client.motion import in_the_way
+from station.client.poses import Target, joint_positions, trajectory_goal
 from station.client.samples import Samples
 from station.config import StationConfig, load_config
 from station.core.clock import ManualClock

@@ -34,7 +34,7 @@ from station.core.loop.scheduling import realtime_interpreter
 from station.core.loop.stop_latch import StopState
 from station.local.descriptors import open_more_files, shortage
 from station.local.private_files import process_start
-from station.local.runtime_file import RunningStation, write_runtime_file
+from station.local.station_locator import RunningStation, write_runtime_file
 from station.local.tls import TlsFiles
 from station.reports import LoopState
 from station.trials.background_experiments import (

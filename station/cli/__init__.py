@@ -1,5 +1,3 @@
 """The command line `station`."""
 
-from station.cli.main import main
-
-__all__ = ["main"]
+from station.cli.main import main as main

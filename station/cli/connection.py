@@ -1,4 +1,4 @@
-"""Which station a verb talks to, and with which token."""
+"""Choice of the station that a verb talks to, and of its token."""
 
 import os
 from argparse import Namespace

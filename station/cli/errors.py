@@ -16,7 +16,7 @@ class UsageError(StationError, ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Failure:
-    """What went wrong, for people and for `--json`.
+    """Failure of a verb, for people and for `--json`.
 
     Attributes:
         code: Stable name of the kind of failure.

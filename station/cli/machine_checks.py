@@ -1,4 +1,4 @@
-"""Is this machine fit for a control station? One check per question."""
+"""Checks of this machine for a control station."""
 
 import os
 import platform
@@ -28,7 +28,7 @@ _GOVERNOR = Path("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor")
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """What a check found.
+    """Result of a check.
 
     Attributes:
         check: What was looked at.

@@ -1,21 +1,18 @@
 """Parse the command line, run the verb, turn what went wrong into an exit code.
 
-Modules that take long to import are imported when a verb needs them, so that
-`station --help` answers at once.
+What takes long to import is imported by the function of the verb that needs it, so that
+help and wrong usage are answered at once.
 """
 
-import importlib
 import json
 import os
 import re
 import sys
-from argparse import Namespace
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from decimal import Decimal
-from typing import Any
 
-from station.cli.arguments import build_parser
 from station.cli.errors import Failure, failure_of
+from station.cli.parser import parse
 
 DONE, REFUSED, WRONG_USAGE, INTERRUPTED = 0, 1, 2, 130
 _NEGATIVE_NUMBER = re.compile(r"-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
@@ -31,13 +28,12 @@ def main(argv: Sequence[str] | None = None) -> int:
         0 done, 1 refused, 2 wrong usage, 130 interrupted.
     """
     arguments = normalise(sys.argv[1:] if argv is None else argv)
-    parser = build_parser()
     try:
-        options = parser.parse_args(arguments)
+        options = parse(arguments)
     except SystemExit as end:
         return end.code if isinstance(end.code, int) else WRONG_USAGE
     try:
-        return _handler(options.handler)(options)
+        code: int = options.run(options)
     except KeyboardInterrupt:
         return INTERRUPTED
     except BrokenPipeError:
@@ -51,6 +47,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             raise
         report(failure, as_json=options.json)
         return WRONG_USAGE if failure.is_usage else REFUSED
+    return code
 
 
 def normalise(argv: Sequence[str]) -> list[str]:
@@ -75,9 +72,3 @@ def report(failure: Failure, *, as_json: bool) -> None:
     sys.stderr.write(f"error: {failure.detail}\n")
     if failure.remedy:
         sys.stderr.write(f"{failure.remedy}\n")
-
-
-def _handler(name: str) -> Callable[[Namespace], int]:
-    module, _, function = name.partition(":")
-    handler: Any = getattr(importlib.import_module(module), function)
-    return handler  # type: ignore[no-any-return]  # the table in arguments.py

@@ -1,4 +1,4 @@
-"""What verbs print: tables for people, JSON for programs."""
+"""Output of the verbs: tables for people, JSON for programs."""
 
 import json
 import sys

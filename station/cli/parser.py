@@ -1,11 +1,27 @@
-"""The parser of the command line, which says what an unknown word may have meant."""
+"""The parser of the command line, which knows the arguments of the verb it parses."""
 
 import argparse
+import importlib
+from collections.abc import Sequence
 from typing import Any
 
 from typing_extensions import override
 
+import station
+from station.cli.verbs import VERBS, Verb
 from station.core.errors import suggest
+
+DESCRIPTION = """\
+Run a control station and talk to one. A verb may be written with dashes or underscores.
+Exit codes: 0 done, 1 refused, 2 wrong usage.
+"""
+EPILOG = """\
+A station on this machine is found by itself, with its token. For another one give --url
+and --token, or set STATION_URL and STATION_TOKEN; for https, --ca or STATION_CA.
+ROS 1 names work too: list, list-types, load, unload, start, spawn, kill; and stop NAME.
+"""
+ROBOT = "example-robot-data:NAME or a URDF"
+"""Help of an argument that names a robot of which only the URDF is known."""
 
 
 class Parser(argparse.ArgumentParser):
@@ -17,3 +33,60 @@ class Parser(argparse.ArgumentParser):
             known = [str(each) for each in action.choices]
             message = f"there is no {value!r}. {suggest(str(value), known)}"
             raise argparse.ArgumentError(action, message)
+
+
+def parse(arguments: Sequence[str]) -> argparse.Namespace:
+    """Return the parsed arguments; `run` is the function that does the verb.
+
+    Of the modules of verbs the one that is needed is imported, so that `station --help`
+    and a stop do not wait for the others.
+
+    Raises:
+        SystemExit: Help was asked for, or the arguments are wrong.
+    """
+    parser = Parser(
+        prog="station",
+        description=DESCRIPTION,
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument(
+        "--version", action="version", version=f"station {station.__version__}"
+    )
+    parsers = parser.add_subparsers(metavar="VERB", required=True)
+    for verb in VERBS:
+        found = parsers.add_parser(
+            verb.name,
+            help=verb.summary,
+            description=verb.summary,
+            aliases=list(verb.aliases),
+        )
+        if arguments and arguments[0] in {verb.name, *verb.aliases}:
+            _fill(found, verb)
+    return parser.parse_args(arguments)
+
+
+def _fill(parser: Parser, verb: Verb) -> None:
+    """Add the arguments of a verb, and the function that does it."""
+    module = importlib.import_module(f"station.cli.verbs.{verb.module}")
+    parser.set_defaults(run=getattr(module, verb.name))
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    if verb.is_client:
+        parser.add_argument("--url", help="the station, e.g. http://127.0.0.1:8000")
+        parser.add_argument("--token", help="its operator or viewer token")
+        parser.add_argument(
+            "--ca", metavar="FILE", help="the certificates to trust, for https"
+        )
+    add = getattr(module, f"add_{verb.name}", None)
+    if add is not None:
+        add(parser)
+
+
+def add_base(parser: Parser) -> None:
+    """Add how the root link of a robot is held of which only the URDF is known."""
+    parser.add_argument(
+        "--base",
+        choices=("fixed", "floating", "planar"),
+        default="fixed",
+        help="how the root link of the robot is held, if its file does not say it",
+    )

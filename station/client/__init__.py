@@ -11,48 +11,24 @@ with StationClient() as station:  # the one on this machine
 ```
 """
 
-from station.client._async.goal_handle import AsyncGoalHandle
-from station.client._async.gripper_client import AsyncGripperClient
-from station.client._async.robot_client import AsyncRobotClient
-from station.client._async.simulation_client import AsyncSimulationClient
-from station.client._async.station_client import AsyncStationClient
-from station.client._sync.goal_handle import GoalHandle
-from station.client._sync.gripper_client import GripperClient
-from station.client._sync.robot_client import RobotClient
-from station.client._sync.simulation_client import SimulationClient
-from station.client._sync.station_client import StationClient
-from station.client.async_stream import AsyncStream
-from station.client.errors import (
-    ApiError,
-    MotionError,
-    StationUnreachableError,
-    StreamTimeoutError,
-)
-from station.client.poses import POSES, Pose, UnknownPoseError
-from station.client.samples import Samples
-from station.client.stream import Stream
-from station.local.station_locator import NoStationError
-
-__all__ = [
-    "POSES",
-    "ApiError",
-    "AsyncGoalHandle",
-    "AsyncGripperClient",
-    "AsyncRobotClient",
-    "AsyncSimulationClient",
-    "AsyncStationClient",
-    "AsyncStream",
-    "GoalHandle",
-    "GripperClient",
-    "MotionError",
-    "NoStationError",
-    "Pose",
-    "RobotClient",
-    "Samples",
-    "SimulationClient",
-    "StationClient",
-    "StationUnreachableError",
-    "Stream",
-    "StreamTimeoutError",
-    "UnknownPoseError",
-]
+from station.client.blocking import GoalHandle as GoalHandle
+from station.client.blocking import GripperClient as GripperClient
+from station.client.blocking import RobotClient as RobotClient
+from station.client.blocking import SimulationClient as SimulationClient
+from station.client.blocking import StationClient as StationClient
+from station.client.blocking_streams import Stream as Stream
+from station.client.controllers import AsyncGoalHandle as AsyncGoalHandle
+from station.client.errors import ApiError as ApiError
+from station.client.errors import MotionError as MotionError
+from station.client.errors import StationUnreachableError as StationUnreachableError
+from station.client.errors import StreamTimeoutError as StreamTimeoutError
+from station.client.poses import POSES as POSES
+from station.client.poses import Pose as Pose
+from station.client.poses import UnknownPoseError as UnknownPoseError
+from station.client.robots import AsyncGripperClient as AsyncGripperClient
+from station.client.robots import AsyncRobotClient as AsyncRobotClient
+from station.client.robots import AsyncSimulationClient as AsyncSimulationClient
+from station.client.samples import Samples as Samples
+from station.client.station_client import AsyncStationClient as AsyncStationClient
+from station.client.streams import AsyncStream as AsyncStream
+from station.local.station_locator import NoStationError as NoStationError

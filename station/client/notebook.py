@@ -1,4 +1,4 @@
-"""What a notebook shows of a client."""
+"""Summary of a station that a notebook shows of a client."""
 
 import ssl
 from html import escape
@@ -7,10 +7,10 @@ from typing import TypeVar
 import httpx
 from pydantic import ValidationError
 
-from station.client.routes import PREFIX
-from station.client.stream_options import bearer
+from station.client.streams import bearer
 from station.wire import Controllers, JointStates, Status
 from station.wire.base import reader_of
+from station.wire.protocol import PREFIX
 
 ModelT = TypeVar("ModelT")
 

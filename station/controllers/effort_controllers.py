@@ -7,12 +7,12 @@ joint_velocity_controller.cpp, joint_group_position_controller.cpp.
 
 from typing import ClassVar
 
-from station.controllers.forward_command_controller import (
+from station.controllers.set_point_controller import (
     ForwardCommandController,
     ForwardJointGroupCommandController,
+    JointPidController,
     JointQuantity,
 )
-from station.controllers.pid_command_controller import JointPidController
 from station.core.hardware.interfaces import EffortJointInterface
 
 

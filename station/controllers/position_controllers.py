@@ -6,7 +6,7 @@ joint_group_position_controller.cpp.
 
 from typing import ClassVar
 
-from station.controllers.forward_command_controller import (
+from station.controllers.set_point_controller import (
     ForwardCommandController,
     ForwardJointGroupCommandController,
     JointQuantity,

@@ -217,7 +217,7 @@ class StationEnv(gymnasium.Env[Observation, Array]):
         return values
 
     def _fault(self) -> str | None:
-        """Return why the controller does not run any more; None while it runs."""
+        """Return the fault that stopped the controller; None while it runs."""
         status = self.station.facade.controller(self._controller)
         if status.state.value == "running":
             return None
@@ -240,7 +240,7 @@ class StationEnv(gymnasium.Env[Observation, Array]):
         return info if fault is None else {**info, "fault": fault}
 
     def _time(self) -> float:
-        """Return how long the episode is [s]; a count, so that it is the same anew."""
+        """Return the length of the episode [s]; counted, hence the same anew."""
         loop = self.station.facade.loop
         return (loop.cycle - self._begin) * loop.period
 

@@ -1,4 +1,4 @@
-"""How many files, and so connections, this process may open.
+"""Limit of the files, and so of the connections, of this process.
 
 Without a free file descriptor a server accepts no connection, and so no stop.
 """
@@ -25,13 +25,13 @@ def open_more_files() -> None:
 
 
 def most_files() -> int | None:
-    """Return how many files this process may be allowed to open; None for any."""
+    """Return the most files this process may be allowed; None without a limit."""
     _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     return None if hard == resource.RLIM_INFINITY else hard
 
 
 def shortage() -> str | None:
-    """Return what too few files mean and what to do; None when there are enough."""
+    """Return a warning of too few files with its remedy; None if there are enough."""
     most = most_files()
     if most is None or most >= LEAST:
         return None

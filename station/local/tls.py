@@ -7,7 +7,6 @@ from pathlib import Path
 
 from station.core.errors import StationError
 from station.local.station_locator import certificate_of
-from station.local.tls_socket import TlsSocket
 
 CA_VARIABLE = "STATION_CA"
 """Environment variable with the file of certificates that clients trust."""
@@ -22,7 +21,7 @@ class TlsFilesError(StationError, ValueError):
 
 @dataclass(frozen=True, slots=True)
 class TlsFiles:
-    """What a station proves with who it is.
+    """Certificate and key of a station.
 
     Attributes:
         certificate: PEM file with the certificate, then those between it and an
@@ -34,7 +33,7 @@ class TlsFiles:
     key: Path
 
     def context(self) -> ssl.SSLContext:
-        """Return what a server encrypts with: TLS 1.2 or newer.
+        """Return the context of a server: TLS 1.2 or newer.
 
         Raises:
             TlsFilesError: A file cannot be read, or holds something else.
@@ -61,7 +60,7 @@ class TlsFiles:
 
 
 def trust(url: str, ca: str | os.PathLike[str] | None = None) -> ssl.SSLContext | None:
-    """Return how the certificate of a station is checked; None for plain HTTP.
+    """Return a context that checks a station's certificate; None for plain HTTP.
 
     A station on this machine is known by the very certificate that it serves with,
     whatever names are in it. Others must prove the name in the URL.
@@ -77,12 +76,7 @@ def trust(url: str, ca: str | os.PathLike[str] | None = None) -> ssl.SSLContext 
     """
     if not url.startswith("https:"):
         return None
-    context = _trusting(url, ca or os.environ.get(CA_VARIABLE))
-    context.sslsocket_class = TlsSocket
-    return context
-
-
-def _trusting(url: str, ca: str | os.PathLike[str] | None) -> ssl.SSLContext:
+    ca = ca or os.environ.get(CA_VARIABLE)
     if ca is not None:
         return _trust_only(_read(Path(ca), "certificate", "Correct --ca, or ca=."), ca)
     own = certificate_of(url)

@@ -16,33 +16,26 @@ from importlib import import_module
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
-from station.testing.bench import Bench
-from station.testing.hook_script import HookScript
-from station.testing.scripted import ScriptedBench
-from station.testing.storm import StormReport, storm
-from station.testing.switch_observer import SwitchObserver
+from station.testing.bench import Bench as Bench
+from station.testing.hook_script import HookScript as HookScript
+from station.testing.scripted import ScriptedBench as ScriptedBench
+from station.testing.storm import StormReport as StormReport
+from station.testing.storm import storm as storm
+from station.testing.switch_observer import SwitchObserver as SwitchObserver
 
 if TYPE_CHECKING:
-    from station.testing.conformance.arm_conformance import ArmConformance
-    from station.testing.conformance.controller_conformance import (
-        ControllerConformance,
+    from station.testing.conformance.arm_conformance import (
+        ArmConformance as ArmConformance,
     )
-    from station.testing.conformance.robot_conformance import RobotConformance
-    from station.testing.recorded.recorded_behaviour import RecordedBehaviour
-
-__all__ = [
-    "ArmConformance",
-    "Bench",
-    "ControllerConformance",
-    "HookScript",
-    "RecordedBehaviour",
-    "RobotConformance",
-    "ScriptedBench",
-    "StormReport",
-    "SwitchObserver",
-    "storm",
-]
-
+    from station.testing.conformance.controller_conformance import (
+        ControllerConformance as ControllerConformance,
+    )
+    from station.testing.conformance.robot_conformance import (
+        RobotConformance as RobotConformance,
+    )
+    from station.testing.recorded.recorded_behaviour import (
+        RecordedBehaviour as RecordedBehaviour,
+    )
 _SUITES = {
     "ArmConformance": "station.testing.conformance.arm_conformance",
     "ControllerConformance": "station.testing.conformance.controller_conformance",

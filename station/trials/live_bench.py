@@ -28,8 +28,7 @@ from station.trials.reference import POSITION_UNITS, make_reference
 from station.trials.script import Script
 from station.trials.trace import Trace
 from station.trials.trace_recorder import TraceRecorder
-from station.wire.bench import BenchRequest, BenchResponse
-from station.wire.excitations import Relay, Step
+from station.wire.excitations import BenchRequest, BenchResponse, Relay, Step
 
 LARGEST = {"rad": 0.3, "m": 0.03}
 """Largest offset from where the joint begins, by the unit of the set-point."""

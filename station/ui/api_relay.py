@@ -17,10 +17,11 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus, WebSocketException
 
-from station.ui.forwarded_routes import PREFIX, may_ask, may_forward, may_stream
+from station.ui.forwarded_routes import may_ask, may_forward, may_stream
 from station.ui.session_access import SessionAccess
 from station.ui.sessions import Session
 from station.ui.socket_ends import close_socket, send_frame, until_first
+from station.wire.protocol import PREFIX
 
 if TYPE_CHECKING:
     from starlette.requests import Request

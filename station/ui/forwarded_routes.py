@@ -9,9 +9,6 @@ from dataclasses import dataclass
 
 from station.ui.sessions import Role
 
-PREFIX = "/api/v1"
-"""Where the gateway and the station have these routes."""
-
 _READ = ("GET",)
 _ROUTES: tuple[tuple[tuple[str, ...], str], ...] = (
     (_READ, "/status"),

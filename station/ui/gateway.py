@@ -23,12 +23,12 @@ from starlette.routing import Route, WebSocketRoute
 
 from station.client import ApiError
 from station.ui.control_routes import refused
-from station.ui.forwarded_routes import PREFIX
 from station.ui.gateway_guard import GatewayGuard, session_cookie
 from station.ui.sessions import Role, Session, Sessions
 from station.ui.view_routes import ShownViews, ViewRoutes
 from station.ui.workspace_routes import WorkspaceParts, WorkspaceRoutes
 from station.web.failed_logins import FailedLogins
+from station.wire.protocol import PREFIX
 
 if TYPE_CHECKING:
     from starlette.requests import Request

@@ -8,6 +8,8 @@ from starlette.responses import PlainTextResponse
 from starlette.websockets import WebSocketClose
 
 from station.web.body_limit import announces_more_than, limited
+from station.wire.protocol import MAX_BODY_BYTES as MAX_API_BODY_BYTES
+from station.wire.protocol import PREFIX
 
 if TYPE_CHECKING:
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -16,9 +18,7 @@ if TYPE_CHECKING:
 
 MAX_BODY_BYTES = 4096
 """Largest body of the gateway's own requests: the login form has one field."""
-MAX_API_BODY_BYTES = 256 * 1024
-"""Largest body of a request that is forwarded, or of a text to load: the station's."""
-_LARGE_BODIES = ("/api/v1/", "/workspace/")
+_LARGE_BODIES = (f"{PREFIX}/", "/workspace/")
 _SAFE_METHODS = frozenset({"GET", "HEAD"})
 _TOO_MUCH = HTTPException(413, headers={"connection": "close"})
 _PAGE_POLICY = (

@@ -10,13 +10,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from station.client import AsyncStationClient
-from station.client.promptness import Promptness
+from station.client.connection import Promptness
 from station.ui.sessions import Role, Session
 from station.ui.station_follower import StationAccess
 from station.wire import ControlState
+from station.wire.protocol import LEASE_HEADER
 
-LEASE_HEADER = "X-Control-Lease"
-"""Header in which a request names the lease that it acts under."""
 BEGIN_WITHIN = 3.0
 """How long after it was asked for the station may begin a change [s]."""
 _REQUEST_TIMEOUT = 2.0

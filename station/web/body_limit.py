@@ -1,4 +1,4 @@
-"""How much a request may send: checked before its body is read, and while it is."""
+"""Limit of a request's body, checked before it is read and while it is."""
 
 from starlette.datastructures import Headers
 from starlette.types import Message, Receive, Scope

@@ -49,7 +49,7 @@ _log = logging.getLogger(__name__)
 
 
 class Phase(Enum):
-    """What a connection is busy with."""
+    """Phase of a connection."""
 
     REQUEST = "request"
     """Nothing, or the header of the next request arrives."""
@@ -94,7 +94,7 @@ class LimitedProtocol(H11Protocol):
         self.phase, self.since = Phase.REQUEST, self.loop.time()
 
     def present_phase(self) -> Phase:
-        """Return what the connection is busy with."""
+        """Return the phase of the connection."""
         cycle = self.cycle
         if cycle is None or cycle.response_complete:
             return Phase.REQUEST
@@ -220,7 +220,7 @@ class LimitedServer(uvicorn.Server):
 
 
 def connection_share(descriptors: int = 1) -> int:
-    """Return how many connections leave enough file descriptors to this process.
+    """Return the number of connections that leaves this process file descriptors.
 
     Args:
         descriptors: How many descriptors a connection may take, >= 1.

@@ -106,7 +106,7 @@ class ControlPatch(RequestModel):
 
 
 class ControlState(ResponseModel):
-    """Owner and terms of the lease of control.
+    """Control of the station, and its holder.
 
     Attributes:
         owner: Name of the owner; null while nobody holds control, and every operator

@@ -1,8 +1,15 @@
-"""Wire models of controllers: loading, switching, gains, set-points, parameters."""
+"""Wire models of controllers, their types, parameters, set-points and goals."""
 
 from typing import Annotated, Literal, Self
 
-from pydantic import AfterValidator, Field, JsonValue, model_validator
+from pydantic import (
+    AfterValidator,
+    AliasChoices,
+    BeforeValidator,
+    Field,
+    JsonValue,
+    model_validator,
+)
 
 from station.reports import Percentiles
 from station.wire.base import (
@@ -32,7 +39,7 @@ ControllerStateName = Annotated[
 
 
 class ClaimedResources(ResponseModel):
-    """Resources of one interface that a controller claims (HardwareInterfaceResources).
+    """Claims of a controller on one interface (HardwareInterfaceResources).
 
     Attributes:
         hardware_interface: Name of the interface.
@@ -139,7 +146,7 @@ class SwitchRequest(RequestModel):
 
 
 class SwitchResult(ResponseModel):
-    """Result of a switch, or the plan of a dry run.
+    """Result of a switch, or of a dry run.
 
     Attributes:
         ok: Every controller runs or stopped as planned.
@@ -286,7 +293,7 @@ class CommandAccepted(ResponseModel):
 
 
 class ControllerSample(ResponseModel):
-    """Quantities of a controller in one cycle, shape (n,) each.
+    """Sample of a controller of one cycle, shape (n,) each.
 
     Attributes:
         stamp: Station time [s].
@@ -332,6 +339,92 @@ class Reloaded(ResponseModel):
     unloaded: Items[str]
 
 
+def list_of_tuple(value: object) -> object:
+    """Return `value`, or the list of the items of a tuple."""
+    return list(value) if isinstance(value, tuple) else value
+
+
+class DeclaredParameter(ResponseModel):
+    """A parameter of a controller, as its type declares it.
+
+    Attributes:
+        name: Path below the controller's namespace, so the place in `params` of the
+            load request; `/` separates namespaces, and `<joint>` stands for the name of
+            each joint.
+        type: What the value is: `number`, `boolean`, `string`, `numbers` and `strings`
+            (lists), `number_or_numbers` (one for all, or a list with one for each),
+            `mappings` (a list of objects).
+        description: What it is for.
+        unit: Unit of the numbers, where joints are concerned that of rotating joints;
+            empty for what has no unit.
+        required: Whether loading is refused when it is absent.
+        default: Value when it is absent; null when there is no fixed one.
+        default_text: How the default follows from the robot or other parameters; empty
+            when the default is fixed or the parameter is required.
+        minimum: Smallest number allowed; null for no bound.
+        excludes_minimum: Whether the number must be larger than `minimum`.
+        maximum: Largest number allowed; null for no bound.
+        choices: The strings allowed; empty when any is.
+        size: Length that a list must have; null when any is allowed.
+        names: What the strings are names of: a `joint`, an `arm`, a `controller`; empty
+            for other strings.
+    """
+
+    name: str
+    type: Annotated[
+        Literal[
+            "number",
+            "boolean",
+            "string",
+            "numbers",
+            "strings",
+            "number_or_numbers",
+            "mappings",
+        ],
+        FromEnum,
+    ]
+    description: str
+    unit: str
+    required: bool = Field(validation_alias=AliasChoices("required", "is_required"))
+    default: Annotated[JsonValue, BeforeValidator(list_of_tuple)] = None
+    default_text: str
+    minimum: Measured
+    excludes_minimum: bool
+    maximum: Measured
+    choices: Items[str]
+    size: int | None
+    names: Annotated[Literal["", "joint", "arm", "controller"], FromEnum]
+
+
+class ControllerType(ResponseModel):
+    """A plugin that can be loaded.
+
+    Attributes:
+        type: Its type, `package/Class`.
+        base_class: Class of plugins that it belongs to.
+        description: What it does; empty where it does not say.
+        parameters: The parameters that it declares, after those of every controller;
+            a type that somebody else wrote may read more than it declares.
+        error: Why its code cannot be imported; empty when it can.
+    """
+
+    type: str
+    base_class: str
+    description: Reason = ""
+    parameters: Items[DeclaredParameter] = Field(default_factory=list)
+    error: Reason = ""
+
+
+class ControllerTypes(ResponseModel):
+    """All plugins that can be loaded.
+
+    Attributes:
+        controller_types: The types, in the order in which they are declared.
+    """
+
+    controller_types: Items[ControllerType]
+
+
 def _check_depth(value: JsonValue) -> JsonValue:
     check_depth({"value": value})
     return value
@@ -364,3 +457,105 @@ class ParameterRequest(RequestModel):
     """
 
     value: Annotated[JsonValue, AfterValidator(_check_depth)]
+
+
+GoalStatusName = Annotated[
+    Literal["pending", "active", "preempted", "succeeded", "aborted"], FromEnum
+]
+
+
+class GoalRequest(RequestModel):
+    """Give a controller a goal; it replaces the one before.
+
+    Attributes:
+        goal: The goal message of the controller's action: control_msgs/
+            FollowJointTrajectoryGoal with times in seconds, or GripperCommandGoal.
+        epoch: Epoch it was made for; refused when a stop or reset came since.
+
+    Example:
+        {"goal": {"trajectory": {"joint_names": ["panda_joint1", "panda_joint2"],
+         "points": [{"positions": [0.3, -0.5], "time_from_start": 2.0}]},
+         "goal_time_tolerance": 0.5}}
+        {"goal": {"command": {"position": 0.02, "max_effort": 10.0}}}
+    """
+
+    goal: ParameterValues
+    epoch: int | None = Field(default=None, ge=0)
+
+
+class GoalResult(ResponseModel):
+    """End of a goal.
+
+    Attributes:
+        code: The action's number for it; 0 for success and an end from outside.
+        message: Why, one sentence; empty on success.
+        details: The facts of the message: joint, quantity, error, tolerance, time …
+    """
+
+    code: int
+    message: Reason
+    details: dict[str, JsonValue]
+
+
+class Goal(ResponseModel):
+    """A goal and how far it is.
+
+    Attributes:
+        id: Its name within the controller.
+        status: Its status; the last three are final.
+        progress: Part of its time that has passed, 0 to 1.
+        cancel_requested: The goal is to be cancelled.
+        feedback: The action's feedback while the goal is active: desired and actual
+            states and errors of joints, or position and effort of a gripper.
+        result: How it ended; null until then.
+    """
+
+    id: str
+    status: GoalStatusName
+    progress: float
+    cancel_requested: bool
+    feedback: dict[str, JsonValue] | None = None
+    result: GoalResult | None
+
+
+class Goals(ResponseModel):
+    """The latest goals of a controller.
+
+    Attributes:
+        goals: The goals, oldest first.
+    """
+
+    goals: Items[Goal]
+
+
+class TrajectoryRequest(RequestModel):
+    """Let a controller follow a trajectory without a goal.
+
+    Attributes:
+        trajectory: trajectory_msgs/JointTrajectory with times in seconds; without
+            points the joints stop and hold.
+        epoch: Epoch it was made for; refused when a stop or reset came since.
+
+    Example:
+        {"trajectory": {"joint_names": ["panda_joint1", "panda_joint2"], "points":
+         [{"positions": [0.3, -0.5], "time_from_start": 2.0}]}}
+    """
+
+    trajectory: ParameterValues
+    epoch: int | None = Field(default=None, ge=0)
+
+
+class DesiredState(ResponseModel):
+    """Desired state of joints at a time, shape (n,) each.
+
+    Attributes:
+        name: The joints.
+        position: [rad or m].
+        velocity: [rad/s or m/s].
+        acceleration: [rad/s^2 or m/s^2].
+    """
+
+    name: Items[str]
+    position: Measurements
+    velocity: Measurements
+    acceleration: Measurements

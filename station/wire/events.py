@@ -1,4 +1,4 @@
-"""Wire models of events, and of alarms, which ask for a person."""
+"""Wire models of events: who did what, and alarms: what asks for a person."""
 
 from typing import Annotated, Literal
 

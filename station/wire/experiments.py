@@ -27,7 +27,7 @@ TrialHash = Annotated[str, Field(pattern=r"^[0-9a-f]{4,16}$")]
 
 
 class ExperimentBound(RequestModel):
-    """Bound of a metric that every trial of a search must keep.
+    """Bound that every trial of a search must keep.
 
     Attributes:
         metric: A metric, such as `effort_peak`.
@@ -206,7 +206,7 @@ class Experiments(ResponseModel):
 
 
 class ExperimentResponse(ResponseModel):
-    """Motion of the joints in a trial.
+    """Response of the joints in a trial.
 
     Attributes:
         hash: The trial.
@@ -239,7 +239,7 @@ class ExperimentResponses(ResponseModel):
 
 
 class ExperimentPreview(ResponseModel):
-    """Changes of gains that putting those of a trial into force would make.
+    """Changes that the gains of a trial would make.
 
     Attributes:
         experiment: Name of the experiment.
@@ -261,7 +261,7 @@ class ExperimentPreview(ResponseModel):
 
 
 class ExperimentApplyRequest(RequestModel):
-    """Choice of the trial whose gains are put into force.
+    """Choice of the gains to put into force.
 
     Attributes:
         trial: Hash of the trial, or the beginning of it; null for the best one.

@@ -78,7 +78,7 @@ class GainsOfControllersPatch(RequestModel):
 
 
 class GainsChanges(ResponseModel):
-    """Changes of gains that took effect in one cycle.
+    """Changes of gains in one cycle.
 
     Attributes:
         changes: The change of each controller, by its name.

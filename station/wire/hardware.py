@@ -31,7 +31,7 @@ RepairKindName = Literal[
 
 
 class SoftLimits(ResponseModel):
-    """Range beyond which a joint is slowed down before its hard limits.
+    """Soft limits, which slow a joint down before its hard limits.
 
     Attributes:
         min_position: Lower bound [rad or m].
@@ -47,7 +47,7 @@ class SoftLimits(ResponseModel):
 
 
 class HardwareLimits(ResponseModel):
-    """Limits of a joint; null where it is not limited.
+    """Limits of a joint; null where it has none.
 
     Attributes:
         joint: Its name.
@@ -74,7 +74,7 @@ class HardwareLimits(ResponseModel):
 
 
 class Clamp(ResponseModel):
-    """Number of commands of a joint that limits cut off, and the last one.
+    """Count of the commands of a joint that limits cut off, and the last one.
 
     Attributes:
         joint: Its name.

@@ -84,7 +84,7 @@ class WaypointPaths(ResponseModel):
 
 
 class PlayRequest(RequestModel):
-    """Options of the playing of a path.
+    """Options with which a path is played.
 
     Attributes:
         controller: The trajectory controller that moves along it; null for the one

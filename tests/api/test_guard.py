@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.api.guard import MAX_BODY_BYTES
+from station.wire.protocol import MAX_BODY_BYTES
 from tests.api.test_errors import problem_of
 
 JSON = {"Content-Type": "application/json"}

@@ -6,10 +6,10 @@ import pytest
 from starlette.requests import Request
 from starlette.responses import Response
 
-from station.api.audit import REPLAYED_HEADER
 from station.api.idempotency import KEY_HEADER, LIFETIME, MOST_KEYS, IdempotentAnswers
 from station.core.clock import ManualClock
 from station.core.errors import StoppedError
+from station.wire.protocol import REPLAYED_HEADER
 from tests.api.conftest import VIEWER
 
 LOAD = "/api/v1/controllers"

@@ -2,8 +2,8 @@
 
 import pytest
 
+from station.api.dependencies import CLOCK_HEADER, NOT_AFTER_HEADER, refuse_late
 from station.api.errors import ProblemError
-from station.api.lateness import CLOCK_HEADER, NOT_AFTER_HEADER, refuse_late
 from tests.api.test_errors import problem_of
 
 SWITCH = "/api/v1/controllers/switch"

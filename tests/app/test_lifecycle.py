@@ -18,7 +18,7 @@ from station.client import StationClient
 from station.config import load_config
 from station.config.models import TlsSection
 from station.core.errors import StationError
-from station.local.runtime_file import find_running
+from station.local.station_locator import find_running
 from station.local.tls import TlsFilesError
 from tests.app.mass_hw import BROKEN_TYPE, TYPE
 from tests.certificates import make_certificate

@@ -102,12 +102,6 @@ def test_client_and_command_line_need_no_extra():
     ]
     # It is a server, of the dashboard.
     modules.remove("station.cli.verbs.ui")
-    # They simulate.
-    modules.remove("station.cli.verbs.experiments")
-    modules.remove("station.cli.verbs.identification")
-    modules.remove("station.cli.verbs.validate")
-    # It reads what trials have left.
-    modules.remove("station.cli.verbs.experiment_results")
 
     done = run_alone(f"for m in {modules}: __import__(m)")
 

@@ -5,11 +5,12 @@ from argparse import Namespace
 import pytest
 
 from station.cli.main import main
-from station.client import ApiError
-from station.controllers.forward_command_controller.command_timeout import (
+from station.client import ApiError, StationClient
+from station.client.blocking import _Source
+from station.core.control.controller_type import ControllerType as CoreControllerType
+from station.core.ports.set_point import (
     timeout_parameters,
 )
-from station.core.control.controller_type import ControllerType as CoreControllerType
 from station.wire import (
     ArmReport,
     CommandAccepted,
@@ -113,6 +114,32 @@ class FakeGainSets:
         return {"arm": self._change}
 
 
+class _Awaited(_Source):
+    """What a client for asyncio is, over a fake."""
+
+    def __init__(self, fake):
+        super().__init__("http://a", "t")
+        self._fake = fake
+
+    async def controllers(self):
+        return self._fake.controllers()
+
+    async def switch_controllers(self, **request):
+        return self._fake.switch_controllers(**request)
+
+    async def query_state(self, name, time=None):
+        return self._fake.query_state(name)
+
+    async def submit_goal(self, name, goal, epoch=None):
+        return self._fake.submit_goal(name, goal)
+
+    async def goal(self, name, goal_id):
+        return self._fake.goal(name, goal_id)
+
+    async def cancel_goal(self, name, goal_id):
+        return self._fake.cancel_goal(name, goal_id)
+
+
 class FakeStation:
     """What `StationClient` is to the command line; keeps every call."""
 
@@ -198,6 +225,11 @@ class FakeStation:
             velocity=[0.0, 0.0],
             acceleration=[0.0, 0.0],
         )
+
+    def start_move(self, *arguments, **options):
+        client = StationClient("http://a", "t")
+        client._source = _Awaited(self)
+        return client.start_move(*arguments, **options)
 
     def submit_goal(self, name, goal):
         self._record("submit_goal", name, goal)

@@ -1,8 +1,99 @@
-"""Unknown words are answered with the nearest known ones."""
+"""Every verb has a function and arguments; an unknown word gets the nearest."""
 
 import pytest
 
-from station.cli.parser import Parser
+from station.cli.parser import Parser, parse
+from station.cli.verbs import VERBS
+
+LINES = {
+    "run": "run",
+    "fci": "fci station.yaml --host 127.0.0.2 --patience 0.1",
+    "ui": "ui",
+    "doctor": "doctor",
+    "fetch_robot": "fetch_robot",
+    "list_controllers": "list_controllers -v --claimed-interfaces",
+    "list": "list",
+    "list_controller_types": "list_controller_types",
+    "list_types": "list_types",
+    "list_hardware_interfaces": "list_hardware_interfaces -v",
+    "load_controller": "load_controller arm arm.yaml --type a/B",
+    "load": "load arm",
+    "unload_controller": "unload_controller arm",
+    "unload": "unload arm",
+    "switch_controllers": "switch_controllers --activate a b --deactivate c",
+    "start": "start a b",
+    "spawn": "spawn a",
+    "spawner": "spawner arm",
+    "kill": "kill a",
+    "gains": "gains show arm",
+    "parameters": "parameters get",
+    "reload_controller_libraries": "reload_controller_libraries",
+    "echo": "echo joint_states --rate full",
+    "command": "command arm 1 2",
+    "gripper": "gripper panda grasp 0.03 20 --inner 0.01 --no-wait",
+    "control": "control take --owner ada --force",
+    "token": "token create ada --role viewer",
+    "events": "events --follow --kind stop",
+    "sweep": "sweep arm load=0:3",
+    "robustness": "robustness arm --trials 5",
+    "tune": "tune arm --live",
+    "identify": "identify joint1",
+    "validate": "validate robot.urdf ros.yaml --page card.html",
+    "experiments": "experiments best x --count 3",
+    "record": "record start walk --note heavy",
+    "recover_file": "recover_file walk.mcap",
+    "incidents": "incidents list",
+    "goto": "goto arm 1 -2 --duration 3",
+    "stop": "stop",
+    "release": "release --arm",
+    "recover": "recover panda --restart",
+    "pause": "pause",
+    "resume": "resume",
+    "step": "step 100",
+    "reset": "reset panda_joint1=0.5",
+    "robot": "robot panda set_load mass=0.5",
+}
+
+
+def test_every_verb_is_tried_here():
+    assert {name for verb in VERBS for name in (verb.name, *verb.aliases)} == set(LINES)
+
+
+@pytest.mark.parametrize("verb", LINES)
+def test_verb_is_parsed_and_has_its_function(verb):
+    options = parse(LINES[verb].split())
+
+    assert callable(options.run)
+    assert options.json is False
+
+
+ALONE = {
+    *("run", "fci", "doctor", "fetch_robot", "recover_file"),
+    *("sweep", "robustness", "identify", "validate"),
+}
+
+
+@pytest.mark.parametrize("verb", sorted(set(LINES) - ALONE))
+def test_client_verbs_can_name_the_station(verb):
+    line = f"{LINES[verb]} --url http://x --token t --json"
+
+    options = parse(line.split())
+
+    assert (options.url, options.token, options.json) == ("http://x", "t", True)
+
+
+def test_strictness_is_one_or_the_other():
+    with pytest.raises(SystemExit):
+        parse(["switch_controllers", "--strict", "--best-effort"])
+
+
+def test_controller_files_add_up():
+    line = "run station.yaml --controllers a.yaml b.yaml --controllers c.yaml"
+
+    options = parse(line.split())
+
+    assert options.config.name == "station.yaml"
+    assert [path.name for path in options.controllers] == ["a.yaml", "b.yaml", "c.yaml"]
 
 
 @pytest.fixture

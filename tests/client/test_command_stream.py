@@ -55,3 +55,22 @@ def test_a_refusal_says_why(served):
 def test_a_stream_that_is_not_open_sends_nothing(client):
     with pytest.raises(StationUnreachableError, match="with"):
         client.command_stream("spring").send([0.5])
+
+
+def test_a_stream_can_be_opened_again(client):
+    stream = client.command_stream("spring")
+    for _ in range(2):
+        with stream:
+            stream.send([0.5])
+
+    with pytest.raises(StationUnreachableError, match="with"):
+        stream.send([0.5])
+
+
+def test_what_was_sent_last_goes_out_before_the_end(client):
+    with client.command_stream("spring") as stream:
+        stream.send([0.125])
+
+    deadline = time.monotonic() + 5.0
+    while client.last_command("spring").last != [0.125]:
+        assert time.monotonic() < deadline

@@ -6,7 +6,6 @@ import pytest
 
 from station.api.app import create_app
 from station.api.auth import Authenticator
-from station.api.routes import PREFIX
 from station.api.routes.problems import MEANINGS
 from station.api.streams import broadcaster
 from station.api.streams.topics import (
@@ -15,7 +14,8 @@ from station.api.streams.topics import (
     RobotStateTopic,
     Topic,
 )
-from station.wire import FrankaState, streams
+from station.wire import FrankaState, protocol
+from station.wire.protocol import PREFIX
 from tests.api.spring import make_station
 from tests.documentation.shell_examples import ROOT, commands, curl_request
 
@@ -75,7 +75,7 @@ def test_statuses_are_all_explained():
 
 
 def test_close_codes_are_those_of_the_streams():
-    known = {v for n, v in vars(streams).items() if n.startswith("CLOSE_")}
+    known = {v for n, v in vars(protocol).items() if n.startswith("CLOSE_")}
     known.add(broadcaster.CLOSE_INTERNAL_ERROR)
 
     assert {int(code) for code, _ in rows("Close code")} == known

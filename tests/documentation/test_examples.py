@@ -13,8 +13,8 @@ from station.api.app import Kept, create_app
 from station.api.auth import Authenticator
 from station.api.server import ApiServer
 from station.app.composition import compose
-from station.cli.arguments import build_parser
 from station.cli.main import main, normalise
+from station.cli.parser import parse
 from station.client import StationClient
 from station.config import load_config
 from station.core.control.switching import SwitchRequest
@@ -158,7 +158,7 @@ def send(words: list[str]) -> httpx.Response:
 
 @pytest.mark.parametrize("words", VERBS)
 def test_the_command_line_understands_the_example(words):
-    assert build_parser().parse_args(normalise(words)).handler
+    assert parse(normalise(words)).run
 
 
 @pytest.mark.slow

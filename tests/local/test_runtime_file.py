@@ -14,7 +14,11 @@ from station.local.private_files import (
     process_start,
     runtime_directory,
 )
-from station.local.runtime_file import RunningStation, find_running, write_runtime_file
+from station.local.station_locator import (
+    RunningStation,
+    find_running,
+    write_runtime_file,
+)
 
 ME = RunningStation(
     url="http://127.0.0.1:8000",

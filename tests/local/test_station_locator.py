@@ -7,12 +7,13 @@ import pytest
 
 from station.client import StationClient
 from station.local.private_files import process_start
-from station.local.runtime_file import RunningStation, write_runtime_file
 from station.local.station_locator import (
     NoStationError,
+    RunningStation,
     StationAddressError,
     locate,
     watchdog_of,
+    write_runtime_file,
 )
 
 ME = os.getpid()

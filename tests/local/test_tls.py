@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from station.local.private_files import process_start
-from station.local.runtime_file import RunningStation, write_runtime_file
+from station.local.station_locator import RunningStation, write_runtime_file
 from station.local.tls import CA_VARIABLE, TlsFilesError, trust
 from tests.certificates import make_certificate
 

@@ -25,8 +25,7 @@ from station.trials.errors import (
     UnknownParameterError,
 )
 from station.trials.live_bench import LiveBench
-from station.wire.bench import BenchRequest
-from station.wire.excitations import Chirp, Multisine, Relay, Sine, Step
+from station.wire.excitations import BenchRequest, Chirp, Multisine, Relay, Sine, Step
 
 GROUP = "effort_group_position_controller"
 TRAJECTORY = "effort_joint_trajectory_controller"

@@ -3,7 +3,7 @@
 import pytest
 from pydantic import ValidationError
 
-from station.wire.bench import BenchRequest
+from station.wire.excitations import BenchRequest
 
 STEP = {"kind": "step", "joint": "j", "amplitude": 0.1}
 

@@ -17,7 +17,6 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from station.api.audit import note_access
 from station.api.auth import Access, Role
-from station.api.control import HEADER as LEASE_HEADER
 from station.api.errors import ProblemError
 from station.api.foxglove.foxglove_changes import FoxgloveChanges
 from station.api.foxglove.foxglove_session import SUBPROTOCOLS, FoxgloveSession
@@ -33,6 +32,7 @@ from station.wire import (
     CLOSE_TRY_LATER,
     CLOSE_UNAUTHORIZED,
 )
+from station.wire.protocol import LEASE_HEADER
 
 if TYPE_CHECKING:
     from station.api.streams.stream_client import StreamPort

@@ -1,4 +1,4 @@
-"""The routes, one resource a file; `api_router` has them all."""
+"""The routes, a file for what belongs together; `api_router` has them all."""
 
 from fastapi import APIRouter
 
@@ -24,8 +24,7 @@ from station.api.routes import (
     tokens,
     waypoint_paths,
 )
-
-PREFIX = "/api/v1"
+from station.wire.protocol import PREFIX
 
 api_router = APIRouter(prefix=PREFIX)
 for _module in (

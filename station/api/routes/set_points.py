@@ -23,7 +23,7 @@ from station.wire import (
     CommandRequest,
     ControllerSample,
 )
-from station.wire.bench import BenchRequest, BenchResponse
+from station.wire.excitations import BenchRequest, BenchResponse
 
 router = APIRouter(tags=["set-points"], dependencies=[Viewer], route_class=JsonRoute)
 

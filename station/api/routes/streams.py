@@ -6,7 +6,6 @@ from fastapi import APIRouter, WebSocket
 
 from station.api.audit import note_access, origin_of
 from station.api.auth import Access, Role
-from station.api.control import HEADER as LEASE_HEADER
 from station.api.control import ControlHeldError
 from station.api.dependencies import Viewer
 from station.api.errors import ProblemError
@@ -25,6 +24,7 @@ from station.wire import (
     CLOSE_UNAUTHORIZED,
     CLOSE_UNKNOWN_TOPIC,
 )
+from station.wire.protocol import LEASE_HEADER
 
 MOST_COMMAND_STREAMS = 16
 """Most streams of set-points at a time."""

@@ -1,10 +1,11 @@
 """What the watchdog does: notice a standstill, tell, hold, and end the station."""
 
+import json
+import os
 import signal
+import time
 from collections.abc import Callable, Mapping
 
-from station.app.watchdog.hold_commands import HoldCommands
-from station.app.watchdog.incident import Incident
 from station.app.watchdog.settings import WatchdogSettings
 from station.core.loop.heartbeat import Heartbeat, LoopLife, Phase
 
@@ -215,3 +216,120 @@ class Watch:
         if self.incident is not None:
             self.incident.add(ended_by="SIGKILL")
         self._send(signal.SIGKILL)
+
+
+TIME_LIMIT = 1.0
+"""A hold command that runs longer is killed [s]."""
+
+
+class HoldCommands:
+    """Starts the hold commands of all arms at once and collects how they ended.
+
+    Args:
+        commands: Command lines; they are started without a shell.
+
+    Attributes:
+        commands: The same; they may be replaced.
+        outcomes: How each command that was started has ended, oldest first.
+    """
+
+    def __init__(self, commands: tuple[tuple[str, ...], ...]) -> None:
+        self.commands = commands
+        self._running: dict[int, tuple[tuple[str, ...], float]] = {}
+        self.outcomes: list[dict[str, object]] = []
+
+    def start(self, now: float) -> None:
+        """Start every command that does not run at the moment.
+
+        Args:
+            now: Monotonic time [s].
+        """
+        running = [command for command, _ in self._running.values()]
+        for command in self.commands:
+            if command in running:
+                continue
+            try:
+                pid = os.posix_spawnp(command[0], command, os.environ)
+            except OSError as error:
+                self._note(command, f"could not be started: {error.strerror}")
+            else:
+                self._running[pid] = (command, now)
+
+    def look(self, now: float) -> bool:
+        """Collect the commands that have ended; kill those beyond their time.
+
+        Returns:
+            Whether `outcomes` has changed.
+        """
+        before = len(self.outcomes)
+        for pid, (command, began) in list(self._running.items()):
+            ended, status = os.waitpid(pid, os.WNOHANG)
+            if ended:
+                del self._running[pid]
+                code = os.waitstatus_to_exitcode(status)
+                self._note(command, f"ended with exit code {code}")
+            elif now - began > TIME_LIMIT:
+                # It is collected as ended by SIGKILL the next time.
+                os.kill(pid, signal.SIGKILL)
+        return len(self.outcomes) != before
+
+    def _note(self, command: tuple[str, ...], outcome: str) -> None:
+        self.outcomes.append({"command": list(command), "outcome": outcome})
+
+
+KEPT = 100
+"""Incident files that are kept; the oldest go first."""
+
+
+class Incident:
+    """One incident, and the file that tells of it. The file is replaced as a whole.
+
+    Args:
+        directory: Where the file goes.
+        pid: The station's process.
+        facts: What is known at the beginning; more is added with `add`.
+
+    Attributes:
+        path: The file.
+        facts: Everything that is known.
+        failure: Why the file could not be written; None when it was. A full disk must
+            not end the watchdog.
+    """
+
+    def __init__(self, directory: str, pid: int, facts: dict[str, object]) -> None:
+        stamp = time.strftime("%Y%m%dT%H%M%S", time.gmtime())
+        serial = time.monotonic_ns() // 1_000_000
+        self.path = os.path.join(directory, f"{stamp}-{pid}-{serial}.json")
+        self.facts = {"station_pid": pid, "began_at": stamp, **facts}
+        self.failure: str | None = None
+        self._directory = directory
+        self._write()
+
+    def add(self, **facts: object) -> None:
+        """Add facts, or replace some, and write the file anew."""
+        self.facts.update(facts)
+        self._write()
+
+    def _write(self) -> None:
+        try:
+            if not os.path.exists(self.path):
+                os.makedirs(self._directory, mode=0o700, exist_ok=True)
+                _forget_oldest(self._directory)
+            self._replace()
+        except OSError as error:
+            self.failure = error.strerror
+        else:
+            self.failure = None
+
+    def _replace(self) -> None:
+        draft = f"{self.path}.draft"
+        flags = os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_NOFOLLOW
+        with os.fdopen(os.open(draft, flags, 0o600), "w", encoding="utf-8") as file:
+            json.dump(self.facts, file, indent=1)
+        os.replace(draft, self.path)
+
+
+def _forget_oldest(directory: str) -> None:
+    names = sorted(name for name in os.listdir(directory) if name.endswith(".json"))
+    for name in names[: max(len(names) - KEPT + 1, 0)]:
+        os.unlink(os.path.join(directory, name))

@@ -1,4 +1,4 @@
-"""Verbs for the list of controllers: list, load, unload."""
+"""Verbs that list, load and unload controllers, and list what they can claim."""
 
 import json
 from argparse import Namespace
@@ -11,7 +11,63 @@ from station.cli.output import say, say_json, say_model, say_models, say_table
 from station.core.errors import suggest
 
 if TYPE_CHECKING:
-    from station.wire import ControllerState, ControllerType, DeclaredParameter
+    from station.cli.parser import Parser
+    from station.wire import (
+        ControllerState,
+        ControllerType,
+        DeclaredParameter,
+        Hardware,
+        HardwareLimits,
+    )
+
+
+def add_load_controller(parser: "Parser") -> None:
+    """Add the arguments of `load_controller`."""
+    parser.add_argument("name")
+    source = "ROS parameter file with its parameters; else the station's configuration"
+    parser.add_argument(
+        "param_file", nargs="?", type=Path, metavar="PARAM_FILE", help=source
+    )
+    parser.add_argument("--type", help="its type, when no parameters say it")
+    parser.add_argument(
+        "--load-timeout", type=float, metavar="S", help="longest init [s]"
+    )
+
+
+def add_unload_controller(parser: "Parser") -> None:
+    """Add the arguments of `unload_controller`."""
+    parser.add_argument("name")
+
+
+def add_reload_controller_libraries(parser: "Parser") -> None:
+    """Add the arguments of `reload_controller_libraries`."""
+    parser.add_argument(
+        "--force-kill", action="store_true", help="unload all controllers first"
+    )
+
+
+def add_list_controllers(parser: "Parser") -> None:
+    """Add the arguments of `list_controllers`."""
+    parser.add_argument(
+        "--claimed-interfaces", action="store_true", help="what each claims"
+    )
+    parser.add_argument(
+        "-v", "--verbose", action="store_true", help="claims, loop time and faults"
+    )
+
+
+def add_list_controller_types(parser: "Parser") -> None:
+    """Add the arguments of `list_controller_types`."""
+    parser.add_argument(
+        "type", nargs="?", metavar="TYPE", help="list the parameters of this type"
+    )
+
+
+def add_list_hardware_interfaces(parser: "Parser") -> None:
+    """Add the arguments of `list_hardware_interfaces`."""
+    parser.add_argument(
+        "-v", "--verbose", action="store_true", help="limits, repairs, clamps and more"
+    )
 
 
 def list_controllers(options: Namespace) -> int:
@@ -181,3 +237,84 @@ def reload_controller_libraries(options: Namespace) -> int:
     else:
         say(f"Unloaded: {', '.join(unloaded) or 'no controller'}.")
     return 0
+
+
+def list_hardware_interfaces(options: Namespace) -> int:
+    """Print what controllers can claim, and who claims it."""
+    with open_client(options) as client:
+        hardware = client.hardware()
+    if options.json:
+        say_model(hardware)
+        return 0
+    rows = [
+        [resource.name, interface.name, ", ".join(resource.claimed_by) or "-"]
+        for interface in hardware.interfaces
+        for resource in interface.resources
+    ]
+    say_table(["resource", "hardware interface", "claimed by"], rows)
+    if options.verbose:
+        _say_details(hardware)
+    return 0
+
+
+def _say_details(hardware: "Hardware") -> None:
+    say("")
+    say_table(
+        ["joint", "position", "velocity", "effort", "soft", "from"],
+        [_limits_row(limits) for limits in hardware.limits],
+    )
+    if hardware.transmissions:
+        say("")
+        say_table(
+            ["transmission", "type", "actuators", "joints"],
+            [
+                [t.name, t.type, ", ".join(t.actuators), ", ".join(t.joints)]
+                for t in hardware.transmissions
+            ],
+        )
+    if hardware.repairs:
+        say("")
+        say_table(
+            ["repaired", "problem", "was", "is"],
+            [[r.element, r.problem, r.old or "-", r.new] for r in hardware.repairs],
+        )
+    if hardware.clamps:
+        say("")
+        say_table(
+            ["clamped joint", "hardware interface", "count", "asked", "given", "why"],
+            [
+                [
+                    clamp.joint,
+                    clamp.hardware_interface,
+                    str(clamp.count),
+                    _number(clamp.asked),
+                    _number(clamp.given),
+                    clamp.reason,
+                ]
+                for clamp in hardware.clamps
+            ],
+        )
+
+
+def _limits_row(limits: "HardwareLimits") -> list[str]:
+    soft = limits.soft_limits
+    kinds = ("position", "velocity", "effort", "soft")
+    sources = dict.fromkeys(
+        limits.sources[kind] for kind in kinds if kind in limits.sources
+    )
+    return [
+        limits.joint,
+        _range(limits.min_position, limits.max_position),
+        _number(limits.max_velocity),
+        _number(limits.max_effort),
+        "-" if soft is None else _range(soft.min_position, soft.max_position),
+        ", ".join(sources) or "-",
+    ]
+
+
+def _range(low: float | None, high: float | None) -> str:
+    return "-" if low is None or high is None else f"{low:g} to {high:g}"
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:g}"

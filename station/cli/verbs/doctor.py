@@ -1,10 +1,23 @@
-"""Verb `doctor`: is this machine fit for a station, and what does a robot need?"""
+"""Verb `doctor`: check this machine, or examine the description of a robot."""
 
 from argparse import Namespace
 from dataclasses import asdict
+from typing import TYPE_CHECKING
 
 from station.cli.machine_checks import CHECKS
 from station.cli.output import say, say_json, say_progress, say_table
+from station.cli.parser import ROBOT, add_base
+
+if TYPE_CHECKING:
+    from station.cli.parser import Parser
+
+
+def add_doctor(parser: "Parser") -> None:
+    """Add the arguments of `doctor`."""
+    parser.add_argument(
+        "robot", nargs="?", metavar="ROBOT", help=f"look at this robot: {ROBOT}"
+    )
+    add_base(parser)
 
 
 def doctor(options: Namespace) -> int:

@@ -4,17 +4,44 @@ from argparse import Namespace
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
 from station.cli.output import say, say_json, say_progress, say_table
-from station.experiments.exports import export, table, write_gains
-from station.trials.analysis import compare, gains_of, ranked, summary
-from station.trials.results import Results, default_folder, file_of, names
-from station.wire.experiments import Experiment
 
+if TYPE_CHECKING:
+    from station.cli.parser import Parser
+    from station.trials.results import Results
+    from station.wire.experiments import Experiment
+
+METRIC = "a metric such as rms_error, effort_rms or settling_time"
 _MOST_REASONS = 5
 """So many reasons of failed trials are printed, the most frequent ones."""
+
+
+def add_experiments(parser: "Parser") -> None:
+    """Add the arguments of `experiments`."""
+    parser.add_argument("action", choices=tuple(_ACTIONS))
+    parser.add_argument("name", nargs="?", metavar="NAME", help="the experiment")
+    parser.add_argument(
+        "words",
+        nargs="*",
+        metavar="WORD",
+        help="plot, export: a file; apply: a trial's hash, the best when left out; "
+        "replay: one likewise, the worst when left out; compare: another experiment",
+    )
+    parser.add_argument("--metric", nargs="+", action="extend", default=[], help=METRIC)
+    parser.add_argument(
+        "--kind", choices=("parallel", "pareto", "responses"), default="pareto"
+    )
+    parser.add_argument(
+        "--yes", action="store_true", help="apply: do it; without it: only show it"
+    )
+    parser.add_argument(
+        "--yaml", type=Path, metavar="FILE", help="apply: write the gains to a file"
+    )
+    parser.add_argument("--count", type=int, default=5, help="best: how many trials")
 
 
 def experiments(options: Namespace) -> int:
@@ -36,9 +63,11 @@ def experiments(options: Namespace) -> int:
 
 
 def _list(options: Namespace) -> int:
+    from station.trials.results import default_folder, names
+
     rows, found = [], []
     for name in names():
-        with Results.open(file_of(name)) as results:
+        with _opened(name) as results:
             rows.append([name, results.kind, str(results.count())])
             found.append({
                 "name": name,
@@ -55,7 +84,9 @@ def _list(options: Namespace) -> int:
 
 
 def _show(options: Namespace) -> int:
-    with Results.open(file_of(options.name)) as results:
+    from station.experiments.exports import table
+
+    with _opened(options.name) as results:
         if options.json:
             say_json(table(results))
         else:
@@ -64,8 +95,10 @@ def _show(options: Namespace) -> int:
     return 0
 
 
-def say_summary(results: Results) -> None:
+def say_summary(results: "Results") -> None:
     """Print the distribution of each metric, and how many trials failed."""
+    from station.trials.analysis import summary
+
     found = summary(results)
     say_table(
         ["metric", "median", "5 %", "95 %", "worst", "worst trial"],
@@ -88,7 +121,9 @@ def say_summary(results: Results) -> None:
 
 
 def _best(options: Namespace) -> int:
-    with Results.open(file_of(options.name)) as results:
+    from station.trials.analysis import ranked
+
+    with _opened(options.name) as results:
         rows = ranked(results, _metric(options))[: options.count]
     if options.json:
         say_json([
@@ -118,7 +153,7 @@ def _best(options: Namespace) -> int:
 def _plot(options: Namespace) -> int:
     from station.experiments.plots import plot
 
-    with Results.open(file_of(options.name)) as results:
+    with _opened(options.name) as results:
         plot(results, options.kind, Path(options.words[0]), options.metric)
     say(f"Wrote {options.words[0]}.")
     return 0
@@ -128,8 +163,9 @@ def _replay(options: Namespace) -> int:
     """Run a trial again, the worst when none is named, and compare its numbers."""
     # Imported late: a list of experiments needs no simulation.
     from station.experiments.trial_world import TrialWorld
+    from station.trials.analysis import ranked
 
-    with Results.open(file_of(options.name)) as results:
+    with _opened(options.name) as results:
         if options.words:
             trial = results.trial(options.words[0])
         else:
@@ -169,15 +205,19 @@ def _replay(options: Namespace) -> int:
 
 
 def _export(options: Namespace) -> int:
-    with Results.open(file_of(options.name)) as results:
+    from station.experiments.exports import export
+
+    with _opened(options.name) as results:
         export(results, Path(options.words[0]))
     say(f"Wrote {options.words[0]}.")
     return 0
 
 
 def _compare(options: Namespace) -> int:
-    one, other = file_of(options.name), file_of(options.words[0])
-    with Results.open(one) as first, Results.open(other) as second:
+    from station.trials.analysis import compare
+
+    one, other = options.name, options.words[0]
+    with _opened(one) as first, _opened(other) as second:
         found = compare(first, second, options.metric)
     if options.json:
         say_json([
@@ -185,7 +225,7 @@ def _compare(options: Namespace) -> int:
         ])
         return 0
     say_table(
-        ["metric", one.stem, other.stem, "p"],
+        ["metric", one, other, "p"],
         [[c.metric, *(f"{m:.4g}" for m in c.means), f"{c.p_value:.4f}"] for c in found],
     )
     say("p: how probable means so far apart are by chance alone.")
@@ -194,7 +234,10 @@ def _compare(options: Namespace) -> int:
 
 def _apply(options: Namespace) -> int:
     """Show the gains of a trial beside those of a running station; set with --yes."""
-    with Results.open(file_of(options.name)) as results:
+    from station.experiments.exports import write_gains
+    from station.trials.analysis import gains_of, ranked
+
+    with _opened(options.name) as results:
         if options.words:
             trial = results.trial(options.words[0])
         else:
@@ -241,7 +284,7 @@ def _watch(options: Namespace) -> int:
     return int(found.state == "failed")
 
 
-def _say_progress(found: Experiment) -> None:
+def _say_progress(found: "Experiment") -> None:
     best = "" if found.cost is None else f", best cost {found.cost:.3f} of the first"
     left = "" if found.left is None else f", {found.left:.0f} s left"
     say_progress(f"{found.ended} of at most {found.trials} trials{best}{left}")
@@ -252,6 +295,13 @@ def _cancel(options: Namespace) -> int:
         found = client.experiments.cancel(options.name)
     say(f"{found.name} ends after the trials that run; {found.ended} are kept.")
     return 0
+
+
+def _opened(name: str) -> "Results":
+    """Return the results of an experiment, for a `with` block."""
+    from station.trials.results import Results, file_of
+
+    return Results.open(file_of(name))
 
 
 def _metric(options: Namespace) -> str | None:

@@ -1,41 +1,126 @@
-"""Verbs `sweep`, `robustness` and `tune`."""
+"""Verbs `sweep`, `robustness` and `tune`: many trials of a simulated station."""
 
 import sys
 import time
 from argparse import Namespace
-from collections.abc import Iterator
-from concurrent.futures import Executor
 from contextlib import contextmanager
-
-from pydantic import ValidationError
+from typing import TYPE_CHECKING
 
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
 from station.cli.output import say, say_json, say_progress, say_table
-from station.cli.verbs.experiment_results import say_summary
-from station.cli.verbs.identification import read_number
+from station.cli.verbs.experiment_results import METRIC, say_summary
+from station.cli.verbs.identification import (
+    add_setup,
+    load_setup,
+    read_number,
+    read_parameters,
+)
 from station.core.errors import show
-from station.experiments.experiment import (
-    Experiment,
-    TuneExperiment,
-    carry_out,
-    prepare,
-)
-from station.experiments.pools import ProcessPool, make_pool
-from station.experiments.recordings import SUFFIX, recorded_script
-from station.experiments.runner import Progress, Watcher
-from station.experiments.tuning import Tuned
-from station.trials.analysis import summary
-from station.trials.results import Results, file_of, name_of_now
-from station.trials.script import read_script
-from station.trials.setup import Setup
-from station.wire.experiments import (
-    ExperimentBound,
-    ExperimentKind,
-    ExperimentRequest,
-)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from concurrent.futures import Executor
+
+    from station.cli.parser import Parser
+    from station.experiments.experiment import Experiment
+    from station.experiments.runner import Progress, Watcher
+    from station.experiments.tuning import Tuned
+    from station.trials.results import Results
+    from station.trials.setup import Setup
+    from station.wire.experiments import (
+        ExperimentBound,
+        ExperimentKind,
+        ExperimentRequest,
+    )
 
 INTERRUPTED = 130
+
+
+def add_sweep(parser: "Parser") -> None:
+    """Add the arguments of `sweep`."""
+    _add_ranges(parser, "+", "", trials=100)
+    parser.add_argument(
+        "--method",
+        choices=("grid", "random", "halton", "sobol"),
+        default="halton",
+        help="how the values are spread",
+    )
+    _add_running(parser)
+
+
+def add_robustness(parser: "Parser") -> None:
+    """Add the arguments of `robustness`."""
+    _add_ranges(parser, "*", "; load=0:3 friction=0.25:0.75 delay=0:3", trials=500)
+    parser.add_argument(
+        "--keep-worst", type=int, default=3, metavar="N", help="recordings"
+    )
+    _add_running(parser)
+
+
+def _add_ranges(parser: "Parser", count: str, default: str, *, trials: int) -> None:
+    """Add what is varied, in how many trials, and what is looked at."""
+    parser.add_argument("controller", metavar="CONTROLLER")
+    parser.add_argument(
+        "ranges",
+        nargs=count,
+        metavar="NAME=LOW:HIGH",
+        help=f"or NAME=LOW:HIGH:COUNT, or NAME=A,B,C{default}",
+    )
+    parser.add_argument("--trials", type=int, default=trials, metavar="N")
+    parser.add_argument("--metric", default="rms_error", help=METRIC)
+
+
+def add_tune(parser: "Parser") -> None:
+    """Add the arguments of `tune`."""
+    parser.add_argument("controller", metavar="CONTROLLER")
+    parser.add_argument("--trials", type=int, default=300, metavar="N")
+    parser.add_argument(
+        "--gains",
+        nargs="+",
+        default=["p", "i", "d"],
+        metavar="SUFFIX",
+        help="which gains may change: p i d, or panda_joint1/p",
+    )
+    parser.add_argument(
+        "--weight",
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="METRIC=W",
+        help="what is to become small, relative to the first trial; rms_error=1",
+    )
+    parser.add_argument(
+        "--at-most",
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="METRIC=B",
+        help="hard bounds, 1.1x: of the first trial; effort_rms=1x effort_peak=1x "
+        "violations=0",
+    )
+    parser.add_argument(
+        "--live", action="store_true", help="begin with the gains of a running station"
+    )
+    _add_running(parser)
+
+
+def _add_running(parser: "Parser") -> None:
+    """Add what the trials are, where they run and where their results go."""
+    add_setup(parser)
+    parser.add_argument("--name", help="name of the experiment; without it: a new one")
+    parser.add_argument(
+        "--workers", type=int, metavar="N", help="processes; one per processor"
+    )
+    parser.add_argument(
+        "--cluster", metavar="tcp://HOST:8786", help="a scheduler of Dask instead"
+    )
+    parser.add_argument("--seed", type=int, default=1, help="seed of all chance")
+    parser.add_argument(
+        "--background",
+        action="store_true",
+        help="let the running station do it, and come back at once",
+    )
 
 
 def sweep(options: Namespace) -> int:
@@ -48,21 +133,25 @@ def robustness(options: Namespace) -> int:
     return _sweep(options, "robustness")
 
 
-def _sweep(options: Namespace, kind: ExperimentKind) -> int:
+def _sweep(options: Namespace, kind: "ExperimentKind") -> int:
+    from station.experiments.experiment import prepare
+
     request = _request(options, kind)
     if options.background:
         return _start(options, request)
-    experiment = prepare(_setup(options), request)
+    experiment = prepare(load_setup(options), request)
     with _running(options, experiment) as (results, progress):
         return _tell(results, progress, options)
 
 
 def tune(options: Namespace) -> int:
     """Search for better gains."""
+    from station.experiments.experiment import TuneExperiment, prepare
+
     request = _request(options, "tune")
     if options.background:
         return _start(options, request)
-    setup, live = _live(options) if options.live else (_setup(options), None)
+    setup, live = _live(options) if options.live else (load_setup(options), None)
     experiment = prepare(setup, request, live)
     began = time.monotonic()
     with _running(options, experiment) as (results, progress):
@@ -72,7 +161,7 @@ def tune(options: Namespace) -> int:
 
 
 def _tell_tuned(
-    results: Results, tuned: Tuned, seconds: float, options: Namespace
+    results: "Results", tuned: "Tuned", seconds: float, options: Namespace
 ) -> None:
     if options.json:
         say_json({
@@ -102,7 +191,7 @@ def _tell_tuned(
         say(f"`station experiments apply {name}` shows what would change.")
 
 
-def _start(options: Namespace, request: ExperimentRequest) -> int:
+def _start(options: Namespace, request: "ExperimentRequest") -> int:
     """Start the experiment in the station that runs, and come back.
 
     Raises:
@@ -130,16 +219,16 @@ def _start(options: Namespace, request: ExperimentRequest) -> int:
     return 0
 
 
-def _setup(options: Namespace) -> Setup:
-    return Setup.load(options.config, controllers=options.controllers)
-
-
-def _request(options: Namespace, kind: ExperimentKind) -> ExperimentRequest:
-    """Return what the options ask for.
+def _request(options: Namespace, kind: "ExperimentKind") -> "ExperimentRequest":
+    """Return the request that the options describe.
 
     Raises:
         UsageError: The script is one of another controller, or a value is impossible.
     """
+    from pydantic import ValidationError
+
+    from station.wire.experiments import ExperimentRequest
+
     fields: dict[str, object] = {
         "kind": kind,
         "controller": options.controller,
@@ -147,9 +236,7 @@ def _request(options: Namespace, kind: ExperimentKind) -> ExperimentRequest:
         "trials": options.trials,
         "seed": options.seed,
         "is_live": getattr(options, "live", False),
-        "parameters": dict(
-            read_number(word, check_name=True) for word in options.parameters
-        ),
+        "parameters": read_parameters(options),
         **_script_fields(options),
     }
     if kind == "tune":
@@ -177,13 +264,16 @@ def _request(options: Namespace, kind: ExperimentKind) -> ExperimentRequest:
 
 
 def _script_fields(options: Namespace) -> dict[str, object]:
-    """Return what a script or a recording says, as fields of a request.
+    """Return the fields of a request that a script or a recording gives.
 
     Raises:
         UsageError: The script is one of another controller.
     """
     if options.script is None:
         return {}
+    from station.experiments.recordings import SUFFIX, recorded_script
+    from station.trials.script import read_script
+
     if options.script.suffix == SUFFIX:
         script = recorded_script(options.script, options.controller)
     else:
@@ -202,12 +292,12 @@ def _script_fields(options: Namespace) -> dict[str, object]:
     }
 
 
-def _live(options: Namespace) -> tuple[Setup, dict[str, dict[str, float]]]:
+def _live(options: Namespace) -> "tuple[Setup, dict[str, dict[str, float]]]":
     """Return the setup and the gains with which a search begins at a running station.
 
     A controller that is not in the configuration is taken from the station.
     """
-    setup, controller = _setup(options), options.controller
+    setup, controller = load_setup(options), options.controller
     with open_client(options) as client:
         gains = {controller: dict(client.gains(controller).values)}
         if controller not in setup.config().controllers:
@@ -217,7 +307,9 @@ def _live(options: Namespace) -> tuple[Setup, dict[str, dict[str, float]]]:
     return setup, gains
 
 
-def _bound(word: str) -> ExperimentBound:
+def _bound(word: str) -> "ExperimentBound":
+    from station.wire.experiments import ExperimentBound
+
     is_relative = word.endswith("x")
     name, limit = read_number(word.removesuffix("x"))
     return ExperimentBound(metric=name, limit=limit, is_relative=is_relative)
@@ -225,13 +317,15 @@ def _bound(word: str) -> ExperimentBound:
 
 @contextmanager
 def _running(
-    options: Namespace, experiment: Experiment
-) -> Iterator[tuple[Results, Progress]]:
+    options: Namespace, experiment: "Experiment"
+) -> "Iterator[tuple[Results, Progress]]":
     """Run an experiment to its end; yields what it has found, and how far it came.
 
     Raises:
         KeyboardInterrupt: Ctrl-C came a second time, or before the first trial.
     """
+    from station.experiments.experiment import carry_out
+
     # The executor first: without one there is no experiment, and no file of it.
     with (
         _executor(options, experiment.setup) as executor,
@@ -248,7 +342,7 @@ def _running(
             _say_how_to_go_on(results)
 
 
-def _say_how_to_go_on(results: Results) -> None:
+def _say_how_to_go_on(results: "Results") -> None:
     """Tell of an experiment that was interrupted; not among the JSON of its end."""
     say_progress(
         f"Interrupted: {results.count()} trials are kept. Repeat the command with "
@@ -256,7 +350,9 @@ def _say_how_to_go_on(results: Results) -> None:
     )
 
 
-def _results(options: Namespace, experiment: Experiment) -> Results:
+def _results(options: Namespace, experiment: "Experiment") -> "Results":
+    from station.trials.results import Results, file_of, name_of_now
+
     name = options.name or name_of_now(experiment.kind)
     results = Results.create(
         file_of(name), experiment.kind, experiment.setup, experiment.plan
@@ -266,7 +362,9 @@ def _results(options: Namespace, experiment: Experiment) -> Results:
 
 
 @contextmanager
-def _executor(options: Namespace, setup: Setup) -> Iterator[Executor]:
+def _executor(options: Namespace, setup: "Setup") -> "Iterator[Executor]":
+    from station.experiments.pools import ProcessPool, make_pool
+
     if options.cluster is None:
         executor = make_pool(options.workers)
     else:
@@ -284,7 +382,7 @@ def _executor(options: Namespace, setup: Setup) -> Iterator[Executor]:
 
 
 @contextmanager
-def _watching() -> Iterator[Watcher]:
+def _watching() -> "Iterator[Watcher]":
     """Show a bar with the time that is left, on a terminal alone."""
     from rich.console import Console
     from rich.progress import (
@@ -309,7 +407,7 @@ def _watching() -> Iterator[Watcher]:
     with Bar(*columns, console=console, disable=not sys.stderr.isatty()) as bar:
         task = bar.add_task("trials", total=None)
 
-        def watch(progress: Progress) -> None:
+        def watch(progress: "Progress") -> None:
             bar.update(task, completed=progress.ended, total=progress.total)
             news = list(progress.refused)
             if progress.is_interrupted:
@@ -322,7 +420,9 @@ def _watching() -> Iterator[Watcher]:
         yield watch
 
 
-def _tell(results: Results, progress: Progress, options: Namespace) -> int:
+def _tell(results: "Results", progress: "Progress", options: Namespace) -> int:
+    from station.trials.analysis import summary
+
     found = summary(results)
     if options.json:
         say_json({
@@ -349,7 +449,7 @@ def _tell(results: Results, progress: Progress, options: Namespace) -> int:
     return 0 if results.count("done") else 1
 
 
-def _say_refused(progress: Progress) -> None:
+def _say_refused(progress: "Progress") -> None:
     """Print which workers got no work, and how often trials were given away again."""
     if progress.repeated:
         say(f"Trials were given away again {progress.repeated} times.")

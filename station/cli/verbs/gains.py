@@ -10,11 +10,30 @@ from station.cli.errors import UsageError
 from station.cli.output import say, say_json, say_model, say_models, say_table
 
 if TYPE_CHECKING:
+    from station.cli.parser import Parser
     from station.client import StationClient
     from station.wire import GainsChange
 
 
 Action = Callable[["StationClient", Namespace], int]
+
+
+def add_gains(parser: "Parser") -> None:
+    """Add the arguments of `gains`."""
+    parser.add_argument("action", choices=_ACTIONS)
+    parser.add_argument(
+        "name",
+        nargs="?",
+        metavar="NAME",
+        help="a controller to show or set; a gain set to save, load, diff or delete",
+    )
+    parser.add_argument(
+        "words",
+        nargs="*",
+        metavar="WORD",
+        help="set: NAME=VALUE, e.g. panda_joint1/p=500; save and load: controllers, "
+        "all when left out",
+    )
 
 
 def gains(options: Namespace) -> int:

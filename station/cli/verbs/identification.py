@@ -1,28 +1,107 @@
-"""Verb `identify`."""
+"""Verb `identify`, and the options that say which station a trial has."""
 
 from argparse import Namespace
-from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 from station.cli.errors import UsageError
 from station.cli.output import say, say_json, say_table
-from station.experiments.identification import Estimate, JointModel
-from station.experiments.identification import identify as fit
-from station.experiments.recordings import SUFFIX, recorded_trace
-from station.experiments.trial_world import TrialWorld
-from station.trials.errors import ExperimentError
-from station.trials.parameters import check
-from station.trials.script import Script, read_script
-from station.trials.setup import Setup
-from station.trials.trace import Trace, read_trace
-from station.trials.trial import Trial
-from station.wire.excitations import Multisine
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from station.cli.parser import Parser
+    from station.experiments.identification import Estimate, JointModel
+    from station.trials.setup import Setup
+    from station.trials.trace import Trace
 
 _FREQUENCIES = (0.5, 1.1, 1.9, 3.1)
 _IDENTIFYING = 4.0
 
 
+def add_identify(parser: "Parser") -> None:
+    """Add the arguments of `identify`."""
+    parser.add_argument("joint", metavar="JOINT")
+    parser.add_argument(
+        "--recording",
+        type=Path,
+        metavar="FILE.mcap",
+        help="a recording of a station, or FILE.npz of --record",
+    )
+    parser.add_argument(
+        "--controller",
+        default="effort_group_position_controller",
+        help="what moves the joint in a simulation, when there is no recording",
+    )
+    parser.add_argument(
+        "--amplitude", type=float, default=0.2, metavar="A", help="[rad or m]"
+    )
+    parser.add_argument(
+        "--record", type=Path, metavar="FILE.npz", help="keep the simulated motion"
+    )
+    add_setup(parser)
+
+
+def add_setup(parser: "Parser") -> None:
+    """Add which station trials have, and what happens in them."""
+    parser.add_argument(
+        "--config", type=Path, metavar="CONFIG.yaml", help="a station's configuration"
+    )
+    parser.add_argument(
+        "--controllers",
+        nargs="+",
+        action="extend",
+        default=[],
+        type=Path,
+        metavar="ROS_PARAMS.yaml",
+        help="parameter files written for ROS",
+    )
+    parser.add_argument(
+        "--script",
+        type=Path,
+        metavar="SCRIPT.yaml",
+        help="what happens in a trial, or a recording (.mcap) whose set-points are "
+        "given again; without it all joints move to and fro for 2 s",
+    )
+    parser.add_argument(
+        "--with",
+        dest="parameters",
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="NAME=VALUE",
+        help="parameters of every trial, e.g. load=1.5 scale/CONTROLLER/p=0.2",
+    )
+
+
+def load_setup(options: Namespace) -> "Setup":
+    """Return the station of the options that `add_setup` adds."""
+    from station.trials.setup import Setup
+
+    return Setup.load(options.config, controllers=options.controllers)
+
+
+def read_parameters(options: Namespace) -> dict[str, float]:
+    """Return the parameters of every trial, of the option `--with`.
+
+    Raises:
+        UsageError: One is not NAME=VALUE.
+        ExperimentError: There is no such parameter, or its value is impossible.
+    """
+    from station.trials.parameters import check
+
+    found = dict(map(read_number, options.parameters))
+    for name, value in found.items():
+        check(name, value)
+    return found
+
+
 def identify(options: Namespace) -> int:
     """Fit friction and inertia of a joint to a motion."""
+    from station.experiments.identification import identify as fit
+    from station.experiments.recordings import SUFFIX, recorded_trace
+    from station.trials.trace import read_trace
+
     if options.recording is None:
         trace = _excite(options)
     elif options.recording.suffix == SUFFIX:
@@ -47,7 +126,7 @@ def identify(options: Namespace) -> int:
     return 0
 
 
-def read_number(word: str, *, check_name: bool = False) -> tuple[str, float]:
+def read_number(word: str) -> tuple[str, float]:
     """Return name and value of `NAME=VALUE`.
 
     Raises:
@@ -55,25 +134,27 @@ def read_number(word: str, *, check_name: bool = False) -> tuple[str, float]:
     """
     name, equals, text = word.rpartition("=")
     try:
-        value = float(text if equals and name else "no number")
+        return name, float(text if equals and name else "no number")
     except ValueError as error:
         raise UsageError(
             f"{word!r} is not NAME=VALUE with a number.",
             remedy="Write it like load=1.5.",
         ) from error
-    if check_name:
-        check(name, value)
-    return name, value
 
 
-def _excite(options: Namespace) -> Trace:
+def _excite(options: Namespace) -> "Trace":
     """Return a simulated motion of the joint.
 
     Raises:
         ExperimentError: The trial failed.
     """
-    setup = Setup.load(options.config, controllers=options.controllers)
-    parameters = dict(read_number(word, check_name=True) for word in options.parameters)
+    from station.experiments.trial_world import TrialWorld
+    from station.trials.errors import ExperimentError
+    from station.trials.script import Script, read_script
+    from station.trials.trial import Trial
+    from station.wire.excitations import Multisine
+
+    setup, parameters = load_setup(options), read_parameters(options)
     if options.script is not None:
         script = read_script(options.script)
     else:
@@ -90,7 +171,7 @@ def _excite(options: Namespace) -> Trace:
     return trace
 
 
-def _estimates(found: JointModel) -> Mapping[str, Estimate]:
+def _estimates(found: "JointModel") -> "Mapping[str, Estimate]":
     return {
         "inertia": found.inertia,
         "viscous friction": found.viscous,

@@ -5,18 +5,60 @@ from typing import TYPE_CHECKING
 
 from station.app.watchdog_client import stop_through_watchdog
 from station.cli.connection import locate, open_client
+from station.cli.errors import UsageError
 from station.cli.output import say, say_json, say_model
 from station.cli.verbs.switching import stop_running
 from station.local.station_locator import watchdog_of
 
 if TYPE_CHECKING:
+    from station.cli.parser import Parser
     from station.client import StationClient
-    from station.client.routes import Restart
+    from station.client.robots import Restart
     from station.wire import ArmReport, Recoveries, Recovery, StopState
 
 
 STOP_TIME = 0.5
 """How long the station may take to answer a stop before its watchdog is asked [s]."""
+
+
+def add_command(parser: "Parser") -> None:
+    """Add the arguments of `command`."""
+    parser.add_argument("controller")
+    parser.add_argument("values", nargs="+", type=float, metavar="V")
+
+
+def add_goto(parser: "Parser") -> None:
+    """Add the arguments of `goto`."""
+    parser.add_argument("name", help="a pose, e.g. `ready`, or a trajectory controller")
+    parser.add_argument(
+        "values", nargs="*", type=float, metavar="V", help="positions [rad or m]"
+    )
+    parser.add_argument(
+        "--duration", type=float, metavar="S", help="without it: a calm one"
+    )
+
+
+def add_stop(parser: "Parser") -> None:
+    """Add the arguments of `stop`."""
+    parser.add_argument("names", nargs="*", metavar="NAME")
+    parser.add_argument("--reason", default="", help="for the record")
+
+
+def add_recover(parser: "Parser") -> None:
+    """Add the arguments of `recover`."""
+    parser.add_argument("arm_id", nargs="?", help="default: all arms")
+    parser.add_argument(
+        "--restart",
+        action="store_true",
+        help="start the controllers again that the error stopped",
+    )
+
+
+def add_release(parser: "Parser") -> None:
+    """Add the arguments of `release`."""
+    parser.add_argument(
+        "--arm", action="store_true", help="second step: allow motion again"
+    )
 
 
 def command(options: Namespace) -> int:
@@ -28,6 +70,42 @@ def command(options: Namespace) -> int:
     else:
         say(f"{options.controller} took the set-point (epoch {accepted.epoch}).")
     return 0
+
+
+def goto(options: Namespace) -> int:
+    """Move a trajectory controller's joints; 1 when they do not arrive.
+
+    Without numbers, the name is that of a pose, and the controller is the trajectory
+    controller that runs; without one, a controller is started and keeps holding.
+    Controllers that command the same joints are stopped in that cycle.
+
+    Raises:
+        UsageError: There is no such pose.
+        KeyboardInterrupt: The user gave up; the goal was cancelled.
+    """
+    from station.client.poses import UnknownPoseError
+
+    name, values = options.name, options.values
+    with open_client(options) as client:
+        try:
+            handle = client.start_move(
+                values or name,
+                duration=options.duration,
+                controller=name if values else "",
+            )
+        except UnknownPoseError as error:
+            raise UsageError(error.detail, remedy=error.remedy) from error
+        try:
+            goal = handle.ended()
+        except KeyboardInterrupt:
+            handle.cancel()
+            raise
+    if options.json:
+        say_model(goal)
+    else:
+        why = goal.result.message if goal.result else ""
+        say(f"{handle.controller}: the goal {goal.status}. {why}".rstrip())
+    return 0 if goal.status == "succeeded" else 1
 
 
 def stop(options: Namespace) -> int:

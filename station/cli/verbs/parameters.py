@@ -11,6 +11,19 @@ from station.cli.output import say, say_json
 if TYPE_CHECKING:
     from pydantic import JsonValue
 
+    from station.cli.parser import Parser
+
+
+def add_parameters(parser: "Parser") -> None:
+    """Add the arguments of `parameters`."""
+    parser.add_argument("action", choices=("get", "set", "delete"))
+    parser.add_argument(
+        "path", nargs="?", default="", metavar="PATH", help="e.g. arm/gains/j1/p"
+    )
+    parser.add_argument(
+        "value", nargs="?", metavar="VALUE", help="JSON, such as 0.5 or [1,2], or text"
+    )
+
 
 def parameters(options: Namespace) -> int:
     """Print, set or delete a parameter.
@@ -37,7 +50,7 @@ def parameters(options: Namespace) -> int:
 
 
 def _value(text: str) -> "JsonValue":
-    """Return what a word says: JSON, or otherwise text."""
+    """Return the value of a word: JSON, or otherwise text."""
     try:
         value: JsonValue = json.loads(text)
     except ValueError:

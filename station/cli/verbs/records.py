@@ -1,6 +1,5 @@
 """Verbs about recordings and incidents."""
 
-import tempfile
 from argparse import Namespace
 from dataclasses import asdict
 from pathlib import Path
@@ -13,10 +12,65 @@ from station.cli.output import say, say_json, say_model, say_models, say_table
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from station.cli.parser import Parser
     from station.client import StationClient
     from station.wire import Recording
 
+FORMATS = ("mcap", "csv", "npz", "parquet")
 _NEEDS_NAME = frozenset({"get", "delete", "rerun"})
+
+
+def add_record(parser: "Parser") -> None:
+    """Add the arguments of `record`."""
+    parser.add_argument(
+        "action", choices=("start", "stop", "list", "get", "delete", "rerun")
+    )
+    parser.add_argument(
+        "name",
+        nargs="?",
+        metavar="NAME",
+        help="start: what to call it; stop, get, delete: which one; rerun: a file",
+    )
+    parser.add_argument("--note", default="", help="start: for the record")
+    _add_file_options(parser)
+
+
+def add_incidents(parser: "Parser") -> None:
+    """Add the arguments of `incidents`."""
+    parser.add_argument("action", choices=("list", "get"))
+    parser.add_argument("name", nargs="?", metavar="ID", help="get: which one")
+    _add_file_options(parser)
+
+
+def add_recover_file(parser: "Parser") -> None:
+    """Add the arguments of `recover_file`."""
+    parser.add_argument("file", type=Path, metavar="FILE")
+
+
+def _add_file_options(parser: "Parser") -> None:
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", help="get: where to write"
+    )
+    parser.add_argument(
+        "--format", choices=FORMATS, default="mcap", help="get: mcap, or a table"
+    )
+    parser.add_argument(
+        "--channels",
+        nargs="+",
+        default=[],
+        metavar="CHANNEL",
+        help="get a table: of these channels, or fields of channels such as "
+        "joint_states/position",
+    )
+    parser.add_argument(
+        "--joints", nargs="+", default=[], metavar="JOINT", help="and of these joints"
+    )
+    parser.add_argument(
+        "--rate",
+        type=float,
+        metavar="HZ",
+        help="and with so many rows per second; default every cycle",
+    )
 
 
 def record(options: Namespace) -> int:
@@ -100,7 +154,7 @@ def _stop(client: "StationClient", name: str | None) -> "Recording":
 
 
 def _told(found: "Recording", action: str) -> str:
-    """Return what happened, for people."""
+    """Return a sentence about a recording."""
     if action == "start":
         return f"Recording {found.identifier}. `station record stop` ends it."
     if action == "delete":
@@ -163,6 +217,8 @@ def _get(client: "StationClient", options: Namespace, *, is_incident: bool) -> i
     if options.format == "mcap":
         source.download(options.name, target)
     else:
+        import tempfile
+
         from station.records.export import export
         from station.records.recording_table import Choice
 

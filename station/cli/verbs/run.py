@@ -1,16 +1,19 @@
-"""Verb `run`: a station until Ctrl-C."""
+"""Verbs `run`, `fci` and `fetch_robot`: a station, or a simulated arm, until Ctrl-C."""
 
 import logging
 import os
 import sys
 import threading
-from argparse import Namespace
+from argparse import ArgumentTypeError, Namespace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from station.cli.output import say, say_json, say_progress
+from station.cli.parser import ROBOT, add_base
 
 if TYPE_CHECKING:
     from station.app.announcement import Announcement
+    from station.cli.parser import Parser
 
 _log = logging.getLogger("station")
 
@@ -26,10 +29,114 @@ _FLAGS = {
     "tls_key": "api.tls.key",
     "ui_port": "ui.port",
 }
-
-
 ENDED_BY_WATCHDOG = 3
 """Exit code of a station that the watchdog has ended; 137 when it had to be killed."""
+LONGEST_PATIENCE = 10.0
+"""Longest wait for a late command of a program of libfranka [s]."""
+
+
+def add_run(parser: "Parser") -> None:
+    """Add the arguments of `run`."""
+    parser.add_argument("config", nargs="?", type=Path, metavar="CONFIG.yaml")
+    parser.add_argument(
+        "--controllers",
+        nargs="+",
+        action="extend",
+        default=[],
+        type=Path,
+        metavar="ROS_PARAMS.yaml",
+        help="parameter files written for ROS, unchanged; their controllers are loaded",
+    )
+    parser.add_argument(
+        "--robot",
+        metavar="ROBOT",
+        help=f"simulate this robot with controllers made for it: {ROBOT}",
+    )
+    add_base(parser)
+    parser.add_argument("--rate", type=float, metavar="HZ", help="control loop rate")
+    _add_servers(parser)
+    parser.add_argument(
+        "--real-time-factor",
+        type=float,
+        metavar="X",
+        help="station over wall time, 0.01 to 100",
+    )
+    parser.add_argument(
+        "--log-format",
+        choices=("text", "json"),
+        default="text",
+        help="json: one object per line, requests that change something among them",
+    )
+
+
+def add_fci(parser: "Parser") -> None:
+    """Add the arguments of `fci`."""
+    parser.add_argument("config", nargs="?", type=Path, metavar="CONFIG.yaml")
+    parser.add_argument(
+        "--host",
+        default="127.0.0.1",
+        help="address to listen at, ports 1337 and 1338; there are no tokens: whoever "
+        "reaches them may do all",
+    )
+    parser.add_argument(
+        "--patience",
+        type=_patience,
+        default=0.0,
+        metavar="S",
+        help="how long the simulated time waits for a late command, 0 to 10 s; a real "
+        "arm does not wait",
+    )
+
+
+def _add_servers(parser: "Parser") -> None:
+    """Add where API, dashboard and Foxglove listen, and for whom."""
+    parser.add_argument("--host", help="address to listen at; others need --token")
+    parser.add_argument("--port", type=int, help="port of the API; 0: any free one")
+    parser.add_argument(
+        "--ui-port", type=int, help="port of the dashboard; 0: likewise"
+    )
+    parser.add_argument(
+        "--foxglove",
+        nargs="?",
+        type=int,
+        const=8765,
+        metavar="PORT",
+        help="serve the channels of a recording live to Foxglove, at the loopback "
+        "address unless the configuration says another; default port 8765",
+    )
+    parser.add_argument("--no-ui", action="store_true", help="run without dashboard")
+    parser.add_argument(
+        "--token",
+        help="the operator's token; random if left out. Others on this machine can "
+        "read it in the list of processes: STATION_API__TOKEN is more private",
+    )
+    parser.add_argument(
+        "--allowed-origin",
+        action="append",
+        dest="allowed_origins",
+        metavar="ORIGIN",
+        help="a web page elsewhere that may use the API, e.g. https://lab.example; may "
+        "be repeated",
+    )
+    parser.add_argument(
+        "--tls-cert", metavar="FILE", help="serve https and wss with this certificate"
+    )
+    parser.add_argument("--tls-key", metavar="FILE", help="the key of --tls-cert")
+
+
+def _patience(text: str) -> float:
+    """Return the longest wait for a command [s].
+
+    Raises:
+        ArgumentTypeError: The text is no number from 0 to 10.
+    """
+    try:
+        value = float(text)
+    except ValueError:
+        value = -1.0
+    if not 0.0 <= value <= LONGEST_PATIENCE:
+        raise ArgumentTypeError(f"{text!r} is no number of seconds, 0 to 10")
+    return value
 
 
 def run(options: Namespace) -> int:
@@ -130,3 +237,41 @@ def _tell_dashboard_json(announcement: "Announcement") -> None:
 def _warn(line: str) -> None:
     sys.stderr.write(f"warning: {line}\n")
     sys.stderr.flush()
+
+
+def fci(options: Namespace) -> int:
+    """Serve a simulated Franka arm over the Franka Control Interface until Ctrl-C."""
+    from station.app.fci_run import FciRun
+    from station.app.panda_fetch import fetch_what_is_missing
+    from station.config import load_config
+    from station.hw.franka.fci.server.fci_server import FciSettings
+
+    logging.basicConfig(level=logging.INFO, format="%(message)s", stream=sys.stderr)
+    config = load_config(options.config, controller_files=[], flags={})
+    fetch_what_is_missing(config.robot_parameters(), say_progress)
+    settings = FciSettings(options.host, options.patience)
+    tell = _tell_line_json if options.json else _tell_line
+    FciRun(config, settings, tell=tell, warn=_warn).run()
+    return 0
+
+
+def _tell_line(line: str) -> None:
+    say(line)
+    sys.stdout.flush()
+
+
+def _tell_line_json(line: str) -> None:
+    say_json({"message": line})
+    sys.stdout.flush()
+
+
+def fetch_robot(options: Namespace) -> int:
+    """Fetch the Panda's description and say where it is."""
+    from station.app.panda_fetch import fetch_panda
+
+    directory = fetch_panda(say_progress)
+    if options.json:
+        say_json({"directory": str(directory)})
+    else:
+        say(str(directory))
+    return 0

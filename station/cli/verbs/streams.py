@@ -1,8 +1,9 @@
-"""Verb `echo`: print what a topic says."""
+"""Verbs `echo` and `events`: print what a topic says, and what happened."""
 
 import itertools
 import sys
 from argparse import Namespace
+from datetime import datetime
 from typing import TYPE_CHECKING, Literal
 
 from station.cli.connection import open_client
@@ -10,7 +11,38 @@ from station.cli.errors import UsageError
 from station.cli.output import say, say_model
 
 if TYPE_CHECKING:
-    from station.wire import StreamFrame
+    from station.cli.parser import Parser
+    from station.client import StationClient
+    from station.wire import Event, StreamFrame
+
+
+def add_echo(parser: "Parser") -> None:
+    """Add the arguments of `echo`."""
+    parser.add_argument("topic", help="joint_states, robot_state, controllers, loop, …")
+    parser.add_argument("--rate", metavar="HZ", help="samples per second, or `full`")
+    parser.add_argument("--fields", metavar="A,B", help="only these fields")
+    parser.add_argument("-n", "--count", type=int, help="stop after so many")
+
+
+def add_events(parser: "Parser") -> None:
+    """Add the arguments of `events`."""
+    parser.add_argument("-f", "--follow", action="store_true", help="until Ctrl-C")
+    parser.add_argument(
+        "--kind",
+        action="append",
+        default=[],
+        metavar="KIND",
+        help="only this kind, e.g. stop, fault, request; may be repeated",
+    )
+    parser.add_argument(
+        "--since", type=int, metavar="ID", help="only events after this number"
+    )
+    parser.add_argument(
+        "--severity", choices=("info", "warning", "error"), default="info"
+    )
+    parser.add_argument(
+        "-n", "--count", type=int, default=50, help="most events; 50 unless told"
+    )
 
 
 def echo(options: Namespace) -> int:
@@ -26,7 +58,7 @@ def echo(options: Namespace) -> int:
             if options.json:
                 say_model(frame)
             else:
-                _show(frame)
+                _show_frame(frame)
             sys.stdout.flush()
     return 0
 
@@ -56,7 +88,7 @@ def _fields(text: str | None) -> list[str]:
     return [] if text is None else text.split(",")
 
 
-def _show(frame: "StreamFrame") -> None:
+def _show_frame(frame: "StreamFrame") -> None:
     say(f"stamp: {frame.stamp:.3f}")
     for key, value in frame.data.items():
         say(f"{key}: {_text(value)}")
@@ -67,3 +99,58 @@ def _text(value: object) -> str:
     if isinstance(value, list):
         return f"[{', '.join(_text(item) for item in value)}]"
     return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def events(options: Namespace) -> int:
+    """Print events, oldest first; with `--follow` until Ctrl-C."""
+    with open_client(options) as client:
+        if options.follow:
+            _follow(client, options)
+            return 0
+        for event in _listed(client, options):
+            _show_event(event, as_json=options.json)
+    return 0
+
+
+def _listed(client: "StationClient", options: Namespace) -> "list[Event]":
+    return client.events(
+        options.since,
+        kinds=options.kind,
+        severity=options.severity,
+        limit=options.count,
+    )
+
+
+def _follow(client: "StationClient", options: Namespace) -> None:
+    from station.wire import Event
+
+    # Connected first, so that nothing is missed between the list and the stream.
+    with client.stream("events", reconnect=False) as stream:
+        last = options.since or 0
+        for event in _listed(client, options):
+            _show_event(event, as_json=options.json)
+            last = event.id
+        for frame in stream:
+            event = frame.read(Event)
+            if event.id > last and _is_wanted(event, options):
+                _show_event(event, as_json=options.json)
+
+
+def _is_wanted(event: "Event", options: Namespace) -> bool:
+    order = ("info", "warning", "error")
+    is_of_kind = not options.kind or event.kind in options.kind
+    return is_of_kind and order.index(event.severity) >= order.index(options.severity)
+
+
+def _show_event(event: "Event", *, as_json: bool) -> None:
+    if as_json:
+        say_model(event)
+    else:
+        when = datetime.fromtimestamp(event.time).astimezone()
+        by = " ".join(filter(None, (event.who, event.where and f"({event.where})")))
+        clock = f"{when:%Y-%m-%d %H:%M:%S}.{when.microsecond // 1000:03d}"
+        say(
+            f"{event.id:>6}  {clock}  {event.severity:<7}  {event.kind:<12}  "
+            f"{event.text}{f' [{by}]' if by else ''}"
+        )
+    sys.stdout.flush()

@@ -9,6 +9,7 @@ from station.cli.errors import UsageError
 from station.cli.output import say, say_model
 
 if TYPE_CHECKING:
+    from station.cli.parser import Parser
     from station.client import StationClient
     from station.wire import SwitchResult
 
@@ -16,6 +17,30 @@ _OUTCOMES = {
     "rolled_back": "Rolled back: what ran before runs again.",
     "halted": "Halted: the hardware carried out neither the switch nor its reversal.",
 }
+
+
+def add_switch_controllers(parser: "Parser") -> None:
+    """Add the arguments of `switch_controllers`."""
+    parser.add_argument("--activate", nargs="+", action="extend", default=[])
+    parser.add_argument("--deactivate", nargs="+", action="extend", default=[])
+    strictness = parser.add_mutually_exclusive_group()
+    strictness.add_argument("--strict", action="store_true", help="all or nothing")
+    strictness.add_argument(
+        "--best-effort", action="store_true", help="do what is possible"
+    )
+    parser.add_argument("--activate-asap", action="store_true")
+    parser.add_argument("--switch-timeout", type=float, default=0.0, metavar="S")
+    bound = "longest switch without a timeout, s; inf: no limit"
+    parser.add_argument("--switch-bound", type=float, metavar="S", help=bound)
+    parser.add_argument("--dry-run", action="store_true", help="only say what would be")
+
+
+def add_start(parser: "Parser") -> None:
+    """Add the arguments of `start`, `spawn` and `kill`."""
+    parser.add_argument("names", nargs="+", metavar="NAME")
+
+
+add_spawn = add_kill = add_start
 
 
 def switch_controllers(options: Namespace) -> int:

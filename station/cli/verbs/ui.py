@@ -3,7 +3,8 @@
 import json
 import os
 import sys
-from argparse import Namespace
+from argparse import SUPPRESS, Namespace
+from typing import TYPE_CHECKING
 
 from station.app.access import host_names
 from station.app.station_watch import StationWatch
@@ -12,6 +13,36 @@ from station.cli.connection import locate
 from station.cli.output import say, say_json, say_progress
 from station.local.station_locator import NoStationError, viewer_token_of, watchdog_of
 from station.ui.station_follower import StationAccess
+
+if TYPE_CHECKING:
+    from station.cli.parser import Parser
+
+
+def add_ui(parser: "Parser") -> None:
+    """Add the arguments of `ui`."""
+    parser.add_argument("--connect", metavar="URL", help="the same as --url")
+    parser.add_argument("--host", default="127.0.0.1", help="address to listen at")
+    parser.add_argument("--port", type=int, default=8080, help="0: any free one")
+    parser.add_argument(
+        "--robot-description",
+        default="example-robot-data:panda",
+        help="what to draw: example-robot-data:NAME or a URDF",
+    )
+    parser.add_argument("--arm-id", default="panda", help="prefix of the joint names")
+    parser.add_argument(
+        "--base",
+        type=float,
+        nargs=6,
+        default=(0.0,) * 6,
+        metavar=("X", "Y", "Z", "ROLL", "PITCH", "YAW"),
+        help="where the robot stands [m], [rad]",
+    )
+    # Given by `station run`: whom the dashboard follows, and how long without one.
+    parser.add_argument("--parent-pid", type=int, help=SUPPRESS)
+    parser.add_argument("--watchdog", default="", help=SUPPRESS)
+    parser.add_argument("--base-moves", action="store_true", help=SUPPRESS)
+    parser.add_argument("--beside", default="[]", help=SUPPRESS)
+    parser.add_argument("--reconnect-window", type=float, default=60.0, help=SUPPRESS)
 
 
 def ui(options: Namespace) -> int:

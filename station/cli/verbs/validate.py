@@ -2,18 +2,44 @@
 
 from argparse import Namespace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from station.cli.output import say_json, say_progress, say_table
-from station.core.description.robot_files import PACKAGE_SCHEME
-from station.experiments.validation import validate as check_robot
-from station.trials.setup import Setup
+from station.cli.parser import add_base
+
+if TYPE_CHECKING:
+    from station.cli.parser import Parser
 
 CONFIGURATIONS = frozenset({".yaml", ".yml"})
 """Endings of files that configure a station; everything else names a robot."""
 
 
+def add_validate(parser: "Parser") -> None:
+    """Add the arguments of `validate`."""
+    parser.add_argument(
+        "robot",
+        metavar="ROBOT",
+        help="example-robot-data:NAME, a URDF, or the configuration of a station",
+    )
+    add_base(parser)
+    parser.add_argument(
+        "controllers",
+        nargs="*",
+        default=[],
+        type=Path,
+        metavar="ROS_PARAMS.yaml",
+        help="parameter files written for ROS",
+    )
+    parser.add_argument(
+        "--page", type=Path, metavar="FILE.html", help="write the scorecard as a page"
+    )
+
+
 def validate(options: Namespace) -> int:
     """Check a robot and its controllers."""
+    from station.experiments.validation import validate as check_robot
+    from station.trials.setup import Setup
+
     config = Path(options.robot)
     if config.suffix in CONFIGURATIONS:
         setup = Setup.load(config, controllers=options.controllers)
@@ -43,6 +69,7 @@ def _robot_of(options: Namespace) -> dict[str, object]:
     """
     from station.app.any_robot import configure_robot
     from station.app.panda_fetch import fetch_what_is_missing
+    from station.core.description.robot_files import PACKAGE_SCHEME
 
     reference = options.robot
     if not reference.startswith(PACKAGE_SCHEME):

@@ -15,22 +15,13 @@ from station.controllers.cartesian_motion.cartesian_motion_generator import (
 )
 from station.controllers.cartesian_motion.end_effector_sample import (
     EndEffectorSample,
-    RestingEndEffector,
+    EndEffectorUpdate,
 )
 from station.controllers.cartesian_motion.joint_lookahead import (
+    LOOKAHEAD_PARAMETERS,
     JointLookahead,
     Obstacle,
-)
-from station.controllers.cartesian_motion.lookahead_settings import (
-    LOOKAHEAD_PARAMETERS,
     read_lookahead_settings,
-)
-from station.controllers.forward_command_controller.command_timeout import (
-    read_command_timeout,
-    timeout_parameters,
-)
-from station.controllers.forward_command_controller.watched_set_point import (
-    WatchedSetPoint,
 )
 from station.controllers.franka_arm import (
     ARM_ID,
@@ -53,7 +44,12 @@ from station.core.franka import (
 )
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
-from station.core.ports.set_point import SetPointPort
+from station.core.ports.set_point import (
+    ActiveSetPoint,
+    SetPointPort,
+    read_command_timeout,
+    timeout_parameters,
+)
 
 DEFAULT_TIMEOUT = 0.2
 """Default of `command_timeout` [s]."""
@@ -124,16 +120,16 @@ class CartesianMotionController(MultiInterfaceController):
         )
         self.set_points = self.make_port(self.limits, timeout)
         self.joint_names = [element.name for element in self.set_points.elements]
-        self._watched = WatchedSetPoint(self.set_points, action, arm_id, self.rest)
+        self._active = ActiveSetPoint(self.set_points, action, arm_id, self.rest)
         self.cycle_sample = self.make_sample()
         self.sampled = self.cycle_sample.sampled
-        self._usual = RestingEndEffector(self._watched.news, self.cycle_sample)
+        self._update = EndEffectorUpdate(self.set_points, self._move, self.cycle_sample)
         self._obstacle, self._until = Obstacle.NONE, 0.0
         self._joint: str | None = None
 
     @override
     def usual_update(self) -> UsualUpdate:
-        return self._usual
+        return self._update
 
     @property
     def is_free(self) -> bool:
@@ -173,21 +169,23 @@ class CartesianMotionController(MultiInterfaceController):
         self.lookahead.start(state)
         self._obstacle, self._joint, self._until = Obstacle.NONE, None, time
         self.handle.set_command(self.generator.pose)
-        self._usual.is_resting = False
-        self._watched.begin()
+        self._update.is_resting = False
+        self._active.start_at_rest()
 
     @override
     def update(self, time: float, period: float) -> None:
+        self._update.run(time, period)
+
+    def _move(self, time: float, period: float) -> None:
         """Advance the motion if the joints can follow, else brake."""
-        self.steer(self._watched.newest())
+        self.steer(self._active.newest())
         if self.generator.is_still:
             self._note(Obstacle.NONE, None, time)
         else:
             self._advance(time, period)
             self.handle.set_command(self.generator.pose)
-        self.cycle_sample.keep(time)
-        # While an obstacle is published, `update` has to end that.
-        self._usual.is_resting = self.generator.is_still and self.is_free
+        # While an obstacle is published, the next cycles have to end that.
+        self._update.is_resting = self.generator.is_still and self.is_free
 
     @override
     def published(self) -> Mapping[str, Mapping[str, object]]:

@@ -1,11 +1,13 @@
 """Keep what a controller of an end effector did in a cycle: a pose, or a twist."""
 
+from collections.abc import Callable
+
 from station.core.control.sample_columns import SampleColumns
 from station.core.control.usual_update import UsualUpdate
 from station.core.franka.model_sources import ModelSource
 from station.core.numerics.arm_chain import turn_to_inner_axes, twist_of
 from station.core.numerics.rigid_motion import numbers_of
-from station.core.ports.set_point_news import SetPointNews
+from station.core.ports.set_point import SetPointPort
 from station.memory.doubles import Doubles, doubles, zeros
 from station.memory.vectors import copy_into
 
@@ -132,25 +134,41 @@ class TwistSample(EndEffectorSample):
             copy_into(self.desired, 0, self.twist, _TWIST)
 
 
-class RestingEndEffector(UsualUpdate):
-    """Keeps an end effector at rest while no set-point arrives.
+class EndEffectorUpdate(UsualUpdate):
+    """The update of a controller that moves an end effector.
 
     Args:
-        news: Whether a set-point may have come.
+        port: Receives the set-points.
+        move: Moves the end effector in a cycle, and brings `is_resting` up to date.
         sample: What is kept of a cycle.
 
     Attributes:
-        is_resting: Whether it rests, and nothing but rest is wanted.
+        is_resting: Whether the end effector rests, and nothing but rest is wanted;
+            `move` is not called then, as long as the set-point in force stays.
     """
 
-    def __init__(self, news: SetPointNews, sample: EndEffectorSample) -> None:
-        self.news = news
+    def __init__(
+        self,
+        port: SetPointPort,
+        move: Callable[[float, float], None],
+        sample: EndEffectorSample,
+    ) -> None:
+        self.port = port
+        self.move = move
         self.sample = sample
         self.is_resting = False
 
     def run(self, time: float, period: float) -> bool:
-        """Keep the sample while it rests; see `UsualUpdate.run`."""
-        if not self.is_resting or self.news.is_possible():
-            return False
+        """Move the end effector, and keep the sample.
+
+        Args:
+            time: Station time of the cycle [s].
+            period: Time since the last cycle [s], >= 0.
+
+        Raises:
+            CommandTimeoutError: The set-point has expired and the action is `stop`.
+        """
+        if not self.is_resting or self.port.has_changed():
+            self.move(time, period)
         self.sample.keep(time)
         return True

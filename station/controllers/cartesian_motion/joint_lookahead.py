@@ -7,20 +7,184 @@ Jacobians and distances are computed again only when the joints have moved, not 
 cycle.
 """
 
+from dataclasses import dataclass
 from enum import Enum
 
-from station.controllers.cartesian_motion.arm_configuration import ArmConfiguration
+import numpy as np
+
 from station.controllers.cartesian_motion.cartesian_motion_generator import (
     CartesianMotionGenerator,
 )
-from station.controllers.cartesian_motion.joint_preview import JointPreview
 from station.controllers.cartesian_motion.linear_kinematics import LinearKinematics
-from station.controllers.cartesian_motion.lookahead_settings import LookaheadSettings
 from station.controllers.cartesian_motion.pose_motion import PoseMotion
+from station.controllers.cartesian_motion.stop_prediction import StopPrediction
+from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.description.robot_description import JointDescription
-from station.core.franka import FrankaModelHandle
+from station.core.franka import Frame, FrankaModelHandle
+from station.core.franka.franka_model import FrankaModel
 from station.core.franka.franka_robot_state import RobotState
-from station.memory.doubles import zeros
+from station.core.parameters import Parameters
+from station.memory.doubles import Doubles, own, zeros
+
+_DOF = 7
+ELBOW = 2
+"""Index of joint 3, whose position is kept."""
+
+
+class ArmConfiguration:
+    """The linearised kinematics at one configuration of an arm with seven joints.
+
+    Args:
+        model: The arm's model.
+        state: Its state, which tells what the end effector is.
+
+    Attributes:
+        motion: Motions of the joints that belong to motions of the end effector.
+    """
+
+    def __init__(self, model: FrankaModel, state: RobotState) -> None:
+        self._q, self._jacobian = own([0.0] * _DOF), own([0.0] * (6 * _DOF))
+        frame = Frame.END_EFFECTOR
+        tool = state.doubles("F_T_EE"), state.doubles("EE_T_K")
+        self._pose_source = model.pose_source(frame, self._q, *tool)
+        self._jacobian_source = model.zero_jacobian_source(frame, self._q, *tool)
+        self.motion = LinearKinematics(self._q, self._jacobian)
+
+    def move_to(self, q: Doubles) -> None:
+        """Take another configuration.
+
+        Args:
+            q: Joint positions [rad], shape (7,).
+        """
+        self._q[:] = q
+        self._jacobian_source.write(self._jacobian)
+        self.motion.invert()
+
+    def place(self, pose: Doubles) -> None:
+        """Write the pose of the end effector, 16 numbers."""
+        self._pose_source.write(pose)
+
+    def dexterity(self) -> float:
+        """Return the smallest singular value of the extended Jacobian.
+
+        The extended Jacobian maps joint velocities to the twist of the end effector and
+        the velocity of joint 3. The value is 0 at a singular pose.
+        """
+        matrix = np.zeros((_DOF, _DOF))
+        matrix[:6] = np.reshape(self._jacobian, (_DOF, 6)).T
+        matrix[6, ELBOW] = 1.0
+        return float(np.linalg.svd(matrix, compute_uv=False)[-1])
+
+
+LARGEST_JOINT_ACCELERATION = (10.0, 7.5, 10.0, 10.0, 10.0, 10.0, 10.0)
+"""Largest joint accelerations that both kinds of Franka arms allow [rad/s^2].
+
+Source: Franka Control Interface documentation, Robot and interface specifications.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class LookaheadSettings:
+    """Margins that a motion keeps.
+
+    Attributes:
+        joint_limit_margin: Smallest distance to the position limits of the joints
+            [rad], 0 to 1.
+        least_dexterity: Smallest value allowed of `ArmConfiguration.dexterity`, 0.01 to
+            1. The dexterity is 0 at a singular pose, and about 0.2 in the middle of the
+            workspace.
+        least_clearance: Smallest distance between two parts of the arm [m], 0 to 0.3.
+        joint_velocity_share: Share of the joints' velocity limits that a motion may
+            use, 0.01 to 1.
+        max_joint_acceleration: Largest acceleration of each joint [rad/s^2], shape
+            (7,), above 0 and at most `LARGEST_JOINT_ACCELERATION`.
+    """
+
+    joint_limit_margin: float = 0.05
+    least_dexterity: float = 0.05
+    least_clearance: float = 0.05
+    joint_velocity_share: float = 0.5
+    max_joint_acceleration: tuple[float, ...] = (7.0, 5.0, 7.0, 7.0, 7.0, 7.0, 7.0)
+
+
+def _declare(
+    name: str, unit: str, bounds: tuple[float, float], description: str
+) -> DeclaredParameter:
+    return DeclaredParameter(
+        name=name,
+        type=ParameterType.NUMBER,
+        unit=unit,
+        default=float(getattr(_DEFAULT, name)),
+        minimum=bounds[0],
+        maximum=bounds[1],
+        description=description,
+    )
+
+
+_DEFAULT = LookaheadSettings()
+_MARGINS = (
+    _declare(
+        "joint_limit_margin",
+        "rad",
+        (0.0, 1.0),
+        "distance to a joint's position limit at which the arm waits",
+    ),
+    _declare(
+        "least_dexterity",
+        "",
+        (0.01, 1.0),
+        "smallest singular value of the Jacobian at which the arm waits: 0 at a "
+        "singular pose, about 0.2 in mid-range",
+    ),
+    _declare(
+        "least_clearance",
+        "m",
+        (0.0, 0.3),
+        "distance between two parts of the arm, hand included, at which the arm waits",
+    ),
+    _declare(
+        "joint_velocity_share",
+        "",
+        (0.01, 1.0),
+        "share of the joints' velocity limits that a motion may use",
+    ),
+)
+_MAX_JOINT_ACCELERATION = DeclaredParameter(
+    name="max_joint_acceleration",
+    type=ParameterType.NUMBER_OR_NUMBERS,
+    unit="rad/s^2",
+    default=_DEFAULT.max_joint_acceleration,
+    minimum=0.0,
+    excludes_minimum=True,
+    maximum=max(LARGEST_JOINT_ACCELERATION),
+    size=len(LARGEST_JOINT_ACCELERATION),
+    description="largest joint acceleration; one number, or seven; at most 10, "
+    "joint 2: 7.5",
+)
+LOOKAHEAD_PARAMETERS = (*_MARGINS, _MAX_JOINT_ACCELERATION)
+"""The parameters that are named after the attributes of `LookaheadSettings`."""
+
+
+def read_lookahead_settings(params: Parameters) -> LookaheadSettings:
+    """Read the parameters that are named after the attributes of the settings.
+
+    `max_joint_acceleration` is one number for all joints, or a list with one number per
+    joint.
+
+    Args:
+        params: The controller's namespace.
+
+    Raises:
+        ParameterError: A value is out of its range.
+    """
+    margins = {each.name: each.read_float(params) for each in _MARGINS}
+    accelerations = _MAX_JOINT_ACCELERATION.read_per_axis(params)
+    for value, bound in zip(accelerations, LARGEST_JOINT_ACCELERATION, strict=True):
+        if value > bound:
+            allowed = f"at most {list(LARGEST_JOINT_ACCELERATION)}"
+            _MAX_JOINT_ACCELERATION.refuse(params, accelerations, allowed)
+    return LookaheadSettings(**margins, max_joint_acceleration=tuple(accelerations))
+
 
 # Largest distance of a part of the arm from a joint axis that moves it [m].
 _REACH = 1.2
@@ -62,7 +226,7 @@ class JointLookahead:
         # Pose of the end effector at the configuration at rest, and joint positions at
         # rest after a new step.
         self._pose, self._new = zeros(16), zeros(7)
-        self._preview = JointPreview(
+        self._prediction = StopPrediction(
             self._pose,
             self._new,
             lower=[joint.lower + margin for joint in joints],
@@ -87,7 +251,7 @@ class JointLookahead:
         """
         self._know(state)
         self.obstacle, self.joint = Obstacle.NONE, None
-        self._preview.begin(self._q_d)
+        self._prediction.start_at_rest(self._q_d)
         for each in (self._present, self._resting):
             each.move_to(self._q_d)
         self._resting.place(self._pose)
@@ -95,7 +259,7 @@ class JointLookahead:
         self._note_clearance(self._model.clearance(self._q_d))
 
     def passes(self, motion: CartesianMotionGenerator) -> bool:
-        """Allow a usual step in one call; return whether it was allowed.
+        """Allow a step that is allowed beyond doubt; return whether it was.
 
         Of a step that comes near a limit or leads away from the known configurations
         nothing is decided: `allows` has to look at it.
@@ -103,7 +267,7 @@ class JointLookahead:
         Args:
             motion: The motion after the step.
         """
-        if not self._preview.passes(motion.motion):
+        if not self._prediction.passes(motion.motion):
             return False
         self.obstacle, self.joint = Obstacle.NONE, None
         return True
@@ -118,7 +282,7 @@ class JointLookahead:
             motion: The motion after the step.
         """
         resting = self._resting
-        if self._preview.leads_away(motion.motion):
+        if self._prediction.leads_away(motion.motion):
             resting = self._other
             resting.move_to(self._new)
         self.joint = None
@@ -129,9 +293,9 @@ class JointLookahead:
             return False
         if resting is not self._resting:
             self._resting, self._other = resting, self._resting
-            self._preview.resting = resting.motion
+            self._prediction.resting = resting.motion
             resting.place(self._pose)
-        self._preview.accept()
+        self._prediction.accept()
         return True
 
     def _obstacle_at(self, resting: ArmConfiguration) -> Obstacle:
@@ -140,7 +304,7 @@ class JointLookahead:
         Args:
             resting: A configuration near these positions.
         """
-        limited = self._preview.limited_joint()
+        limited = self._prediction.limited_joint()
         if limited >= 0:
             self.joint = self._joints[limited].name
             return Obstacle.JOINT_LIMIT
@@ -152,7 +316,7 @@ class JointLookahead:
                 dexterity = resting.dexterity()
                 if dexterity < min(least, self._dexterity):
                     return Obstacle.SINGULARITY
-        if self._preview.may_collide():
+        if self._prediction.may_collide():
             clearance = self._model.clearance(self._new)
             if clearance < min(self._settings.least_clearance, self._clearance):
                 return Obstacle.SELF_COLLISION
@@ -163,11 +327,11 @@ class JointLookahead:
     def _speed_obstacle(
         self, resting: LinearKinematics, motion: PoseMotion
     ) -> Obstacle:
-        preview = self._preview
-        if preview.has_left():
+        prediction = self._prediction
+        if prediction.has_left():
             self._present.move_to(self._q_d)
         for kinematics in (self._present.motion, resting):
-            fastest = preview.fastest_joint(kinematics, motion)
+            fastest = prediction.fastest_joint(kinematics, motion)
             if fastest >= 0:
                 self.joint = self._joints[fastest].name
                 return Obstacle.JOINT_SPEED
@@ -178,7 +342,7 @@ class JointLookahead:
         self._clearance = clearance
         # No part of the arm moves further than its distance from a joint times the way
         # of that joint.
-        self._preview.note_clearance(
+        self._prediction.note_clearance(
             (clearance - self._settings.least_clearance) / _REACH
         )
 
@@ -188,5 +352,5 @@ class JointLookahead:
         self._present, self._resting, self._other = (
             ArmConfiguration(self._model, state) for _ in range(3)
         )
-        self._preview.present = self._present.motion
-        self._preview.resting = self._resting.motion
+        self._prediction.present = self._present.motion
+        self._prediction.resting = self._resting.motion

@@ -1,6 +1,25 @@
-from station.controllers.cartesian_motion.braking cimport braking_peaks, peak_speed, resting_ways
+from station.memory.functions cimport square_root
 from station.memory.vectors cimport copy_into
 from station.core.numerics.rigid_motion cimport displace, rotation_between
+
+
+cpdef void resting_ways(
+    double[::1] velocities,
+    double[::1] accelerations,
+    double[::1] largest,
+    double[::1] jerks,
+    double[::1] ways,
+) noexcept
+cpdef void braking_peaks(
+    double[::1] velocities,
+    double[::1] accelerations,
+    double[::1] largest,
+    double[::1] jerks,
+    double[::1] peaks,
+) noexcept
+cpdef double peak_speed(
+    double[::1] velocities, double[::1] accelerations, double[::1] jerks
+) noexcept
 
 cdef double _AT_REST
 cdef Py_ssize_t _POSE, _AXES

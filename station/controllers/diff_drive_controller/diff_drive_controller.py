@@ -15,13 +15,6 @@ from station.controllers.diff_drive_controller.speed_limiter import (
     limiter_parameters,
     read_limiter,
 )
-from station.controllers.forward_command_controller.command_timeout import (
-    read_command_timeout,
-    timeout_parameters,
-)
-from station.controllers.forward_command_controller.watched_set_point import (
-    WatchedSetPoint,
-)
 from station.core.control.controller import Controller, ControllerSample
 from station.core.declared_parameter import DeclaredParameter, NameKind, ParameterType
 from station.core.description.robot_description import ROBOT_DESCRIPTION
@@ -30,7 +23,13 @@ from station.core.description.wheels import wheel_radius, wheel_separation
 from station.core.errors import ParameterError
 from station.core.hardware.interfaces import JointGroup, VelocityJointInterface
 from station.core.parameters import Parameters
-from station.core.ports.set_point import SetPointElement, SetPointPort
+from station.core.ports.set_point import (
+    ActiveSetPoint,
+    SetPointElement,
+    SetPointPort,
+    read_command_timeout,
+    timeout_parameters,
+)
 from station.core.toolbox.publish_timer import PublishTimer
 
 _ZEROS = (0.0,) * 6
@@ -181,7 +180,7 @@ class DiffDriveController(Controller[VelocityJointInterface]):
             [SetPointElement("linear_x", "m/s"), SetPointElement("angular_z", "rad/s")],
             timeout=timeout,
         )
-        self._watched = WatchedSetPoint(
+        self._active = ActiveSetPoint(
             self.set_points, action, "the base", lambda: [0.0, 0.0]
         )
         self._last = self._before = (0.0, 0.0)
@@ -190,7 +189,7 @@ class DiffDriveController(Controller[VelocityJointInterface]):
 
     @override
     def starting(self, time: float) -> None:
-        self._watched.begin()
+        self._active.start_at_rest()
         self._last = self._before = (0.0, 0.0)
         self._group.set_commands([0.0] * len(self.joint_names))
         self._timer.start(time, at_once=False)
@@ -210,7 +209,7 @@ class DiffDriveController(Controller[VelocityJointInterface]):
             left_turn, right_turn = self._sides()
             if isfinite(left_turn + right_turn):
                 odometry.follow_wheels(left_turn, right_turn, time)
-        wanted = self._watched.newest()
+        wanted = self._active.newest()
         last, before = self._last, self._before
         linear = self._linear.limit(wanted[0], last[0], before[0], period)
         angular = self._angular.limit(wanted[1], last[1], before[1], period)

@@ -10,9 +10,6 @@ from typing import ClassVar
 
 from typing_extensions import override
 
-from station.controllers.forward_command_controller.command_timeout import (
-    timeout_parameters,
-)
 from station.controllers.franka_arm import (
     ARM_ID,
     JOINT_NAMES,
@@ -24,9 +21,9 @@ from station.controllers.franka_arm import (
 )
 from station.controllers.franka_example_controllers.cartesian_spring import (
     CartesianSpring,
+    SpringUpdate,
 )
 from station.controllers.franka_example_controllers.pose_target import PoseTarget
-from station.controllers.franka_example_controllers.spring_update import SpringUpdate
 from station.core.control.controller import MultiInterfaceController
 from station.core.control.tunables import Tunable, Tunables
 from station.core.control.usual_update import UsualUpdate
@@ -35,6 +32,7 @@ from station.core.franka import FrankaModelInterface, FrankaStateInterface
 from station.core.hardware.interfaces import EffortJointInterface
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
+from station.core.ports.set_point import timeout_parameters
 from station.core.toolbox.publish_timer import PublishTimer
 
 _DEFAULTS = {
@@ -86,33 +84,34 @@ class CartesianImpedanceExampleController(MultiInterfaceController):
         self.joint_names = names
         self._target = PoseTarget(params, arm_id, self._spring.equilibrium)
         self.set_points = self._target.port
-        self.tunables = Tunables(_SCHEMA, _DEFAULTS, apply=self._want)
-        self._usual = SpringUpdate(
-            self._target.news, [self._spring.driven], PublishTimer(0.0)
+        self.tunables = Tunables(_SCHEMA, _DEFAULTS, apply=self._set_stiffness)
+        self._update = SpringUpdate(
+            self._target.port, self._retarget, [self._spring], PublishTimer(0.0)
         )
 
     @override
-    def usual_update(self) -> UsualUpdate | None:
-        return None if self._spring.is_copy else self._usual
+    def usual_update(self) -> UsualUpdate:
+        return self._update
 
     @override
     def starting(self, time: float) -> None:
         """Make the present pose the equilibrium, at which the spring has no force."""
         gains = self.tunables.values
-        self._spring.begin(gains["nullspace_stiffness"])
-        self._want(gains)
-        self._target.begin()
+        self._spring.start_at_rest(gains["nullspace_stiffness"])
+        self._set_stiffness(gains)
+        self._target.start_at_rest()
 
     @override
     def update(self, time: float, period: float) -> None:
+        self._update.run(time, period)
+
+    def _retarget(self) -> None:
         pose = self._target.newest()
         if pose is not None:
             self._spring.set_target(*pose)
-        self._usual.follow(time)
-        self._spring.write()
 
-    def _want(self, gains: Mapping[str, float]) -> None:
-        self._spring.want(
+    def _set_stiffness(self, gains: Mapping[str, float]) -> None:
+        self._spring.set_stiffness(
             gains["translational_stiffness"],
             gains["rotational_stiffness"],
             gains["nullspace_stiffness"],

@@ -1,18 +1,23 @@
-"""Hold the end effector of one arm by a spring; `pose_spring` has the formulas.
+"""Hold end effectors by springs, one for each arm; `pose_spring` has the formulas.
 
 Differs from the originals: every start begins without stiffness, not only the first
 start, and with the null space stiffness that is set.
 """
+
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from station.controllers.franka_arm import LARGEST_STEP
 from station.controllers.franka_example_controllers.pose_spring import PoseSpring
-from station.controllers.franka_example_controllers.spring_update import DrivenSpring
+from station.core.control.usual_update import UsualUpdate
 from station.core.franka import Frame, FrankaModelHandle, FrankaStateHandle
 from station.core.hardware.interfaces import JointGroup
+from station.core.ports.set_point import SetPointPort
+from station.core.toolbox.publish_timer import PublishTimer
 from station.memory.doubles import put
+from station.memory.vectors import copy_into
 
 
 class CartesianSpring:
@@ -25,9 +30,6 @@ class CartesianSpring:
         is_angle: Whether the rotation error is a rotation vector, as with two arms;
             otherwise it is the vector part of a quaternion.
 
-    Attributes:
-        driven: Commands the torques of a cycle.
-        is_copy: Whether the torques must be written to the joints after that.
     """
 
     def __init__(
@@ -38,8 +40,9 @@ class CartesianSpring:
         *,
         is_angle: bool,
     ) -> None:
-        self._joints = joints
         self._pose = state.pose_source()
+        self._jacobian = model.zero_jacobian_source(Frame.END_EFFECTOR)
+        self._coriolis = model.coriolis_source()
         arm = state.get_robot_state()
         self._spring = PoseSpring(
             arm.doubles("q"),
@@ -48,33 +51,33 @@ class CartesianSpring:
             LARGEST_STEP,
             is_angle,
         )
-        self.is_copy = joints.commands is None
-        self.driven = DrivenSpring(
-            self._spring,
-            self._pose,
-            model.zero_jacobian_source(Frame.END_EFFECTOR),
-            model.coriolis_source(),
-            self._spring.torques if joints.commands is None else joints.commands,
-        )
+        # Joints that the robot does not keep side by side in doubles take a list.
+        self._copies = joints if joints.commands is None else None
+        commands = joints.commands
+        self._commands = self._spring.torques if commands is None else commands
 
     def pose(self) -> list[float]:
         """Return the measured pose O_T_EE, 16 numbers, column-major."""
         self._pose.write(self._spring.pose)
-        return [*self._spring.pose]
+        return self.measured_pose()
+
+    def measured_pose(self) -> list[float]:
+        """Return the pose that was measured in the last cycle, 16 numbers."""
+        return list(self._spring.pose)
 
     def equilibrium(self) -> list[float]:
         """Return the equilibrium: position [m], then quaternion w x y z, shape (7,)."""
         px, py, pz, x, y, z, w = self._spring.equilibrium
         return [px, py, pz, w, x, y, z]
 
-    def begin(self, nullspace: float) -> None:
+    def start_at_rest(self, nullspace: float) -> None:
         """Make the present pose the equilibrium, and start without stiffness.
 
         Args:
             nullspace: Stiffness of the null space from the start on [Nm/rad], >= 0.
         """
         self._pose.write(self._spring.pose)
-        self._spring.begin(nullspace)
+        self._spring.start_at_rest(nullspace)
 
     def set_target(
         self, position: NDArray[np.float64], rotation: NDArray[np.float64]
@@ -88,7 +91,9 @@ class CartesianSpring:
         w, x, y, z = rotation.tolist()
         put(self._spring.target, [*position.tolist(), x, y, z, w])
 
-    def want(self, translational: float, rotational: float, nullspace: float) -> None:
+    def set_stiffness(
+        self, translational: float, rotational: float, nullspace: float
+    ) -> None:
         """Set the stiffnesses that are approached from now on.
 
         Args:
@@ -98,7 +103,61 @@ class CartesianSpring:
         """
         put(self._spring.wanted, (translational, rotational, nullspace))
 
-    def write(self) -> None:
-        """Hand the torques to joints that do not keep them side by side in memory."""
-        if self.is_copy:
-            self._joints.set_commands([*self._spring.torques])
+    def command_torques(self) -> None:
+        """Command the torques of this cycle, then move on towards the targets."""
+        spring = self._spring
+        self._pose.write(spring.pose)
+        self._jacobian.write(spring.jacobian)
+        self._coriolis.write(spring.coriolis)
+        spring.compute_torques()
+        if self._copies is None:
+            copy_into(self._commands, 0, spring.torques, spring.size)
+        else:
+            self._copies.set_commands(list(spring.torques))
+
+
+class SpringUpdate(UsualUpdate):
+    """The update of a controller that commands springs.
+
+    Args:
+        port: Receives the set-points.
+        retarget: Sets the targets of the springs; called when the set-point in force
+            may have changed.
+        springs: The springs.
+        timer: Tells when to publish.
+
+    Attributes:
+        published: Station time [s] and pose of the first spring's end effector, 16
+            numbers, when it was published last; replaced as a whole, for any thread.
+    """
+
+    def __init__(
+        self,
+        port: SetPointPort,
+        retarget: Callable[[], None],
+        springs: list[CartesianSpring],
+        timer: PublishTimer,
+    ) -> None:
+        self.port = port
+        self.retarget = retarget
+        self.springs = springs
+        self.timer = timer
+        self.published: tuple[float, list[float]] | None = None
+
+    def run(self, time: float, period: float) -> bool:
+        """Take the newest set-point, and command the springs.
+
+        Args:
+            time: Station time of the cycle [s].
+            period: Time since the last cycle [s], >= 0.
+
+        Raises:
+            CommandTimeoutError: The set-point has expired and the action is `stop`.
+        """
+        if self.port.has_changed():
+            self.retarget()
+        for spring in self.springs:
+            spring.command_torques()
+        if self.timer.is_due(time):
+            self.published = (time, self.springs[0].measured_pose())
+        return True

@@ -8,15 +8,13 @@ the robot description.
 """
 
 from collections.abc import Mapping
+from math import sqrt
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from station.controllers.forward_command_controller.command_timeout import (
-    timeout_parameters,
-)
 from station.controllers.franka_arm import (
     ARM_ID,
     JOINT_NAMES,
@@ -26,27 +24,25 @@ from station.controllers.franka_arm import (
     read_arm_id,
     read_arm_joints,
 )
-from station.controllers.franka_example_controllers.base_transform import (
-    base_transform,
-)
 from station.controllers.franka_example_controllers.cartesian_spring import (
     CartesianSpring,
+    SpringUpdate,
 )
 from station.controllers.franka_example_controllers.pose_target import PoseTarget
-from station.controllers.franka_example_controllers.quaternion import (
-    matrix_of,
-    quaternion_of,
-)
-from station.controllers.franka_example_controllers.spring_update import SpringUpdate
 from station.core.control.controller import MultiInterfaceController
 from station.core.control.tunables import Tunable, Tunables
 from station.core.control.usual_update import UsualUpdate
 from station.core.declared_parameter import DeclaredParameter
 from station.core.description.robot_description import ROBOT_DESCRIPTION
+from station.core.description.urdf import Pose, Urdf
+from station.core.description.urdf_parser import parse_urdf
+from station.core.errors import RobotDescriptionError
 from station.core.franka import FrankaModelInterface, FrankaStateInterface
 from station.core.hardware.interfaces import EffortJointInterface
 from station.core.hardware.robot_hw import RobotHW
+from station.core.numerics.poses import pose_of
 from station.core.parameters import Parameters
+from station.core.ports.set_point import timeout_parameters
 from station.core.toolbox.publish_timer import PublishTimer
 
 RATE_HZ = 30.0
@@ -113,44 +109,39 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
         self._frame_id = left
         self._target = PoseTarget(params, "the centering frame", self._center)
         self.set_points = self._target.port
-        self.tunables = Tunables(_SCHEMA, _DEFAULTS, apply=self._want)
-        springs = [spring.driven for spring in self._springs.values()]
+        self.tunables = Tunables(_SCHEMA, _DEFAULTS, apply=self._set_stiffness)
         self._timer = PublishTimer(RATE_HZ)
-        self._usual = SpringUpdate(self._target.news, springs, self._timer)
+        self._update = SpringUpdate(
+            self._target.port, self._retarget, [*self._springs.values()], self._timer
+        )
         self._right_to_left = self._left_to_center = np.eye(4)
 
     @override
-    def usual_update(self) -> UsualUpdate | None:
-        is_copy = any(spring.is_copy for spring in self._springs.values())
-        return None if is_copy else self._usual
+    def usual_update(self) -> UsualUpdate:
+        return self._update
 
     @override
     def starting(self, time: float) -> None:
         """Make the present poses the equilibria, at which the springs have no force."""
         for arm, spring in self._springs.items():
-            spring.begin(self.tunables.values[f"{arm}_nullspace_stiffness"])
+            spring.start_at_rest(self.tunables.values[f"{arm}_nullspace_stiffness"])
         left, right = (_matrix(self._springs[arm].pose()) for arm in ARMS)
         self._right_to_left = np.linalg.inv(self._left_T_right @ right) @ left
         back = self._right_to_left[:3, :3].T @ self._right_to_left[:3, 3]
         self._left_to_center = np.eye(4)
         self._left_to_center[:3, 3] = -0.5 * back
-        self._target.begin()
-        self._want(self.tunables.values)
+        self._target.start_at_rest()
+        self._set_stiffness(self.tunables.values)
         self._timer.start(time, at_once=True)
 
     @override
     def update(self, time: float, period: float) -> None:
-        target = self._target.newest()
-        if target is not None:
-            self._set_target(*target)
-        self._usual.follow(time)
-        for spring in self._springs.values():
-            spring.write()
+        self._update.run(time, period)
 
     @override
     def published(self) -> Mapping[str, Mapping[str, object]]:
         """Return the topic `centering_frame`, in the form of a set-point."""
-        published = self._usual.published
+        published = self._update.published
         if published is None:
             return {}
         time, left = published
@@ -164,9 +155,9 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
             }
         }
 
-    def _want(self, gains: Mapping[str, float]) -> None:
+    def _set_stiffness(self, gains: Mapping[str, float]) -> None:
         for arm, spring in self._springs.items():
-            spring.want(
+            spring.set_stiffness(
                 gains[f"{arm}_translational_stiffness"],
                 gains[f"{arm}_rotational_stiffness"],
                 gains[f"{arm}_nullspace_stiffness"],
@@ -180,9 +171,11 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
         center = left @ self._left_to_center
         return [*center[:3, 3].tolist(), *quaternion_of(center[:3, :3]).tolist()]
 
-    def _set_target(
-        self, position: NDArray[np.float64], rotation: NDArray[np.float64]
-    ) -> None:
+    def _retarget(self) -> None:
+        target = self._target.newest()
+        if target is None:
+            return
+        position, rotation = target
         center = np.eye(4)
         center[:3, :3], center[:3, 3] = matrix_of(rotation), position
         left = center @ np.linalg.inv(self._left_to_center)
@@ -195,3 +188,74 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
 def _matrix(pose: list[float]) -> NDArray[np.float64]:
     """Return a pose of 16 numbers, column-major, as a matrix, shape (4, 4)."""
     return np.reshape(pose, (4, 4)).T
+
+
+def base_transform(xml: str, link: str, other: str) -> NDArray[np.float64]:
+    """Return the pose of the link `other` in the frame of `link`, shape (4, 4).
+
+    Args:
+        xml: The URDF.
+        link: Name of the link in whose frame the pose is expressed.
+        other: Name of the link whose pose is returned.
+
+    Raises:
+        RobotDescriptionError: The URDF is wrong, a link is missing, or one link moves
+            relative to the other.
+    """
+    urdf = parse_urdf(xml)
+    root_of_first, first = _fixed_root(urdf, link)
+    root_of_second, second = _fixed_root(urdf, other)
+    if root_of_first != root_of_second:
+        raise RobotDescriptionError(
+            f"Links '{link}' and '{other}' are not fixed to the same link: the first "
+            f"is fixed to '{root_of_first}', the second to '{root_of_second}'.",
+            remedy="Connect them by fixed joints in the robot description.",
+            details={"links": [link, other]},
+        )
+    result: NDArray[np.float64] = np.linalg.inv(
+        _matrix_of_origin(first)
+    ) @ _matrix_of_origin(second)
+    return result
+
+
+def _fixed_root(urdf: Urdf, link: str) -> tuple[str, Pose]:
+    if link not in urdf.links:
+        raise RobotDescriptionError(
+            f"The robot description has no link '{link}'.",
+            remedy="Name links of the description, or describe all arms in it.",
+            details={"link": link},
+        )
+    return urdf.fixed_root(link)
+
+
+def _matrix_of_origin(pose: Pose) -> NDArray[np.float64]:
+    w, x, y, z = pose.quaternion
+    return np.array(pose_of(pose.xyz, (x, y, z, w))).reshape(4, 4).T
+
+
+def quaternion_of(R: NDArray[np.float64]) -> NDArray[np.float64]:  # noqa: N803
+    """Return the quaternion of a rotation matrix, shape (3, 3)."""
+    # The largest of the four parts is at least 0.5, so that dividing by it is safe.
+    squares = np.array([
+        1.0 + R[0, 0] + R[1, 1] + R[2, 2],
+        1.0 + R[0, 0] - R[1, 1] - R[2, 2],
+        1.0 - R[0, 0] + R[1, 1] - R[2, 2],
+        1.0 - R[0, 0] - R[1, 1] + R[2, 2],
+    ])
+    largest = int(np.argmax(squares))
+    products = np.array([
+        [squares[0], R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]],
+        [R[2, 1] - R[1, 2], squares[1], R[1, 0] + R[0, 1], R[0, 2] + R[2, 0]],
+        [R[0, 2] - R[2, 0], R[1, 0] + R[0, 1], squares[2], R[2, 1] + R[1, 2]],
+        [R[1, 0] - R[0, 1], R[0, 2] + R[2, 0], R[2, 1] + R[1, 2], squares[3]],
+    ])
+    result: NDArray[np.float64] = products[largest] / (2.0 * sqrt(squares[largest]))
+    return result
+
+
+def matrix_of(q: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the rotation matrix of a unit quaternion, shape (3, 3)."""
+    w, v = q[0], q[1:]
+    skew = np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
+    result: NDArray[np.float64] = np.eye(3) + 2.0 * w * skew + 2.0 * skew @ skew
+    return result

@@ -30,8 +30,8 @@ cdef class PoseSpring:
     cdef double[::1] quaternion
     cdef WrenchEquation equation
 
-    cpdef void begin(self, double nullspace) noexcept
-    cpdef void run(self) noexcept
-    cpdef void measure(self) noexcept
-    cpdef void command(self) noexcept
-    cpdef void approach(self) noexcept
+    cpdef void start_at_rest(self, double nullspace) noexcept
+    cpdef void compute_torques(self) noexcept
+    cpdef void measure_error(self) noexcept
+    cpdef void balance_error(self) noexcept
+    cpdef void approach_targets(self) noexcept

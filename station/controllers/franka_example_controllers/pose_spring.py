@@ -87,7 +87,7 @@ class PoseSpring:
         self.quaternion = zeros(4)
         self.equation = WrenchEquation()
 
-    def begin(self, nullspace: float) -> None:
+    def start_at_rest(self, nullspace: float) -> None:
         """Make the present pose the equilibrium, and start without stiffness.
 
         Args:
@@ -105,13 +105,13 @@ class PoseSpring:
         for joint in range(self.size):
             self.rest[joint] = self.q[joint]
 
-    def run(self) -> None:
+    def compute_torques(self) -> None:
         """Write the torques of this cycle, then move on towards the targets."""
-        self.measure()
-        self.command()
-        self.approach()
+        self.measure_error()
+        self.balance_error()
+        self.approach_targets()
 
-    def measure(self) -> None:
+    def measure_error(self) -> None:
         """Write the pose error in the axes of the base, position [m] first."""
         error, own, actual = self.error, self.equilibrium, self.quaternion
         for k in range(3):
@@ -134,7 +134,7 @@ class PoseSpring:
                 share = -2.0 * arctangent(size, cosine) / size
         error[3], error[4], error[5] = share * ex, share * ey, share * ez
 
-    def command(self) -> None:
+    def balance_error(self) -> None:
         """Write the torques that belong to the error."""
         jacobian, twist, wrench, stray = (
             self.jacobian,
@@ -165,7 +165,7 @@ class PoseSpring:
             torques[joint] += stray[joint] + self.coriolis[joint]
         limit_steps(torques, self.last_torques, self.largest_step)
 
-    def approach(self) -> None:
+    def approach_targets(self) -> None:
         """Move stiffnesses and equilibrium on towards their targets."""
         own, target, stiffness = self.equilibrium, self.target, self.stiffness
         for k in range(3):

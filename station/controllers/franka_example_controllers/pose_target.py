@@ -6,14 +6,9 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from station.controllers.forward_command_controller.command_timeout import (
-    read_command_timeout,
-)
-from station.controllers.forward_command_controller.watched_set_point import (
-    WatchedSetPoint,
-)
 from station.controllers.franka_arm import PosePort
 from station.core.parameters import Parameters
+from station.core.ports.set_point import ActiveSetPoint, read_command_timeout
 
 _LENGTH_TOLERANCE = 1e-3
 
@@ -28,7 +23,6 @@ class PoseTarget:
 
     Attributes:
         port: Receives the poses.
-        news: Whether there may be a new pose.
     """
 
     def __init__(
@@ -38,14 +32,13 @@ class PoseTarget:
         self.port = PosePort(
             "wxyz", tolerance=_LENGTH_TOLERANCE, timeout=timeout, longest=inf
         )
-        self._watched = WatchedSetPoint(self.port, action, subject, rest)
-        self.news = self._watched.news
+        self._active = ActiveSetPoint(self.port, action, subject, rest)
         self._followed: list[float] = []
 
-    def begin(self) -> None:
+    def start_at_rest(self) -> None:
         """Rest at the present pose; called when the controller starts."""
-        self._watched.begin()
-        self._followed = self._watched.values
+        self._active.start_at_rest()
+        self._followed = self._active.values
 
     def newest(self) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
         """Return position (3,) and unit quaternion (4,) of a new pose, or None.
@@ -53,7 +46,7 @@ class PoseTarget:
         Raises:
             CommandTimeoutError: The last pose has expired and the action is `stop`.
         """
-        pose = self._watched.newest()
+        pose = self._active.newest()
         if pose is self._followed:
             return None
         self._followed = pose

@@ -10,16 +10,15 @@ from typing import ClassVar, TypeVar
 
 from typing_extensions import override
 
-from station.controllers.forward_command_controller import JointQuantity
-from station.controllers.forward_command_controller.joint_names import JOINT
 from station.controllers.gripper_action_controller.gripper_goal_port import (
     GripperGoalPort,
     GripperTarget,
 )
-from station.controllers.pid_command_controller import (
+from station.controllers.set_point_controller import (
+    JOINT,
     JointPidGroup,
+    JointQuantity,
     pid_parameters,
-    read_pid_gains,
 )
 from station.core.control.controller import Controller, ControllerSample
 from station.core.declared_parameter import DeclaredParameter, ParameterType
@@ -34,6 +33,7 @@ from station.core.hardware.interfaces import (
     JointHandle,
     PositionJointInterface,
 )
+from station.core.numerics.pid import PidGains
 from station.core.parameters import Parameters
 from station.core.ports.goal import Goal, GoalResult, GoalStatus
 
@@ -325,7 +325,7 @@ class EffortGripperActionController(GripperActionController[EffortJointInterface
     """Commands the output of a PID, bounded by the effort of the goal.
 
     Parameters: those of the base class, and the gains of the joint, see
-    `read_pid_gains`.
+    `PidGains.of_joints`.
     """
 
     hardware_interface: ClassVar[type] = EffortJointInterface
@@ -344,7 +344,7 @@ class EffortGripperActionController(GripperActionController[EffortJointInterface
         super().init(interface, params)
         self._pids = JointPidGroup(
             [self.joint],
-            read_pid_gains(params, [self.joint]),
+            PidGains.of_joints(params, [self.joint.name]),
             error=JointQuantity.POSITION,
             command=JointQuantity.EFFORT,
         )
@@ -362,7 +362,7 @@ class EffortGripperActionController(GripperActionController[EffortJointInterface
         pids = self._pids
         pids.errors[0] = target.position - handle.get_position()
         pids.rates[0] = -handle.get_velocity()
-        pids.group.compute_with_rates(period)
+        pids.group.compute_commands(period, rates_known=True)
         wanted = pids.commands[0]
         effort = max(-target.max_effort, min(target.max_effort, wanted))
         handle.set_command(effort)

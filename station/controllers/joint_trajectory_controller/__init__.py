@@ -1,9 +1,6 @@
 """Execute trajectories of joints over any joint command interface."""
 
-from station.controllers.joint_trajectory_controller.follow_joint_trajectory_goal import (  # noqa: E501
-    ErrorCode,
-)
-from station.controllers.joint_trajectory_controller.joint_trajectory_controller import (  # noqa: E501
+from station.controllers.joint_trajectory_controller.controller import (
     EffortJointTrajectoryController,
     JointTrajectoryController,
     JointTrajectoryState,
@@ -12,6 +9,7 @@ from station.controllers.joint_trajectory_controller.joint_trajectory_controller
     PosVelJointTrajectoryController,
     VelocityJointTrajectoryController,
 )
+from station.controllers.joint_trajectory_controller.execution import ErrorCode
 
 __all__ = [
     "EffortJointTrajectoryController",

@@ -4,7 +4,7 @@ from typing import ClassVar
 
 from typing_extensions import override
 
-from station.controllers.forward_command_controller import (
+from station.controllers.set_point_controller import (
     CommandInterfaceT,
     JointQuantity,
 )

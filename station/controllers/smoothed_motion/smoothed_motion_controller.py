@@ -5,16 +5,13 @@ from typing import ClassVar
 
 from typing_extensions import override
 
-from station.controllers.forward_command_controller import (
+from station.controllers.set_point_controller import (
     CommandInterfaceT,
     ControlledJoints,
+    JointPidGroup,
     JointQuantity,
     JointSetPointController,
-)
-from station.controllers.pid_command_controller import (
-    JointPidGroup,
     pid_parameters,
-    read_pid_gains,
 )
 from station.controllers.smoothed_motion.axis_limits import (
     LIMIT_PARAMETERS,
@@ -28,6 +25,7 @@ from station.core.control.sample_columns import SampleColumns
 from station.core.declared_parameter import DeclaredParameter
 from station.core.hardware.interfaces import EffortJointInterface
 from station.core.numerics.joint_errors import JointErrors
+from station.core.numerics.pid import PidGains
 from station.core.parameters import Parameters
 from station.memory.doubles import Doubles, put, zeros
 
@@ -52,7 +50,7 @@ class SmoothedMotionController(JointSetPointController[CommandInterfaceT]):
     `read_axis_limits`; `command_timeout` [s], 0.2 by default, at most 1.0;
     `command_timeout_action`, `hold` or `stop`. `robot_description` in this or an outer
     namespace gives types and limits of the joints. For efforts also the gains of every
-    joint, see `read_pid_gains`, and `max_lead`, see `read_max_lead`.
+    joint, see `PidGains.of_joints`, and `max_lead`, see `read_max_lead`.
 
     Attributes:
         limits: Limits of the generated motion.
@@ -99,7 +97,7 @@ class SmoothedMotionController(JointSetPointController[CommandInterfaceT]):
             self._max_lead = read_max_lead(params, self.joints)
             self._pids = JointPidGroup(
                 self.joints,
-                read_pid_gains(params, self.joints),
+                PidGains.of_joints(params, self.joint_names),
                 error=JointQuantity.POSITION,
                 command=JointQuantity.EFFORT,
                 commands=self.memory.commands,
@@ -171,7 +169,7 @@ class SmoothedMotionController(JointSetPointController[CommandInterfaceT]):
         else:
             put(self._desired_rates, generator.velocities)
             self._rate_errors.compare()
-            pids.group.compute_with_rates(period)
+            pids.group.compute_commands(period, rates_known=True)
         if memory.is_copy:
             memory.write()
         self.sampled.keep(time)

@@ -31,7 +31,7 @@ class Durations:
         self.put(duration)
 
     def put(self, duration: float) -> None:
-        """Add a duration [s]; for the kernel, which calls it without a look-up."""
+        """Add a duration [s]; for compiled callers, which need no look-up."""
         place = self.place
         self.values[place] = duration
         self.place = 0 if place + 1 == self.capacity else place + 1

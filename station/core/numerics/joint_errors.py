@@ -76,6 +76,21 @@ def shortest_angular_distance_with_limits(
     return short
 
 
+def first_excess(errors: Storage, bounds: Storage) -> int:
+    """Return the index of the first error beyond its bound in either direction, or -1.
+
+    Args:
+        errors: Errors, shape (n,); NaN exceeds no bound.
+        bounds: Largest errors, >= 0, shape (n,); inf for none.
+    """
+    for k in range(len(errors)):
+        error = errors[k]
+        bound = bounds[k]
+        if error > bound or -error > bound:
+            return k
+    return -1
+
+
 class JointErrors:
     """Compares the desired with the measured values of n joints, in place.
 
@@ -90,21 +105,21 @@ class JointErrors:
         self.desired = desired
         self.measured = measured
         self.errors = errors
-        self.ways = own_zeros(self.n)
+        self.wrapping = own_zeros(self.n)
         self.lower = own_zeros(self.n)
         self.upper = own_zeros(self.n)
         self.bounds = own_zeros(self.n)
 
-    def set_way(self, k: int, way: float, lower: float, upper: float) -> None:
-        """Define which way joint `k` can go.
+    def set_wrapping(self, k: int, wrapping: float, lower: float, upper: float) -> None:
+        """Define whether joint `k` may take the other way round.
 
         Args:
             k: Index of the joint.
-            way: `PLAIN`, `CONTINUOUS` or `BOUNDED`.
+            wrapping: `PLAIN`, `CONTINUOUS` or `BOUNDED`.
             lower: Lower limit of a bounded joint [rad].
             upper: Upper limit of a bounded joint [rad].
         """
-        self.ways[k] = way
+        self.wrapping[k] = wrapping
         self.lower[k] = lower
         self.upper[k] = upper
 
@@ -121,10 +136,10 @@ class JointErrors:
             error = desired[k] - measured[k]
             # Only beyond half a turn can the way of a joint differ from the difference.
             if not lowest <= error <= highest:
-                way = self.ways[k]
-                if way == CONTINUOUS:
+                wrapping = self.wrapping[k]
+                if wrapping == CONTINUOUS:
                     error = shortest_angular_distance(measured[k], desired[k])
-                elif way == BOUNDED:
+                elif wrapping == BOUNDED:
                     error = shortest_angular_distance_with_limits(
                         measured[k], desired[k], self.lower[k], self.upper[k]
                     )
@@ -132,10 +147,4 @@ class JointErrors:
 
     def exceeds(self) -> bool:
         """Return whether an error is larger than its bound, in either direction."""
-        errors, bounds = self.errors, self.bounds
-        for k in range(self.n):
-            error = errors[k]
-            bound = bounds[k]
-            if error > bound or -error > bound:
-                return True
-        return False
+        return first_excess(self.errors, self.bounds) >= 0

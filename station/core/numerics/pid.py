@@ -1,18 +1,35 @@
-"""Turn an error into a command: proportional, integral and derivative part.
+"""Turn errors into commands: proportional, integral and derivative part.
 
-The law is in `station.core.numerics.pid_group`.
+With `error = target - measured value`:
+
+| quantity         | formula                                                          |
+|------------------|------------------------------------------------------------------|
+| rate             | `(error - last error) / period`; the last error is 0 at first    |
+|                  | and after `reset`; in the first cycle after `reset_to` the given |
+|                  | rate is used                                                     |
+| integral         | `integral += period * error`                                     |
+| with antiwindup  | the integral is kept between `i_min / i` and `i_max / i`         |
+|                  | if i != 0                                                        |
+| i term           | `i * integral`; without antiwindup kept from `i_min` to `i_max`  |
+| command          | `p * error + i term + d * rate`; then                            |
+|                  | `rate gain * desired rate` is added, see `feed_forward`          |
 
 Source: control_toolbox@de05a5c src/pid.cpp, Pid.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite, isnan
 
 from station.core.declared_parameter import DeclaredParameter, ParameterType
-from station.core.errors import InvalidGainError
-from station.core.numerics.pid_group import NO_ERROR, PidGroup
+from station.core.errors import InvalidGainError, ParameterError
 from station.core.parameters import Parameters
-from station.memory.doubles import zeros
+from station.memory.doubles import Doubles, Storage, own_zeros, zeros
+
+NO_ERROR = 1
+"""Bit for a period of 0 or an error that is not finite."""
+NO_RATE = 2
+"""Bit for a rate that is not finite."""
 
 
 def _declare(
@@ -127,6 +144,175 @@ class PidGains:
             antiwindup=_ANTIWINDUP.read_bool(where),
         )
 
+    @classmethod
+    def of_joints(cls, params: Parameters, joints: Sequence[str]) -> "list[PidGains]":
+        """Read the gains of every joint from wherever ROS files have them.
+
+        These are `<joint>/pid`, `<joint>`, `gains/<joint>`, and `pid` for a controller
+        of one joint; see `from_parameters`.
+
+        Args:
+            params: The controller's namespace.
+            joints: The joints, in the order of the result.
+
+        Raises:
+            ParameterError: A joint has no gains, or its gains are not allowed.
+        """
+        return [
+            cls._of_joint(params, name, is_only=len(joints) == 1) for name in joints
+        ]
+
+    @classmethod
+    def _of_joint(cls, params: Parameters, joint: str, *, is_only: bool) -> "PidGains":
+        places = [f"{joint}/pid", joint, f"gains/{joint}"]
+        for place in places + (["pid"] if is_only else []):
+            if params.has(f"{place}/p") or params.has(f"{place}/pid/p"):
+                return cls.from_parameters(params.namespace(place))
+        raise ParameterError(
+            f"Parameter '{params.resolve(f'{places[0]}/p')}' is missing.",
+            remedy=f"Give the gains of joint '{joint}' as '{places[0]}: {{p, i, d}}'.",
+            details={"parameter": params.resolve(f"{places[0]}/p")},
+        )
+
+
+class PidGroup:
+    """The PIDs of n joints, which read errors and write commands in place.
+
+    Args:
+        errors: Targets minus measured values, shape (n,); the owner writes them.
+        rates: Rates of the errors [1/s], shape (n,); written by the owner, or computed.
+        commands: Where the commands are written, shape (n,).
+    """
+
+    def __init__(self, errors: Storage, rates: Storage, commands: Storage) -> None:
+        size = len(errors)
+        self.n = size
+        self.errors = errors
+        self.rates = rates
+        self.commands = commands
+        self.integrals = own_zeros(size)
+        # NaN stands for no last error.
+        self.last = own_zeros(size)
+        self.p = own_zeros(size)
+        self.i = own_zeros(size)
+        self.d = own_zeros(size)
+        self.i_max = own_zeros(size)
+        self.i_min = own_zeros(size)
+        # Not 0 where antiwindup is on.
+        self.antiwindup = own_zeros(size)
+        self.feeds_forward = False
+        self.desired_rates = rates
+        self.rate_gains = rates
+
+    def feed_forward(self, rates: Doubles, gains: Doubles) -> None:
+        """Add desired rates times gains to all commands from now on.
+
+        Args:
+            rates: Desired rates, shape (n,); the owner writes them.
+            gains: Gains of the rates, shape (n,).
+        """
+        self.feeds_forward = any(gains)
+        self.desired_rates, self.rate_gains = rates, gains
+
+    def set_gains(self, k: int, gains: PidGains) -> None:
+        """Set the gains of joint `k`; its error and integral stay."""
+        self.p[k], self.i[k], self.d[k] = gains.p, gains.i, gains.d
+        self.i_max[k], self.i_min[k] = gains.i_max, gains.i_min
+        self.antiwindup[k] = 1.0 if gains.antiwindup else 0.0
+
+    def reset(self) -> None:
+        """Forget all errors; the next rates are computed from errors of 0."""
+        for k in range(self.n):
+            self.reset_to(k, 0.0, 0.0)
+            self.last[k] = 0.0
+
+    def reset_to(self, k: int, rate: float, integral: float) -> None:
+        """Forget the last error of joint `k`, and set its rate and integral.
+
+        Args:
+            k: Index of the joint.
+            rate: Rate of the error that the next `compute_commands` uses [1/s].
+            integral: Integral of the error [s].
+        """
+        self.rates[k] = rate
+        self.integrals[k] = integral
+        self.last[k] = float("nan")
+
+    def integral(self, k: int) -> float:
+        """Return the integral of the error of joint `k` [s]."""
+        return self.integrals[k]
+
+    def set_integral(self, k: int, integral: float) -> None:
+        """Set the integral of the error of joint `k` [s]; its last error stays."""
+        self.integrals[k] = integral
+
+    def compute_commands(self, period: float, rates_known: bool) -> int:  # noqa: FBT001
+        """Compute the commands from the errors.
+
+        The command of a joint is 0, and its integral stays, when the period is 0, or
+        its error or rate is not finite.
+
+        Args:
+            period: Time since the last computation [s].
+            rates_known: Whether the owner has written the rates of the errors;
+                otherwise they follow from the last errors, and stay when the period is
+                0 or an error is not finite.
+
+        Returns:
+            0 when all commands were computed; otherwise 1 for a period of 0 or an error
+            that is not finite, plus 2 for a rate that is not finite.
+        """
+        errors, rates, commands = self.errors, self.rates, self.commands
+        integrals, last = self.integrals, self.last
+        p, i, d = self.p, self.i, self.d
+        i_max, i_min, antiwindup = self.i_max, self.i_min, self.antiwindup
+        stands = period == 0.0
+        differentiates = not rates_known and period > 0.0
+        mask = 0
+        for k in range(self.n):
+            error = errors[k]
+            # Only the difference of a finite number to itself is 0.
+            if stands or error - error != 0.0:
+                commands[k] = 0.0
+                mask |= NO_ERROR
+                continue
+            rate = rates[k]
+            if differentiates:
+                before = last[k]
+                last[k] = error
+                if before == before:
+                    rate = (error - before) / period
+                rates[k] = rate
+            if rate - rate != 0.0:
+                commands[k] = 0.0
+                mask |= NO_RATE
+                continue
+            gain = i[k]
+            integral = integrals[k] + period * error
+            if antiwindup[k] != 0.0:
+                if gain != 0.0:
+                    low = i_min[k] / gain
+                    high = i_max[k] / gain
+                    if high < low:
+                        low, high = high, low
+                    if integral < low:
+                        integral = low
+                    elif high < integral:
+                        integral = high
+                part = gain * integral
+            else:
+                part = gain * integral
+                if part < i_min[k]:
+                    part = i_min[k]
+                elif i_max[k] < part:
+                    part = i_max[k]
+            integrals[k] = integral
+            commands[k] = p[k] * error + part + d[k] * rate
+        if self.feeds_forward:
+            for k in range(self.n):
+                commands[k] = self.rate_gains[k] * self.desired_rates[k] + commands[k]
+        return mask
+
 
 class Pid:
     """Compute a command from an error once per cycle.
@@ -191,7 +377,8 @@ class Pid:
         Returns:
             The command; 0 if none can be computed.
         """
-        missing = self._prepared(error).compute(period)
+        group = self._prepared(error)
+        missing = group.compute_commands(period, rates_known=False)
         if missing != NO_ERROR:
             self._p_error = error
         if not missing:
@@ -214,7 +401,7 @@ class Pid:
         """
         self._p_error = error
         self._rate[0] = error_dot
-        if not self._prepared(error).compute_with_rates(period):
+        if not self._prepared(error).compute_commands(period, rates_known=True):
             self._command = self._output[0]
         return self._output[0]
 
@@ -222,7 +409,7 @@ class Pid:
         """Return the group of this one PID, with its error and its newest gains."""
         gains = self._gains
         if gains is not self._applied:
-            apply_gains(self._group, 0, gains)
+            self._group.set_gains(0, gains)
             self._applied = gains
         self._error[0] = error
         return self._group
@@ -257,9 +444,3 @@ class Pid:
         """
         self._p_error = self._command = 0.0
         self._group.reset_to(0, d_error, i_error)
-
-
-def apply_gains(group: PidGroup, index: int, gains: PidGains) -> None:
-    """Make `gains` those of one joint of a group; its error and integral stay."""
-    group.set_gains(index, gains.p, gains.i, gains.d, gains.i_max, gains.i_min)
-    group.set_antiwindup(index, gains.antiwindup)

@@ -7,8 +7,7 @@ caller owns, for what runs in every cycle.
 
 from collections.abc import Sequence
 
-from station.core.numerics import arm_chain
-from station.core.numerics import rigid_motion as kernel
+from station.core.numerics import arm_chain, rigid_motion
 from station.memory.doubles import doubles, viewed, zeros
 
 
@@ -23,7 +22,7 @@ def rotation_between(first: Sequence[float], second: Sequence[float]) -> list[fl
         second: Pose after the rotation, 16 numbers.
     """
     result = zeros(3)
-    kernel.rotation_between(viewed(first), viewed(second), result)
+    rigid_motion.rotation_between(viewed(first), viewed(second), result)
     return [*result]
 
 
@@ -40,7 +39,7 @@ def displace(
         turn: Rotation vector [rad], shape (3,).
     """
     result = zeros(16)
-    kernel.displace(viewed(pose), doubles([*shift, *turn]), 1.0, result)
+    rigid_motion.displace(viewed(pose), doubles([*shift, *turn]), 1.0, result)
     return [*result]
 
 
@@ -55,7 +54,7 @@ def twist_between(
         period: Time between the poses [s], > 0.
     """
     result = zeros(6)
-    kernel.twist_between(viewed(first), viewed(second), period, result)
+    rigid_motion.twist_between(viewed(first), viewed(second), period, result)
     return [*result]
 
 
@@ -79,7 +78,7 @@ def pose_of(position: Sequence[float], quaternion: Sequence[float]) -> list[floa
 def quaternion_of(pose: Sequence[float]) -> list[float]:
     """Return the unit quaternion x, y, z, w of a pose's rotation, with w >= 0."""
     result = zeros(4)
-    kernel.quaternion_of(viewed(pose), result)
+    rigid_motion.quaternion_of(viewed(pose), result)
     return [*result]
 
 

@@ -1,13 +1,22 @@
-"""The one-slot mailbox through which a controller gets its set-points."""
+"""Set-points: the mailbox that any thread posts to, and the one that is in force."""
 
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass
+from enum import Enum
 from math import inf
 
 from station.core.clock import Clock, SystemClock
-from station.core.errors import InvalidCommandError, is_number, refuse_non_number
+from station.core.declared_parameter import DeclaredParameter, ParameterType
+from station.core.errors import (
+    CommandTimeoutError,
+    InvalidCommandError,
+    is_number,
+    refuse_non_number,
+)
+from station.core.parameters import Parameters
 from station.core.ports.receipt import Receipt
-from station.core.ports.set_point_news import SetPointNews
+from station.memory.doubles import put, zeros
 
 RANGE_TOLERANCE = 1e-4
 """How far beyond its range a position may be asked for [rad or m].
@@ -16,6 +25,7 @@ Numbers are written with four digits, and a joint rests a little inside its stop
 """
 _LENGTHS = {"rad", "m"}
 """The units of positions."""
+_INF: float = inf
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +75,7 @@ class SetPointPort:
         feed_forward: The rates of change that may follow the numbers of a set-point.
             Empty if the controller does not use any.
         generation: How often the set-points were made void.
-        news: What is looked at in every cycle.
+        deadline: When the set-point in force expires [s]; infinite when it does not.
         last: The last set-point picked up, with its rates; None if there was none since
             the controller started.
     """
@@ -89,7 +99,8 @@ class SetPointPort:
         self._slot: deque[tuple[list[float] | None, float, int, Receipt | None]] = (
             deque(maxlen=1)
         )
-        self.news = SetPointNews(self._slot)
+        self.is_void = False
+        self.deadline = inf
         self.generation = 0
         self._in_force: Receipt | None = None
         # The set-point posted last and its generation; None once it is not in force.
@@ -172,13 +183,16 @@ class SetPointPort:
         self._newest = None
         self._slot.append((None, -inf, self.generation, None))
 
-    def has_news(self) -> bool:
+    def has_changed(self) -> bool:
         """Return whether a set-point waits, was made void, or has become invalid.
 
-        While there is no news, none of the other methods has anything to tell. Control
-        thread only.
+        Otherwise the set-point in force stays in force. Control thread only.
         """
-        return bool(self._slot) or self.news.is_void or self._has_expired()
+        return (
+            len(self._slot) > 0
+            or self.is_void
+            or (self.deadline != _INF and self._has_expired())
+        )
 
     def take(self) -> list[float] | None:
         """Empty the slot and return its set-point, or None. Control thread only."""
@@ -189,9 +203,9 @@ class SetPointPort:
             return None
         if values is None:
             if self.last is not None:
-                self.news.deadline = deadline
+                self.deadline = deadline
             return None
-        self.last, self.news.deadline, self._in_force = values, deadline, receipt
+        self.last, self.deadline, self._in_force = values, deadline, receipt
         if receipt is not None:
             receipt.pick_up()
         return self.last
@@ -204,7 +218,7 @@ class SetPointPort:
         """
         if not self._has_expired():
             return False
-        self.news.deadline = inf
+        self.deadline = inf
         newest = self._newest
         if newest is not None and newest[0] is self.last:
             self._newest = None
@@ -216,19 +230,184 @@ class SetPointPort:
         """Make every set-point void, picked up or not. Control thread only."""
         self._slot.clear()
         self.last = None
-        self.news.deadline = inf
-        self.news.is_void = True
+        self.deadline = inf
+        self.is_void = True
         self.generation += 1
 
     def take_void(self) -> bool:
         """Return whether set-points became void since the last call. Control thread."""
-        was_void = self.news.is_void
-        self.news.is_void = False
+        was_void = self.is_void
+        self.is_void = False
         return was_void
 
     def _has_expired(self) -> bool:
-        deadline = self.news.deadline
-        return deadline != inf and self.clock.now() > deadline
+        return self.deadline != _INF and self.clock.now() > self.deadline
+
+
+class TimeoutAction(Enum):
+    """What a controller does when its set-point expires.
+
+    `command_timeout` [s] is the time for which a set-point is valid; when it is 0 or
+    absent, set-points do not expire. `command_timeout_action` is one of:
+
+    - `off`: the set-point stays in force.
+    - `hold`, the default: the robot rests until the next set-point arrives.
+    - `stop`: the controller fails with `CommandTimeoutError`, and the manager stops it.
+
+    A set-point with a time limit of its own is followed by rest also with `off`.
+    """
+
+    OFF = "off"
+    HOLD = "hold"
+    STOP = "stop"
+
+
+def timeout_parameters(
+    default: float = 0.0, *, longest: float = inf
+) -> tuple[DeclaredParameter, DeclaredParameter]:
+    """Return the declarations of `command_timeout` and `command_timeout_action`.
+
+    Args:
+        default: Validity of a set-point when `command_timeout` is absent [s].
+        longest: Longest validity allowed [s]; when it is finite, every set-point
+            expires.
+    """
+    always = longest < inf
+    never = "" if always else "; 0: never"
+    follows = (
+        "what follows: come to rest and `hold`, or `stop` (the controller fails)"
+        if always
+        else "what follows: `hold` (rest), `stop` (the controller fails) or `off` "
+        "(nothing)"
+    )
+    return (
+        DeclaredParameter(
+            name="command_timeout",
+            type=ParameterType.NUMBER,
+            unit="s",
+            default=default,
+            minimum=0.0,
+            excludes_minimum=always,
+            maximum=longest,
+            description="time on the wall clock after which a set-point expires"
+            + never,
+        ),
+        DeclaredParameter(
+            name="command_timeout_action",
+            type=ParameterType.STRING,
+            default=TimeoutAction.HOLD.value,
+            choices=tuple(
+                each.value
+                for each in TimeoutAction
+                if not (always and each is TimeoutAction.OFF)
+            ),
+            description=follows,
+        ),
+    )
+
+
+def read_command_timeout(
+    params: Parameters, default: float = 0.0, *, longest: float = inf
+) -> tuple[float, TimeoutAction]:
+    """Return the validity of set-points [s], 0 for no limit, and the action after it.
+
+    Args:
+        params: The controller's namespace.
+        default: See `timeout_parameters`.
+        longest: See `timeout_parameters`.
+
+    Raises:
+        ParameterError: `command_timeout` is not a number >= 0 or is beyond `longest`,
+            or `command_timeout_action` is not a value of `TimeoutAction`.
+    """
+    validity, action = timeout_parameters(default, longest=longest)
+    timeout = validity.read_float(params)
+    chosen = TimeoutAction(action.read_str(params))
+    return (0.0 if chosen is TimeoutAction.OFF else timeout), chosen
+
+
+class ActiveSetPoint:
+    """The set-point in force: the newest valid one of a port, or rest. Control thread.
+
+    Args:
+        port: Receives the set-points.
+        action: What happens when the newest set-point expires.
+        subject: Name of what is commanded, for messages.
+        rest: Returns the set-point at which the robot rests, shape (n,).
+
+    Attributes:
+        port: As given.
+        values: The set-point in force, shape (n,); never changed, only replaced.
+        desired: The values, always in the same memory.
+        desired_rates: Rates at which the values change, always in the same memory.
+        has_rates: Whether the rates are known.
+    """
+
+    def __init__(
+        self,
+        port: SetPointPort,
+        action: TimeoutAction,
+        subject: str,
+        rest: Callable[[], list[float]],
+    ) -> None:
+        self.port = port
+        self._action = action
+        self._subject = subject
+        self._rest = rest
+        self.values: list[float] = []
+        self.desired = zeros(len(port.elements))
+        self.desired_rates = zeros(len(port.elements))
+        self.has_rates = False
+
+    def start_at_rest(self) -> None:
+        """Make rest the set-point; called when the controller starts."""
+        self._put_in_force(self._rest(), [])
+
+    def newest(self) -> list[float]:
+        """Return the set-point in force, shape (n,); the caller must not change it.
+
+        The set-point is clamped to the ranges of its elements. Rest replaces a
+        set-point that has expired, or that a stop, a reset or a recovery made void.
+
+        Raises:
+            CommandTimeoutError: The set-point has expired and the action is `stop`.
+        """
+        if self.port.has_changed():
+            self._replace()
+        return self.values
+
+    def _replace(self) -> None:
+        port = self.port
+        if port.take_void():
+            self.start_at_rest()
+        newest = port.take()
+        if newest is not None:
+            # Set-points may be posted unchecked, so they are clamped once more here.
+            # After the values come the rates, if the set-point has any.
+            values = [
+                min(max(value, element.minimum), element.maximum)
+                for value, element in zip(newest, port.elements, strict=False)
+            ]
+            self._put_in_force(values, newest[len(values) :])
+        if port.take_expiry():
+            self._end()
+
+    def _put_in_force(self, values: list[float], rates: list[float]) -> None:
+        put(self.desired, values)
+        if rates:
+            put(self.desired_rates, rates)
+        self.has_rates = bool(rates)
+        self.values = values
+
+    def _end(self) -> None:
+        if self._action is TimeoutAction.STOP:
+            raise CommandTimeoutError(
+                f"No set-point for {self._subject} arrived in time.",
+                remedy="Restart the controller, and send set-points more often than "
+                "its `command_timeout` demands.",
+            )
+        self.start_at_rest()
+        self.port.last = self.values
 
 
 def _check_values(elements: list[SetPointElement], values: list[float]) -> None:

@@ -1,4 +1,4 @@
-"""A piece of a path in time: a polynomial of degree 1, 3 or 5 per dimension.
+"""A part of a path in time: a polynomial of degree 1, 3 or 5 per dimension.
 
 Source: ros_controllers@678b92a joint_trajectory_controller/include/
 trajectory_interface/quintic_spline_segment.h, pos_vel_acc_state.h.
@@ -48,7 +48,7 @@ class QuinticSplineSegment:
         start_time: Time at the start state [s].
         time_from_start: Time of the start state from the trajectory's start [s].
         size: The number of dimensions n.
-        splines: The splines of all dimensions for the kernel, shape (8 n,).
+        splines: The splines of all dimensions, see `sample_splines`, shape (8 n,).
 
     Raises:
         InvalidTrajectoryError: The end is before the start, or the sizes of the

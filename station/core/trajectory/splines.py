@@ -7,15 +7,10 @@ Source: ros_controllers@678b92a joint_trajectory_controller/include/
 trajectory_interface/quintic_spline_segment.h.
 """
 
-from station.core.numerics.joint_errors import JointErrors
-from station.memory.doubles import Doubles, Storage, own_zeros
+from station.memory.doubles import Doubles, Storage
 
 SPLINE_SIZE = 8
 """Numbers of a spline."""
-IS_OVER = 1
-"""Bit for splines that all rest at their ends."""
-EXCEEDS = 2
-"""Bit for an error that is larger than its bound."""
 
 
 def sample_splines(splines: Storage, time: float, states: Doubles) -> bool:
@@ -82,63 +77,3 @@ def sample_splines(splines: Storage, time: float, states: Doubles) -> bool:
                 states[n + n + k] = 2.0 * c2 + a3 * c3 + a4 * c4 + a5 * c5
         at += 8
     return is_over
-
-
-class SplineGroup:
-    """The splines that n joints follow now.
-
-    Args:
-        states: Where n positions, then n velocities, then n accelerations are written,
-            shape (3 n,).
-        position_errors: Compares these positions with the measured positions.
-        velocity_errors: Compares these velocities with the measured velocities.
-    """
-
-    def __init__(
-        self,
-        states: Doubles,
-        position_errors: JointErrors,
-        velocity_errors: JointErrors,
-    ) -> None:
-        self.n = len(states) // 3
-        self.states = states
-        self.position_errors = position_errors
-        self.velocity_errors = velocity_errors
-        self.splines = own_zeros(SPLINE_SIZE * self.n)
-
-    def load(self, k: int, spline: Storage) -> None:
-        """Let joint `k` follow a spline, shape (8,)."""
-        for i in range(8):
-            self.splines[8 * k + i] = spline[i]
-
-    def follow(self, time: float, factor: float, rate: float) -> int:
-        """Compute the errors, and the states of splines that run at another speed.
-
-        Args:
-            time: Time of the splines [s].
-            factor: Time of the splines that passes per real time.
-            rate: Rate at which the factor changes [1/s].
-
-        Returns:
-            `IS_OVER` when all splines rest at their ends, and `EXCEEDS` when an error
-            is larger than its bound.
-        """
-        mask = 0
-        if sample_splines(self.splines, time, self.states):
-            mask |= 1
-        if factor != 1.0 or rate != 0.0:
-            states, n = self.states, self.n
-            for k in range(n):
-                velocity = states[n + k]
-                acceleration = states[n + n + k]
-                states[n + n + k] = acceleration * factor * factor + velocity * rate
-                states[n + k] = velocity * factor
-        self.compare()
-        if self.position_errors.exceeds() or self.velocity_errors.exceeds():
-            mask |= 2
-        return mask
-
-    def compare(self) -> None:
-        """Compute the errors alone."""
-        self.position_errors.compare()
-        self.velocity_errors.compare()

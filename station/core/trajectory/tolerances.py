@@ -6,13 +6,16 @@ joint_trajectory_controller/tolerances.h.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from math import inf
 
 from station.core.declared_parameter import (
     EACH_JOINT,
     DeclaredParameter,
     ParameterType,
 )
+from station.core.numerics.joint_errors import first_excess
 from station.core.parameters import Parameters
+from station.memory.doubles import Doubles, doubles
 
 _GOAL_TIME = DeclaredParameter(
     name="goal_time",
@@ -48,6 +51,8 @@ _STOPPED = DeclaredParameter(
 TOLERANCE_PARAMETERS = (_GOAL_TIME, _STOPPED, _PATH, _GOAL)
 """The parameters of the default bounds, in the namespace `constraints`."""
 
+_QUANTITIES = ("position", "velocity", "acceleration")
+
 
 @dataclass(frozen=True, slots=True)
 class StateTolerances:
@@ -63,6 +68,11 @@ class StateTolerances:
     velocity: float = 0.0
     acceleration: float = 0.0
 
+    def limits(self) -> Doubles:
+        """Return the bounds, shape (3,); inf where there is none."""
+        bounds = (self.position, self.velocity, self.acceleration)
+        return doubles(bound if bound > 0.0 else inf for bound in bounds)
+
     def violation(
         self, position: float, velocity: float, acceleration: float = 0.0
     ) -> tuple[str, float, float] | None:
@@ -76,13 +86,9 @@ class StateTolerances:
         Returns:
             Name of the quantity, its error, and its bound.
         """
-        if self.position > 0.0 and abs(position) > self.position:
-            return "position", position, self.position
-        if self.velocity > 0.0 and abs(velocity) > self.velocity:
-            return "velocity", velocity, self.velocity
-        if self.acceleration > 0.0 and abs(acceleration) > self.acceleration:
-            return "acceleration", acceleration, self.acceleration
-        return None
+        errors, limits = doubles((position, velocity, acceleration)), self.limits()
+        found = first_excess(errors, limits)
+        return None if found < 0 else (_QUANTITIES[found], errors[found], limits[found])
 
 
 @dataclass(frozen=True, slots=True)

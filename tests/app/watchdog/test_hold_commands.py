@@ -3,7 +3,7 @@
 import sys
 import time
 
-from station.app.watchdog.hold_commands import HoldCommands
+from station.app.watchdog.watch import HoldCommands
 
 
 def wait(holds, count, now=0.0):

@@ -5,7 +5,7 @@ import os
 import stat
 from pathlib import Path
 
-from station.app.watchdog.incident import KEPT, Incident
+from station.app.watchdog.watch import KEPT, Incident
 
 
 def test_the_file_has_the_facts_and_those_that_are_added(tmp_path):

@@ -7,6 +7,8 @@ import pytest
 
 from station.app.in_process import InProcessStation
 from station.cli.main import main
+from station.cli.parser import parse
+from station.cli.verbs import experiments
 from station.experiments.pools import InThisProcess
 from station.trials.results import Results, file_of
 
@@ -188,7 +190,7 @@ class Interrupted(InThisProcess):
 @pytest.mark.parametrize(("verb", "task"), [("tune", 1), ("tune", 5), ("sweep", 2)])
 def test_ctrl_c_says_how_to_go_on(monkeypatch, script, capsys, verb, task):
     executor = Interrupted(task)
-    monkeypatch.setattr("station.cli.verbs.experiments.make_pool", lambda _: executor)
+    monkeypatch.setattr("station.experiments.pools.make_pool", lambda _: executor)
     words = [] if verb == "tune" else ["load=0:1"]
 
     code = main([verb, GROUP, *words, "--trials", "20", "--script", script, "--name=x"])
@@ -271,3 +273,24 @@ def test_background_hands_the_experiment_to_the_station(monkeypatch, script):
     assert request.commands[0].joint == "panda_joint1"
     assert request.bounds[0].is_relative
     assert main([*words, "--cluster", "tcp://localhost:8786"]) == 2
+
+
+def test_ranges_and_options_of_a_sweep():
+    options = parse([
+        *("sweep", "arm", "load=0:3", "delay=0,1", "--trials", "5"),
+        *("--with", "friction=1", "--cluster", "tcp://here:8786"),
+    ])
+
+    assert (options.controller, options.ranges) == ("arm", ["load=0:3", "delay=0,1"])
+    assert (options.trials, options.cluster) == (5, "tcp://here:8786")
+    assert options.run is experiments.sweep
+
+
+@pytest.mark.parametrize(
+    "words",
+    [["sweep", "arm"], ["tune"], ["experiments", "bake"], ["validate"], ["identify"]],
+)
+def test_missing_and_unknown_words_are_refused(words, capsys):
+    with pytest.raises(SystemExit):
+        parse(words)
+    assert capsys.readouterr().err

@@ -4,6 +4,8 @@ import json
 
 import pytest
 
+from station.cli.parser import parse
+
 
 def test_gains_are_shown_with_unit_and_range(run):
     assert run("gains show arm").out.split()[4:] == [
@@ -65,3 +67,21 @@ def test_gain_sets_are_saved_loaded_compared_and_undone(
 def test_gain_sets_are_listed(run):
     assert run("gains list").out.split() == ["soft", "stiff"]
     assert json.loads(run("gains list --json").out) == ["soft", "stiff"]
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("gains save stiff arm leg", ["arm", "leg"]),
+        ("gains set arm j1/p=5", ["j1/p=5"]),
+        ("gains list", []),
+    ],
+)
+def test_gains_takes_a_name_and_words(line, words):
+    assert parse(line.split()).words == words
+
+
+def test_an_unknown_action_gets_the_nearest(capsys):
+    with pytest.raises(SystemExit):
+        parse(["gains", "sav", "x"])
+    assert "Did you mean 'save'?" in capsys.readouterr().err

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from station.client._sync import goal_handle
+from station.client import blocking
 from station.wire import Goal, GoalResult
 
 
@@ -17,7 +17,7 @@ def goal(status: str, message: str = "", code: int = 0) -> Goal:
 
 @pytest.fixture(autouse=True)
 def _no_waiting(monkeypatch):
-    monkeypatch.setattr(goal_handle.time, "sleep", lambda _: None)
+    monkeypatch.setattr(blocking.time, "sleep", lambda _: None)
 
 
 def test_it_waits_until_the_joints_are_there(run, station):
@@ -61,7 +61,7 @@ def test_an_interrupt_cancels_the_goal(run, station, monkeypatch):
     def interrupt(_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(goal_handle.time, "sleep", interrupt)
+    monkeypatch.setattr(blocking.time, "sleep", interrupt)
     run("goto arm 1 2")
 
     assert station.calls[-1] == ("cancel_goal", "arm", "7")

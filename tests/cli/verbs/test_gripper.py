@@ -4,7 +4,8 @@ import json
 
 import pytest
 
-from station.cli.verbs import gripper
+from station.cli.parser import parse
+from station.cli.verbs import robot
 from station.wire import Gripper, GripperCommand
 
 
@@ -73,7 +74,7 @@ def hand(station, monkeypatch):
     arm = type("Arm", (), {"gripper": fake, "arm_id": "panda"})
     station.robot = lambda _: arm
     station.robots = lambda: [arm]
-    monkeypatch.setattr(gripper.time, "sleep", lambda _: None)
+    monkeypatch.setattr(robot.time, "sleep", lambda _: None)
     return fake
 
 
@@ -120,7 +121,7 @@ def test_ctrl_c_stops_the_gripper(run, hand, monkeypatch):
     def interrupt(_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(gripper.time, "sleep", interrupt)
+    monkeypatch.setattr(robot.time, "sleep", interrupt)
 
     assert run("gripper move 0.03").code == 130
     assert hand.calls[-1] == ("stop",)
@@ -149,3 +150,11 @@ def test_one_of_several_arms_must_be_named(run, hand, station):
 
     assert run("gripper state").code == 2
     assert hand.calls == []
+
+
+def test_options_have_the_defaults_of_the_api():
+    options = parse(["gripper", "move", "0.08"])
+
+    assert (options.words, options.speed) == (["move", "0.08"], 0.1)
+    assert (options.inner, options.outer) == (0.005, 0.005)
+    assert not options.no_wait

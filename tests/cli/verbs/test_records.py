@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from station.app.rerun import Difference, RerunResult
+from station.cli.parser import parse
 from station.records.recording_table import Choice
 from station.wire import Recording
 
@@ -168,3 +169,15 @@ def test_what_is_no_recording_is_not_recovered(run, tmp_path):
 
     assert outcome.code == 1
     assert "is no recording" in outcome.err
+
+
+def test_the_defaults_are_the_file_itself():
+    options = parse(["record", "get", "x"])
+    assert (options.action, options.name, options.format, options.output) == (
+        "get", "x", "mcap", None,
+    )  # fmt: skip
+
+
+def test_recovery_needs_no_station():
+    options = parse(["recover_file", "x.mcap"])
+    assert not hasattr(options, "url")

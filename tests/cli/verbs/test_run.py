@@ -1,11 +1,16 @@
-"""Verb `run`: options become configuration, what is told becomes lines."""
+"""Verbs `run`, `fci` and `fetch_robot`: options become configuration."""
 
 import json
+from pathlib import Path
 
 import pytest
 
 from station.app.announcement import Announcement
+from station.app.fci_run import FciRun
 from station.app.station_watchdog import EndedByWatchdogError
+from station.cli.main import main
+from station.cli.parser import parse
+from station.hw.franka.fci.server.fci_server import FciCounts
 
 ANNOUNCEMENT = Announcement(
     "http://a",
@@ -130,3 +135,80 @@ def test_the_log_can_be_json(run, monkeypatch):
 
     assert forms == ["text", "json"]
     assert "warning: something" not in found.err
+
+
+@pytest.fixture
+def runs(monkeypatch):
+    """The runs that the verb has begun; none of them serves."""
+    begun = []
+
+    def run(self):
+        begun.append(self)
+        self._tell("ready")
+        return FciCounts()
+
+    monkeypatch.setattr(FciRun, "run", run)
+    return begun
+
+
+def test_the_configured_arm_is_served_where_it_is_told(runs, tmp_path, capsys):
+    file = tmp_path / "station.yaml"
+    file.write_text("robot: {arm_id: left}\n", encoding="utf-8")
+    code = main(["fci", str(file), "--host", "127.0.0.9", "--patience", "0.5"])
+    assert code == 0
+    (run,) = runs
+    assert run._config.robot_parameters()["arm_id"] == "left"
+    assert (run._settings.host, run._settings.patience) == ("127.0.0.9", 0.5)
+    assert capsys.readouterr().out == "ready\n"
+
+
+@pytest.mark.usefixtures("runs")
+def test_json_is_a_line_per_message(capsys):
+    assert main(["fci", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == {"message": "ready"}
+
+
+def test_directory_is_printed(run, monkeypatch):
+    def fetch(tell):
+        tell("Fetching.")
+        return Path("/data/panda")
+
+    monkeypatch.setattr("station.app.panda_fetch.fetch_panda", fetch)
+
+    outcome = run("fetch-robot")
+
+    assert (outcome.code, outcome.out) == (0, "/data/panda\n")
+    assert outcome.err == "Fetching.\n"
+    assert json.loads(run("fetch_robot --json").out) == {"directory": "/data/panda"}
+
+
+def test_it_listens_to_this_machine_alone_and_waits_for_nobody_unless_told():
+    options = parse(["fci"])
+    assert (options.host, options.patience, options.config) == ("127.0.0.1", 0.0, None)
+    options = parse(["fci", "--patience", "0.25"])
+    assert options.patience == 0.25
+
+
+@pytest.mark.parametrize("wrong", ["-1", "10.1", "nan", "soon"])
+def test_impossible_patience_is_refused(wrong, capsys):
+    with pytest.raises(SystemExit) as end:
+        parse(["fci", f"--patience={wrong}"])
+    assert end.value.code == 2
+    assert "0 to 10" in capsys.readouterr().err
+
+
+def test_run_takes_a_robot_and_its_base() -> None:
+    options = parse([
+        "run",
+        "--robot",
+        "r.urdf",
+        "--base",
+        "planar",
+    ])
+    assert (options.robot, options.base) == ("r.urdf", "planar")
+    assert options.config is None
+
+
+def test_doctor_looks_at_a_robot_if_there_is_one() -> None:
+    assert parse(["doctor"]).robot is None
+    assert parse(["doctor", "r.urdf"]).robot == "r.urdf"

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from station.controllers.cartesian_motion.arm_configuration import (
+from station.controllers.cartesian_motion.joint_lookahead import (
     ELBOW,
     ArmConfiguration,
 )

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from station.controllers.cartesian_motion.braking import (
+from station.controllers.cartesian_motion.pose_motion import (
     braking_peaks,
     peak_speed,
     resting_ways,
@@ -57,4 +57,4 @@ def test_both_modes_agree_bit_for_bit(velocities, accelerations, bounds):
         module.braking_peaks(v, a, largest, jerk, peaks)
         return [*ways, *peaks, module.peak_speed(v, a, jerk)]
 
-    assert_same("braking", scenario)
+    assert_same("pose_motion", scenario)

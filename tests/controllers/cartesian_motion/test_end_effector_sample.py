@@ -6,12 +6,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from station.controllers.cartesian_motion.end_effector_sample import (
+    EndEffectorUpdate,
     PoseSample,
-    RestingEndEffector,
     TwistSample,
 )
 from station.core.franka.model_sources import ModelSource
-from station.core.ports.set_point_news import SetPointNews
+from station.core.ports.set_point import SetPointPort
 from station.hw.franka.arm.franka_kinematics import CHAIN
 from station.memory.doubles import doubles, put, zeros
 from tests.both_modes import arrays, assert_same, needs_both, sibling
@@ -83,19 +83,23 @@ def test_twists_are_kept_in_the_axes_that_are_asked_for(is_inner):
     assert columns[2] == pytest.approx(wanted - actual)
 
 
-@pytest.mark.parametrize("news", ["none", "waiting", "void"])
-def test_rest_ends_with_news(news):
-    slot = ["a set-point"] if news == "waiting" else []
-    told = SetPointNews(slot)
-    told.is_void = news == "void"
+@pytest.mark.parametrize("change", ["none", "waiting", "void"])
+def test_rest_ends_with_another_set_point(change):
+    port = SetPointPort([])
+    if change == "waiting":
+        port.post([])
+    elif change == "void":
+        port.clear()
     sample = PoseSample(doubles(HERE), ModelSource(lambda result: put(result, HERE)))
-    resting = RestingEndEffector(told, sample)
+    moves = []
+    update = EndEffectorUpdate(port, lambda *moment: moves.append(moment), sample)
 
-    assert not resting.run(1.0, 0.001)
-    assert sample.sampled.newest is None
-    resting.is_resting = True
-    assert resting.run(1.0, 0.001) is (news == "none")
-    assert (sample.sampled.newest is not None) is (news == "none")
+    assert update.run(1.0, 0.001)
+    assert moves == [(1.0, 0.001)]
+    update.is_resting = True
+    assert update.run(2.0, 0.001)
+    assert len(moves) == (1 if change == "none" else 2)
+    assert sample.sampled.newest[0] == 2.0
 
 
 @needs_both

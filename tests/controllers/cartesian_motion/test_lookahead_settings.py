@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.controllers.cartesian_motion.lookahead_settings import (
+from station.controllers.cartesian_motion.joint_lookahead import (
     LARGEST_JOINT_ACCELERATION,
     LookaheadSettings,
     read_lookahead_settings,

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from station.controllers.cartesian_motion import braking
+from station.controllers.cartesian_motion import pose_motion
 from station.controllers.cartesian_motion.pose_motion import PoseMotion
 from station.core.numerics.poses import displace, pose_of, rotation_between
 from station.memory.doubles import doubles, zeros
@@ -63,14 +63,14 @@ def test_a_motion_that_brakes_is_that_of_its_axes(velocities, accelerations):
     it.motion.brake()
     v, a, largest, jerk = map(doubles, (velocities, accelerations, LARGEST, JERK))
     peaks, ways = zeros(6), zeros(6)
-    braking.braking_peaks(v, a, largest, jerk, peaks)
-    braking.resting_ways(v, a, largest, jerk, ways)
+    pose_motion.braking_peaks(v, a, largest, jerk, peaks)
+    pose_motion.resting_ways(v, a, largest, jerk, ways)
 
     assert [*it.accelerations[6:]] == [*peaks]
     ended = displace(HERE, ways.tolist()[:3], ways.tolist()[3:])
     assert [*it.motion.resting] == pytest.approx(ended, abs=1e-12)
     assert it.motion.stays_within_speed() == all(
-        braking.peak_speed(v[k : k + 3], a[k : k + 3], jerk[k : k + 3]) <= speed
+        pose_motion.peak_speed(v[k : k + 3], a[k : k + 3], jerk[k : k + 3]) <= speed
         for k, speed in zip((0, 3), SPEEDS, strict=True)
     )
 

@@ -2,12 +2,14 @@
 
 import pytest
 
+from station.controllers.cartesian_motion.cartesian_jog_controller import (
+    TwistSetPointPort,
+)
 from station.controllers.cartesian_motion.cartesian_limits import (
     ROTATION,
     TRANSLATION,
     CartesianLimits,
 )
-from station.controllers.cartesian_motion.twist_set_point import TwistSetPointPort
 from station.core.errors import InvalidCommandError
 
 

@@ -56,18 +56,18 @@ class Arm:
         """Let the filters of the stiffnesses end; the equilibrium stays."""
         put(self.spring.wanted, stiffness)
         for _ in range(20_000):
-            self.spring.approach()
+            self.spring.approach_targets()
 
 
 @pytest.mark.parametrize("is_angle", [False, True])
 def test_torques_are_those_of_the_formula(is_angle):
     arm = Arm(is_angle=is_angle)
-    arm.spring.begin(0.0)
+    arm.spring.start_at_rest(0.0)
     arm.settle(200.0, 10.0, 20.0)
     moved, turned = np.array([0.02, -0.01, 0.03]), np.array([0.3, -0.2, 0.5])
     joints = np.linspace(-0.2, 0.3, JOINTS)
     arm.deflect(moved, turned, joints)
-    arm.spring.run()
+    arm.spring.compute_torques()
 
     angle = np.linalg.norm(turned)
     share = 1.0 if is_angle else np.sin(angle / 2) / angle
@@ -92,9 +92,9 @@ def test_a_torque_changes_by_the_largest_step_at_most():
     free, held = Arm(), Arm(largest_step=0.5)
     for arm in (free, held):
         put(arm.last, [0.1, -0.2, 0.3, 0.0, 5.0, -5.0, 0.0])
-        arm.spring.begin(20.0)
+        arm.spring.start_at_rest(20.0)
         arm.deflect([0.0, 0.0, 0.1], [0.0, 0.1, 0.0], np.ones(JOINTS))
-        arm.spring.run()
+        arm.spring.compute_torques()
 
     wanted, last = np.array(free.spring.torques), np.array(held.last)
     assert np.abs(wanted - last).max() > 0.5
@@ -105,8 +105,8 @@ def test_a_torque_changes_by_the_largest_step_at_most():
 def test_it_begins_without_force_where_the_arm_is():
     arm = Arm()
     arm.deflect([0.1, 0.2, 0.3], [0.1, 0.0, 0.2], np.zeros(JOINTS))
-    arm.spring.begin(0.0)
-    arm.spring.run()
+    arm.spring.start_at_rest(0.0)
+    arm.spring.compute_torques()
 
     here = [0.4, 0.2, 0.8, *quaternion([0.1, 0.0, 0.2])]
     assert list(arm.spring.equilibrium) == pytest.approx(here)
@@ -115,10 +115,10 @@ def test_it_begins_without_force_where_the_arm_is():
 
 def test_stiffness_comes_in_the_time_of_the_filter():
     arm = Arm()
-    arm.spring.begin(1.0)
+    arm.spring.start_at_rest(1.0)
     put(arm.spring.wanted, [100.0, 10.0, 0.0])
     for _ in range(200):
-        arm.spring.approach()
+        arm.spring.approach_targets()
 
     left = 0.995**200
     expected = [100.0 * (1 - left), 10.0 * (1 - left), left]
@@ -129,10 +129,10 @@ def test_stiffness_comes_in_the_time_of_the_filter():
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_the_equilibrium_turns_evenly_the_short_way(angle, sign):
     arm = Arm()
-    arm.spring.begin(0.0)
+    arm.spring.start_at_rest(0.0)
     turned = [sign * part for part in quaternion([0.0, angle, 0.0])]
     put(arm.spring.target, [0.3, 0.0, 0.7, *turned])
-    arm.spring.approach()
+    arm.spring.approach_targets()
 
     found = list(arm.spring.equilibrium)
     assert found[:3] == pytest.approx([0.3, 0.0, 0.501])
@@ -151,11 +151,11 @@ def test_both_modes_agree_bit_for_bit(model, measured, target, is_angle, largest
         put(spring.jacobian, model[:30])
         put(spring.coriolis, model[30:35])
         put(spring.wanted, [abs(value) for value in model[35:38]])
-        spring.begin(abs(model[38]))
+        spring.start_at_rest(abs(model[38]))
         put(spring.pose, model[33:])
         put(spring.target, target)
-        spring.run()
-        spring.run()
+        spring.compute_torques()
+        spring.compute_torques()
         return [*spring.torques, *spring.equilibrium, *spring.stiffness]
 
     assert_same("pose_spring", scenario)

@@ -15,7 +15,7 @@ def make_target(**params):
     """Return a target whose rest is `REST`."""
     target = PoseTarget(Parameters(ParameterTree(params)), "arm", lambda: list(REST))
     target.port.clock = ManualClock()
-    target.begin()
+    target.start_at_rest()
     return target
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.controllers.joint_trajectory_controller.speed_scaling import SpeedScaling
+from station.controllers.joint_trajectory_controller.execution import SpeedScaling
 
 
 def test_at_full_speed_time_passes_exactly():

@@ -1,62 +1,39 @@
-"""Time passes along a trajectory; what waits or is watched is left to others."""
-
-from types import SimpleNamespace
+"""Time passes along a trajectory, and the joint is commanded along it."""
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from typing_extensions import override
 
-from station.controllers.forward_command_controller.command_laws import DirectLaw
-from station.controllers.joint_trajectory_controller.trajectory_update import (
-    SpeedFactor,
-    TrajectoryTime,
+from station.controllers.joint_trajectory_controller.execution import (
+    JointTracking,
+    SpeedScaling,
+    TrajectoryExecution,
     TrajectoryUpdate,
 )
-from station.core.control.sample_columns import SampleColumns
-from station.core.numerics.joint_errors import JointErrors
-from station.core.trajectory.splines import SplineGroup
-from station.memory.doubles import doubles, zeros
+from station.controllers.joint_trajectory_controller.planning import TrajectoryPlanner
+from station.controllers.set_point_controller import DirectLaw
+from station.core.description.robot_description import JointDescription
+from station.core.hardware.interfaces import JointStateGroup, JointStateHandle
+from station.core.trajectory import JointTrajectory, JointTrajectoryPoint
+from station.memory.doubles import zeros
 from tests.both_modes import assert_same, needs_both
-
-LINE = [0.0, 10.0, 1.0, 2.0, 0.0, 0.0, 0.0, 0.0]
-"""x = 1 + 2 t for 10 s."""
-
-
-class Line(TrajectoryTime):
-    """One joint on a line."""
-
-    def __init__(self) -> None:
-        self.states = zeros(3)
-        errors = [
-            JointErrors(self.states[i : i + 1], zeros(1), zeros(1)) for i in range(2)
-        ]
-        super().__init__(SpeedFactor(1.0, 0.5), SplineGroup(self.states, *errors))
-        self.loads = []
-
-    @override
-    def load(self, now):
-        self.loads.append(now)
-        self.splines.load(0, doubles(LINE))
-        self.load_time = float("inf")
-        self.begin = 0.0
 
 
 class Run:
-    """An update along the line, and what it commands."""
+    """An update along a line of 1 m in 10 s, and what it commands."""
 
     def __init__(self) -> None:
-        self.line, self.requests = Line(), []
-        self.supervision = SimpleNamespace(goal=None)
-        self.commands = zeros(1)
-        self.sampled = SampleColumns([self.commands])
-        self.update = TrajectoryUpdate(
-            self.line,
-            self.requests,
-            self.supervision,
-            DirectLaw(self.line.states[:1], self.commands),
-            self.sampled,
-        )
+        joints, self.commands = [JointDescription("a")], zeros(1)
+        state = JointStateHandle("a", zeros(1), zeros(1), zeros(1))
+        self.tracking = JointTracking(joints, JointStateGroup([state]))
+        self.execution = TrajectoryExecution(joints, self.tracking)
+        law = DirectLaw(self.tracking.positions, self.commands)
+        self.update = TrajectoryUpdate(self.execution, law, self.commands)
+        self.execution.start(100.0)
+        self.update.run(100.5, 0.5)
+        self.planner = TrajectoryPlanner(self.execution, joints)
+        point = JointTrajectoryPoint([1.0], time_from_start=10.0)
+        self.planner.plan(JointTrajectory(["a"], [point], stamp=101.0))
 
 
 @pytest.fixture
@@ -65,35 +42,33 @@ def run():
 
 
 def test_time_passes_and_the_joint_follows(run):
-    for cycle in range(3):
-        assert run.update.run(100.0 + cycle, 0.5)
-    assert [*run.commands] == [4.0]
-    assert run.line.loads == [0.5]
-    assert run.line.moment == (102.0, 0.5, 1_500_000_000)
-    assert [*run.line.times_from_start] == [0.0, 1.5]
-    assert run.sampled.newest[0] == 102.0
+    for cycle in range(5):
+        assert run.update.run(101.0 + 0.5 * cycle, 0.5)
+    assert [*run.commands] == pytest.approx([0.2])
+    assert run.execution.moment == (103.0, 0.5, 3_000_000_000)
+    assert [*run.execution.times_from_start] == [0.0, 2.0]
+    assert run.update.sampled.newest[0] == 103.0
 
 
 def test_a_trajectory_that_is_over_rests_at_its_end(run):
     for cycle in range(30):
-        run.update.run(float(cycle), 0.5)
-    assert run.line.rests
-    assert [*run.commands] == [21.0]
+        run.update.run(101.0 + 0.5 * cycle, 0.5)
+    assert [*run.commands] == pytest.approx([1.0])
+    assert [*run.tracking.velocities] == [0.0]
 
 
-@pytest.mark.parametrize("unusual", ["request", "goal"])
-def test_nothing_is_done_while_a_request_waits_or_a_goal_is_watched(run, unusual):
-    if unusual == "request":
-        run.requests.append(object())
-    else:
-        run.supervision.goal = object()
-    assert not run.update.run(1.0, 0.5)
-    assert run.line.moment == (0.0, 0.0, 0)
-    assert run.sampled.newest is None
+def test_a_request_is_taken_up_in_the_next_cycle(run):
+    run.update.run(101.0, 0.5)
+    run.update.run(101.5, 0.5)
+    run.execution.hold()
+    assert len(run.execution.requests) == 1
+    run.update.run(102.0, 0.5)
+    assert not run.execution.requests
+    assert [*run.commands] == pytest.approx([0.05])
 
 
 def test_the_speed_changes_by_its_ramp():
-    speed = SpeedFactor(1.0, 0.5)
+    speed = SpeedScaling(1.0, 0.5)
     speed.target = 0.0
     passed = [speed.advance(0.2) for _ in range(4)]
     assert passed == pytest.approx([0.2 * 0.8, 0.2 * 0.4, 0.2 * 0.1, 0.0])
@@ -109,11 +84,11 @@ def test_the_speed_changes_by_its_ramp():
 )
 def test_both_modes_change_the_speed_the_same(first, target, ramp, periods):
     def scenario(module):
-        speed = module.SpeedFactor(first, ramp)
+        speed = module.SpeedScaling(first, ramp)
         speed.target = target
         found = []
         for period in periods:
             found += [speed.advance(period), speed.factor, speed.rate]
         return found
 
-    assert_same("trajectory_update", scenario)
+    assert_same("execution", scenario)

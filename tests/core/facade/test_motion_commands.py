@@ -2,6 +2,7 @@
 
 import pytest
 
+from station.core.clock import ManualClock
 from station.core.control.switching import SwitchRequest
 from station.core.errors import (
     ControllerStateError,
@@ -210,13 +211,13 @@ def test_a_new_epoch_voids_what_is_under_way(arm, submit):
 @pytest.mark.parametrize("submit", SUBMISSIONS)
 def test_an_epoch_that_ends_during_the_check_voids_the_wish(arm, submit, monkeypatch):
     controller = arm.manager.get_controller("arm")
-    real = controller.execution.plan
+    real = controller.planner.plan
 
     def plan(*arguments, **options):
         arm.loop.control_cycle.next_epoch("A reset.")
         real(*arguments, **options)
 
-    monkeypatch.setattr(controller.execution, "plan", plan)
+    monkeypatch.setattr(controller.planner, "plan", plan)
     with pytest.raises(StaleEpochError):
         submit(arm)
     arm.loop.step(600)
@@ -293,14 +294,16 @@ def test_a_set_point_that_is_overtaken_by_a_new_epoch_is_void(station, monkeypat
     station.switch_controllers(SwitchRequest(start=("group",)))
     station.loop.step(2)
     port = station.manager.get_controller("group").set_points
-    real = port.post
+    clock = ManualClock()
 
-    def post(*arguments):
+    def now():
         station.loop.control_cycle.next_epoch("A reset.")
-        real(*arguments)
+        return 0.0
 
-    monkeypatch.setattr(port, "post", post)
-    station.motion.set_command("group", [0.3, 0.3])
+    # A set-point that expires asks for the time between the checks and the slot.
+    monkeypatch.setattr(clock, "now", now)
+    monkeypatch.setattr(port, "clock", clock)
+    station.motion.set_command("group", [0.3, 0.3], timeout=1.0)
     station.loop.step(3)
 
     assert positions(station) == [0.0, 0.0]
@@ -317,7 +320,7 @@ def test_set_points_are_let_expire_and_unknown_controllers_left_out():
     port = station.manager.get_controller("spring").set_points
     station.motion.let_go(["spring", "unknown"], "Lost.")
     assert port.take() is None  # nobody has commanded anything yet
-    assert not port.has_news()
+    assert not port.has_changed()
 
     station.switch_controllers(SwitchRequest(start=("spring",)))
     station.motion.set_command("spring", [0.5])

@@ -17,7 +17,7 @@ def errors_of(module_class, desired, measured, lower=-2.9, upper=2.9):
     errors = zeros(3)
     comparison = module_class(doubles(desired), doubles(measured), errors)
     for k, way in enumerate(WAYS):
-        comparison.set_way(k, way, lower, upper)
+        comparison.set_wrapping(k, way, lower, upper)
     comparison.compare()
     return errors.tolist()
 

@@ -148,20 +148,20 @@ def test_rates_are_checked_like_the_values(rates):
         port.check([0.1, 0.2])
 
 
-def test_there_is_news_when_a_set_point_waits_is_void_or_expired(port, clock):
-    assert not port.has_news()
+def test_there_is_a_change_when_a_set_point_waits_is_void_or_expired(port, clock):
+    assert not port.has_changed()
     port.post([0.1, 0.1])
-    assert port.has_news()
+    assert port.has_changed()
     port.take()
-    assert not port.has_news()
+    assert not port.has_changed()
     clock.advance(0.501)
-    assert port.has_news()
+    assert port.has_changed()
     assert port.take_expiry()
-    assert not port.has_news()
+    assert not port.has_changed()
     port.clear()
-    assert port.has_news()
+    assert port.has_changed()
     assert port.take_void()
-    assert not port.has_news()
+    assert not port.has_changed()
 
 
 def test_a_set_point_in_force_expires_at_once_when_told(port):
@@ -169,11 +169,11 @@ def test_a_set_point_in_force_expires_at_once_when_told(port):
     port.take()
     port.expire()
 
-    assert port.has_news()
+    assert port.has_changed()
     assert port.take() is None
     assert port.take_expiry()
     assert not port.take_expiry()
-    assert not port.has_news()
+    assert not port.has_changed()
 
 
 def test_a_set_point_in_the_slot_never_is_picked_up_once_it_was_let_expire(port):

@@ -1,13 +1,9 @@
 """Joint limits, and the handles that enforce them.
 
-The handles act in `RobotHW.write`, after the controllers. Formulas and sources stand in
-`position_joint_limits`, `velocity_joint_limits` and `effort_joint_limits`.
+The handles act in `RobotHW.write`, after the controllers. The equations are in
+`limited_joints` and `rate_limits`.
 """
 
-from station.core.hardware.limits.effort_joint_limits import (
-    EffortJointSaturationHandle,
-    EffortJointSoftLimitsHandle,
-)
 from station.core.hardware.limits.joint_limits import (
     JointLimits,
     JointLimitsError,
@@ -22,10 +18,22 @@ from station.core.hardware.limits.joint_limits_interface import (
     EffortJointSaturationInterface,
     EffortJointSoftLimitsInterface,
     JointLimitsInterface,
+    PositionJointRateLimitsInterface,
     PositionJointSaturationInterface,
     PositionJointSoftLimitsInterface,
+    VelocityJointRateLimitsInterface,
     VelocityJointSaturationInterface,
     VelocityJointSoftLimitsInterface,
+)
+from station.core.hardware.limits.limit_handles import (
+    EffortJointSaturationHandle,
+    EffortJointSoftLimitsHandle,
+    PositionJointRateLimitsHandle,
+    PositionJointSaturationHandle,
+    PositionJointSoftLimitsHandle,
+    VelocityJointRateLimitsHandle,
+    VelocityJointSaturationHandle,
+    VelocityJointSoftLimitsHandle,
 )
 from station.core.hardware.limits.limit_mode import LimitMode, make_limits_handle
 from station.core.hardware.limits.limits_from_parameters import (
@@ -36,20 +44,6 @@ from station.core.hardware.limits.limits_from_parameters import (
 from station.core.hardware.limits.limits_from_urdf import (
     joint_limits_from_urdf,
     soft_joint_limits_from_urdf,
-)
-from station.core.hardware.limits.position_joint_limits import (
-    PositionJointSaturationHandle,
-    PositionJointSoftLimitsHandle,
-)
-from station.core.hardware.limits.rate_joint_limits import (
-    PositionJointRateLimitsHandle,
-    PositionJointRateLimitsInterface,
-    VelocityJointRateLimitsHandle,
-    VelocityJointRateLimitsInterface,
-)
-from station.core.hardware.limits.velocity_joint_limits import (
-    VelocityJointSaturationHandle,
-    VelocityJointSoftLimitsHandle,
 )
 
 __all__ = [

@@ -1,4 +1,4 @@
-"""Enforce the limits of several joints in one call of the kernel."""
+"""Enforce the limits of several joints in one call."""
 
 from collections.abc import Callable, Mapping, Sequence
 

@@ -65,7 +65,7 @@ class JointLimitsHandle(ResourceHandle):
         soft_limits: Range and gains of a kind that slows the joint down.
 
     Attributes:
-        arithmetic: The kernel's arithmetic; that of the base class limits nothing.
+        arithmetic: The compiled arithmetic; that of the base class limits nothing.
         required: The limits that the joint must have, such as "velocity".
         unlimited: What stands for a limit that the joint does not have.
         first_previous: The command of the last cycle in the first one; NaN if the

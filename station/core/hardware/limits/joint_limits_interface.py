@@ -11,22 +11,20 @@ from typing import TypeVar
 from typing_extensions import override
 
 from station.core.hardware.interfaces.resource_manager import ResourceManager
-from station.core.hardware.limits.effort_joint_limits import (
-    EffortJointSaturationHandle,
-    EffortJointSoftLimitsHandle,
-)
 from station.core.hardware.limits.enforced_limits import EnforcedLimits, LimitedRun
 from station.core.hardware.limits.joint_limits_group import JointLimitsGroup
 from station.core.hardware.limits.joint_limits_handle import Clamp, JointLimitsHandle
-from station.core.hardware.limits.limited_joints import MOST_JOINTS, LimitedJoints
-from station.core.hardware.limits.position_joint_limits import (
+from station.core.hardware.limits.limit_handles import (
+    EffortJointSaturationHandle,
+    EffortJointSoftLimitsHandle,
+    PositionJointRateLimitsHandle,
     PositionJointSaturationHandle,
     PositionJointSoftLimitsHandle,
-)
-from station.core.hardware.limits.velocity_joint_limits import (
+    VelocityJointRateLimitsHandle,
     VelocityJointSaturationHandle,
     VelocityJointSoftLimitsHandle,
 )
+from station.core.hardware.limits.limited_joints import MOST_JOINTS, LimitedJoints
 
 L = TypeVar("L", bound=JointLimitsHandle)
 
@@ -34,7 +32,7 @@ L = TypeVar("L", bound=JointLimitsHandle)
 class JointLimitsInterface(ResourceManager[L]):
     """Hold the limit handles of a robot, filled at start and enforced in `write`.
 
-    Limits of one kind are enforced together: in one call of the kernel, in place if the
+    Limits of one kind are enforced together: in one call, in place if the
     joints lie side by side in the robot's doubles.
 
     Attributes:
@@ -181,3 +179,15 @@ class EffortJointSaturationInterface(JointLimitsInterface[EffortJointSaturationH
 
 class EffortJointSoftLimitsInterface(JointLimitsInterface[EffortJointSoftLimitsHandle]):
     """Limits of effort-controlled joints with soft limits."""
+
+
+class PositionJointRateLimitsInterface(
+    JointLimitsInterface[PositionJointRateLimitsHandle]
+):
+    """Limits of position-controlled joints against the command of the last cycle."""
+
+
+class VelocityJointRateLimitsInterface(
+    JointLimitsInterface[VelocityJointRateLimitsHandle]
+):
+    """Limits of velocity-controlled joints against the command of the last cycle."""

@@ -5,21 +5,15 @@ from enum import Enum
 
 from station.core.errors import ParameterError
 from station.core.hardware.interfaces.joint import JointHandle
-from station.core.hardware.limits.effort_joint_limits import (
-    EffortJointSaturationHandle,
-    EffortJointSoftLimitsHandle,
-)
 from station.core.hardware.limits.joint_limits import JointLimits, SoftJointLimits
 from station.core.hardware.limits.joint_limits_handle import JointLimitsHandle
-from station.core.hardware.limits.position_joint_limits import (
+from station.core.hardware.limits.limit_handles import (
+    EffortJointSaturationHandle,
+    EffortJointSoftLimitsHandle,
+    PositionJointRateLimitsHandle,
     PositionJointSaturationHandle,
     PositionJointSoftLimitsHandle,
-)
-from station.core.hardware.limits.rate_joint_limits import (
-    PositionJointRateLimitsHandle,
     VelocityJointRateLimitsHandle,
-)
-from station.core.hardware.limits.velocity_joint_limits import (
     VelocityJointSaturationHandle,
     VelocityJointSoftLimitsHandle,
 )
@@ -53,7 +47,7 @@ class LimitMode(Enum):
         ROS_CONTROL: By the soft limits of a joint that has them, otherwise by
             saturation at its hard limits.
         RATE: Against the command of the last cycle, acceleration and jerk included;
-            see `rate_joint_limits`. Efforts have no rate and are saturated.
+            see `rate_limits`. Efforts have no rate and are saturated.
     """
 
     ROS_CONTROL = "ros_control"

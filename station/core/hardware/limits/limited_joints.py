@@ -1,8 +1,27 @@
 """Saturation and soft limits of the commands of n joints.
 
 A limit that a joint does not have is NaN, which every comparison ignores. A command of
-NaN passes through. Formulas and sources stand in `station.core.hardware.limits`, beside
-the handles of the same names.
+NaN passes through. In the equations, `p` and `v` are measured position and velocity,
+`prev` is the command of the last cycle, and `clip(x, a, b) = min(max(x, a), b)`. They
+give the lowest command; the highest one is the same mirrored.
+
+| commands, limits       | lowest command                                             |
+|------------------------|------------------------------------------------------------|
+| efforts, saturation    | `-e_max`; 0 if `p < p_min` or `v < -v_max`                 |
+| efforts, soft          | `clip(-k_v*(v - v_low), -e_max, e_max)` with the bound     |
+|                        | `v_low = clip(-k_p*(p - soft_min), -v_max, v_max)`         |
+| velocities, saturation | `max(prev - a_max*period, -v_max)`; at first `prev` is 0   |
+| velocities, soft       | `max(v - a_max*period,`                                    |
+|                        | `clip(-k_p*(p - soft_min), -v_max, v_max))`                |
+| positions, saturation  | `max(prev - v_max*period, p_min)`                          |
+| positions, soft        | `max(prev + clip(-k_p*(prev - soft_min), -v_max, v_max)`   |
+|                        | `*period, p_min)`; at first `prev` is the measured position|
+
+A term with a limit that a joint does not have is left out: without position limits the
+velocity bounds of soft limits are `-v_max` and `v_max`. Soft limits of velocities take
+the largest float for a missing `v_max`. Only those of efforts use `k_v`.
+
+Source: ros_control@633c374 joint_limits_interface.h, the six handles of limits.
 """
 
 from collections.abc import Mapping
@@ -192,7 +211,7 @@ class EffortSoftLimits(SoftLimitedJoints):
                 and free_min[i] <= p <= free_max[i]
                 and damping * (v + speed) <= asked <= damping * (v - speed)
             ):
-                continue  # the usual case
+                continue  # within the limits
             high_velocity = speed
             low_velocity = -speed
             bound = soft_min[i]
@@ -406,7 +425,7 @@ class PositionSoftLimits(SoftLimitedJoints):
                 and min_position[i] <= asked <= max_position[i]
             ):
                 previous[i] = asked
-                continue  # the usual case
+                continue  # within the limits
             low_velocity = -speed
             high_velocity = speed
             bound = soft_min[i]

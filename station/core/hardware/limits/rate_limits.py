@@ -1,7 +1,26 @@
 """Limits of position and velocity commands against the commands of the last cycle.
 
-A limit that a joint does not have is infinite here. The rules stand in
-`station.core.hardware.limits.rate_joint_limits`.
+These limits can be used instead of saturation and soft limits. They limit acceleration
+and jerk, too, and a joint outside its range is not pulled back, but may only move
+towards the range. Effort commands have no rate to limit and are saturated in this mode.
+A limit that a joint does not have is infinite here.
+
+The limits act against the velocity and acceleration of the last cycle. They are applied
+in this order, so that the later ones win:
+
+1. jerk: the acceleration changes by at most `j_max * period`;
+2. acceleration: at most `a_max`, and less towards `v_max` so that jerk can hold there;
+3. velocity: at most `v_max`;
+4. range: the joint can still stop at the bound with `a_max`; outside its range it may
+   only move back towards it.
+
+`approach` gives the largest rate from which a value stops within a distance D when the
+rate may fall by `r * period` in each cycle: `r * (sqrt(2*D/r) - period/2)`. One cycle
+later, the rate minus `r * period` is again within the value of `approach`. Therefore
+range and acceleration never contradict each other, nor do velocity and jerk. With both
+acceleration and jerk limits, braking begins earlier, by the distance that the rise of
+the deceleration takes. The range then seldom requires more jerk than allowed; if it
+does, the range wins.
 """
 
 from station.core.hardware.limits import limited_joints as codes

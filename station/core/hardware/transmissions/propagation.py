@@ -1,4 +1,4 @@
-"""Carry the values of many transmissions over, alike ones in one call of the kernel."""
+"""Carry the values of many transmissions over, alike ones in one call."""
 
 from collections.abc import Callable, Iterable, Sequence
 

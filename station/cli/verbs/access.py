@@ -1,0 +1,115 @@
+"""Verbs about who may do what: `control` of the station and named tokens."""
+
+import sys
+import time
+from argparse import Namespace
+from typing import TYPE_CHECKING
+
+from station.cli.connection import LEASE_VARIABLE, open_client
+from station.cli.errors import UsageError
+from station.cli.output import say, say_model, say_models, say_table
+
+if TYPE_CHECKING:
+    from station.cli.parser import Parser
+    from station.client import StationClient
+    from station.wire import ControlState
+
+LOOK_PERIOD = 0.2
+"""How often it looks whether control was lost [s]."""
+
+
+def add_control(parser: "Parser") -> None:
+    """Add the arguments of `control`."""
+    parser.add_argument(
+        "action", nargs="?", choices=("show", "take", "release"), default="show"
+    )
+    parser.add_argument("--owner", metavar="NAME", help="name that others are told")
+    parser.add_argument(
+        "--ttl", type=float, default=10.0, metavar="S", help="longest silence [s]"
+    )
+    parser.add_argument(
+        "--force", action="store_true", help="take it from whoever holds it"
+    )
+
+
+def add_token(parser: "Parser") -> None:
+    """Add the arguments of `token`."""
+    parser.add_argument("action", choices=("create", "list", "revoke"))
+    parser.add_argument("name", nargs="?", metavar="NAME", help="whose token")
+    parser.add_argument("--role", choices=("operator", "viewer"), default="operator")
+    parser.add_argument(
+        "--expires", type=float, metavar="S", help="how long it is valid [s]"
+    )
+
+
+def control(options: Namespace) -> int:
+    """Show who holds control, take it until Ctrl-C, or give it back."""
+    with open_client(options) as client:
+        if options.action == "take":
+            _take(client, options)
+        elif options.action == "release":
+            client.lease.release()
+            say("Control is given back.")
+        else:
+            _show(client.lease.state(), as_json=options.json)
+    return 0
+
+
+def _take(client: "StationClient", options: Namespace) -> None:
+    with client.control(options.owner, ttl=options.ttl, force=options.force) as lease:
+        state = lease.renew()
+        _show(state, as_json=options.json)
+        if not options.json:
+            say("Ctrl-C gives it back. Other shells act under this lease with")
+            say(f"export {LEASE_VARIABLE}={state.lease}")
+        sys.stdout.flush()
+        while lease.lost is None:
+            time.sleep(LOOK_PERIOD)
+        raise lease.lost
+
+
+def _show(state: "ControlState", *, as_json: bool) -> None:
+    if as_json:
+        say_model(state)
+    elif state.owner is None or state.since is None:
+        say("Nobody holds control; every operator may change things.")
+    else:
+        since = _time(state.since)
+        offer = f" It is offered to {state.hand_over_to}." if state.hand_over_to else ""
+        say(f"{state.owner} holds control since {since}.{offer}")
+
+
+def token(options: Namespace) -> int:
+    """Make, list or revoke named tokens.
+
+    Raises:
+        UsageError: `create` or `revoke` without a name.
+    """
+    if options.action != "list" and options.name is None:
+        raise UsageError(
+            f"Whose token? `{options.action}` needs a name.",
+            remedy=f"station token {options.action} NAME",
+        )
+    with open_client(options) as client:
+        if options.action == "list":
+            found = client.tokens.list()
+            if options.json:
+                say_models(found)
+            else:
+                rows = [(t.name, t.role, _time(t.expires_at)) for t in found]
+                say_table(("name", "role", "expires"), rows)
+        elif options.action == "create":
+            made = client.tokens.create(
+                options.name, options.role, expires=options.expires
+            )
+            say_model(made) if options.json else say(made.token)
+        else:
+            gone = client.tokens.revoke(options.name)
+            say_model(gone) if options.json else say(f"{gone.name} has no token now.")
+    return 0
+
+
+def _time(stamp: float | None) -> str:
+    if stamp is None:
+        return "never"
+    return time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(stamp))

@@ -1,1 +1,0 @@
-"""The client for asyncio, and the source that `_sync` is generated from."""

@@ -1,0 +1,326 @@
+"""The connection of a client to its station: requests go out, wire models come back."""
+
+import asyncio
+import json
+import math
+import ssl
+import time
+from collections.abc import Awaitable, Callable, Coroutine, Mapping, Sequence
+from pathlib import Path
+from typing import Any, TypeAlias, TypeVar
+from urllib.parse import quote
+
+import httpx
+from pydantic import BaseModel, JsonValue
+
+from station.client.errors import ApiError, StationUnreachableError
+from station.client.streams import CommandOptions, Rate, StreamOptions, bearer
+from station.wire.base import reader_of
+from station.wire.protocol import (
+    CLOCK_HEADER,
+    LEASE_HEADER,
+    NOT_AFTER_HEADER,
+    PREFIX,
+)
+
+_ANSWERS = 20
+"""Answers that tell how far the station's clock is ahead."""
+Sleep: TypeAlias = Callable[[float], Awaitable[None]]
+ModelT = TypeVar("ModelT")
+Query = Mapping[str, str | list[str]]
+
+
+class Promptness:
+    """Says by the station's own clock until when a change may begin. Any thread.
+
+    The clocks of two machines may differ: what is added to is the station's time in its
+    answers, and the time that has passed here since. An answer that was read late tells
+    too early a time, so that the latest of what the last answers tell counts.
+
+    Args:
+        within: How long after it was sent a change may begin [s], > 0.
+        now: Monotonic clock [s].
+    """
+
+    def __init__(
+        self, within: float, now: Callable[[], float] = time.monotonic
+    ) -> None:
+        self._within = within
+        self._now = now
+        self._ahead: tuple[float, ...] = ()
+
+    def hear(self, headers: Mapping[str, str]) -> None:
+        """Note the station's time in the headers of an answer, if it is there."""
+        told = headers.get(CLOCK_HEADER)
+        if told is not None:
+            self._ahead = (*self._ahead[1 - _ANSWERS :], float(told) - self._now())
+
+    def headers(self) -> dict[str, str]:
+        """Return the header of a change that is sent now; none before an answer."""
+        if not self._ahead:
+            return {}
+        not_after = self._now() + max(self._ahead) + self._within
+        return {NOT_AFTER_HEADER: f"{not_after:.3f}"}
+
+
+class AsyncConnection:
+    """Sends requests and reads the answers.
+
+    How its user waits belongs to it, so that a client without asyncio can wait
+    otherwise: nothing else of the clients sleeps or begins a task.
+
+    Args:
+        url: The station, without a slash at its end.
+        token: Operator or viewer token.
+        timeout: Longest wait for an answer [s].
+        transport: How requests travel; httpx's own when None.
+        tls: How the station's certificate is checked; None for plain HTTP.
+
+    Attributes:
+        url: The station.
+        token: Operator or viewer token.
+        timeout: Longest wait for an answer [s]; may be changed.
+        lease: The lease of control that requests act under; None without one.
+        tls: How the station's certificate is checked; None for plain HTTP.
+        promptness: Until when changes may begin; None for however late.
+    """
+
+    def __init__(
+        self,
+        url: str,
+        token: str | None,
+        timeout: float,
+        transport: httpx.AsyncBaseTransport | None = None,
+        tls: ssl.SSLContext | None = None,
+    ) -> None:
+        self.url = url
+        self.token = token
+        self.timeout = timeout
+        self.lease: str | None = None
+        self.tls = tls
+        self.promptness: Promptness | None = None
+        self._http = httpx.AsyncClient(
+            base_url=url,
+            headers=bearer(token),
+            timeout=timeout,
+            transport=transport,
+            trust_env=False,
+            verify=True if tls is None else tls,
+        )
+
+    async def close(self) -> None:
+        """Close the connections."""
+        await self._http.aclose()
+
+    async def sleep(self, seconds: float) -> None:
+        """Let some time pass [s]."""
+        await asyncio.sleep(seconds)
+
+    def repeat(
+        self, act: Callable[[], Coroutine[Any, Any, bool]], period: float
+    ) -> Callable[[], Awaitable[None]]:
+        """Do something again and again beside the program, until it returns False.
+
+        Args:
+            act: What is done, first after a period.
+            period: Time from its end to its next beginning [s], > 0.
+
+        Returns:
+            What ends it; an act under way is cancelled, or waited for.
+        """
+
+        async def run() -> None:
+            going_on = True
+            while going_on:
+                await asyncio.sleep(period)
+                going_on = await act()
+
+        task = asyncio.create_task(run())
+
+        async def stop() -> None:
+            task.cancel()
+            await asyncio.wait([task])
+
+        return stop
+
+    def talk_to(self, url: str, token: str | None) -> None:
+        """Send to another station from the next request on.
+
+        Args:
+            url: The station, without a slash at its end.
+            token: Operator or viewer token.
+        """
+        self.url, self.token, self.lease = url, token, None
+        self._http.base_url = httpx.URL(url)
+        self._http.headers.pop("Authorization", None)
+        self._http.headers.update(bearer(token))
+
+    def stream_options(
+        self, topic: str, rate: Rate | None, fields: Sequence[str], *, reconnect: bool
+    ) -> StreamOptions:
+        """Return address and options of a stream.
+
+        Args:
+            topic: What to stream.
+            rate: Frames per second [Hz], or "full"; None means the station's default.
+            fields: Only these keys of `data`; all when empty.
+            reconnect: Connect again when the link breaks.
+        """
+        return StreamOptions(
+            self.url,
+            self.token,
+            topic,
+            rate,
+            tuple(fields),
+            reconnect,
+            self.timeout,
+            self._tls_of_streams(),
+        )
+
+    def command_options(self, controller: str, timeout: float) -> CommandOptions:
+        """Return address and options of a stream of set-points.
+
+        Args:
+            controller: The controller.
+            timeout: Silence after which the last set-point expires [s], > 0.
+        """
+        return CommandOptions(
+            self.url,
+            self.token,
+            self.lease,
+            controller,
+            timeout,
+            self.timeout,
+            self._tls_of_streams(),
+        )
+
+    def _tls_of_streams(self) -> ssl.SSLContext | None:
+        # A WebSocket without TLS takes no context.
+        return self.tls if self.url.startswith("https:") else None
+
+    async def get(
+        self, path: str, answer: type[ModelT], query: Query | None = None
+    ) -> ModelT:
+        """Send a GET request and return the answer.
+
+        Args:
+            path: Path below the prefix of the API.
+            answer: Wire model of the answer.
+            query: Query parameters; a list repeats its parameter.
+
+        Raises:
+            ApiError: The station refuses.
+            StationUnreachableError: The station does not answer.
+        """
+        return await self._request("GET", path, answer, query=query)
+
+    async def send(
+        self,
+        method: str,
+        path: str,
+        answer: type[ModelT],
+        body: BaseModel | Mapping[str, JsonValue] | None = None,
+        *,
+        headers: Mapping[str, str] | None = None,
+        patience: float = 0.0,
+    ) -> ModelT:
+        """Send a request that changes something and return the answer.
+
+        Args:
+            method: HTTP method.
+            path: Path below the prefix of the API.
+            answer: Wire model of the answer.
+            body: JSON body; a model sends only what was set.
+            headers: Extra headers.
+            patience: How much longer than usual the answer may take [s]; infinite for
+                as long as it takes.
+
+        Raises:
+            ApiError: The station refuses.
+            StationUnreachableError: The station does not answer.
+            ValueError: A number of the body is not finite.
+        """
+        sent = dict(headers or {})
+        if self.promptness is not None:
+            sent |= self.promptness.headers()
+        if self.lease is not None:
+            sent[LEASE_HEADER] = self.lease
+        content = None
+        if body is not None:
+            sent["Content-Type"] = "application/json"
+            content = _written(body)
+        return await self._request(
+            method, path, answer, content=content, headers=sent, patience=patience
+        )
+
+    async def download(
+        self, path: str, target: Path, query: Query | None = None
+    ) -> None:
+        """Write what a GET request answers to a new file.
+
+        Args:
+            path: Path below the prefix of the API.
+            target: The file to be.
+            query: Query parameters; a list repeats its parameter.
+
+        Raises:
+            ApiError: The station refuses; no file is made.
+            StationUnreachableError: The station does not answer, or not to the end;
+                what had come is deleted.
+            FileExistsError: There is such a file.
+        """
+        try:
+            async with self._http.stream(
+                "GET", PREFIX + path, params=query
+            ) as response:
+                if not response.is_success:
+                    body = await response.aread()
+                    refusal = ApiError.from_body(response.status_code, body)
+                    raise refusal
+                with target.open("xb") as file:
+                    async for part in response.aiter_bytes():
+                        file.write(part)
+        except httpx.TransportError as error:
+            target.unlink(missing_ok=True)
+            raise StationUnreachableError(self.url, error) from error
+
+    async def _request(
+        self,
+        method: str,
+        path: str,
+        answer: type[ModelT],
+        *,
+        query: Query | None = None,
+        content: bytes | None = None,
+        headers: Mapping[str, str] | None = None,
+        patience: float = 0.0,
+    ) -> ModelT:
+        read = self.timeout + patience if math.isfinite(patience) else None
+        try:
+            response = await self._http.request(
+                method,
+                PREFIX + path,
+                params=query,
+                content=content,
+                headers=headers,
+                timeout=httpx.Timeout(self.timeout, read=read),
+            )
+        except httpx.TransportError as error:
+            raise StationUnreachableError(self.url, error) from error
+        if self.promptness is not None:
+            self.promptness.hear(response.headers)
+        if not response.is_success:
+            refusal = ApiError.from_body(response.status_code, response.content)
+            raise refusal
+        return reader_of(answer).validate_json(response.content)
+
+
+def _written(body: BaseModel | Mapping[str, JsonValue]) -> bytes:
+    if isinstance(body, BaseModel):
+        return body.model_dump_json(exclude_unset=True).encode()
+    return json.dumps(dict(body), allow_nan=False).encode()
+
+
+def segment(name: str) -> str:
+    """Return `name` as one segment of a path."""
+    return quote(name, safe="")

@@ -1,0 +1,420 @@
+"""The requests about controllers: load, switch, tune, command and give goals."""
+
+import math
+import time
+from collections.abc import Mapping, Sequence
+from typing import Literal
+
+from pydantic import JsonValue
+
+from station import wire
+from station.client.connection import AsyncConnection, Sleep, segment
+from station.client.errors import MotionError
+from station.wire.controllers import SWITCH_BOUND
+from station.wire.excitations import BenchRequest, BenchResponse, Excitation
+from station.wire.protocol import KEY_HEADER
+
+Strictness = Literal["strict", "best_effort"]
+POLL = 0.05
+"""How often a goal is looked at [s]."""
+_FINAL = {"succeeded", "aborted", "preempted"}
+
+
+class AsyncGoalHandle:
+    """A goal of a controller: `station.start_goal(…)`, `station.start_move(…)`.
+
+    Args:
+        client: The client that gave the goal.
+        controller: The controller that has it.
+        latest: The answer to it.
+        sleep: Lets some time pass [s].
+
+    Attributes:
+        controller: The controller that has the goal.
+        latest: State of the goal when it was last read.
+    """
+
+    def __init__(
+        self,
+        client: "AsyncControllersClient",
+        controller: str,
+        latest: wire.Goal,
+        sleep: Sleep,
+    ) -> None:
+        self._client = client
+        self._sleep = sleep
+        self.controller = controller
+        self.latest = latest
+
+    @property
+    def is_final(self) -> bool:
+        """True if the goal had ended when it was last read."""
+        return self.latest.status in _FINAL
+
+    async def refresh(self) -> wire.Goal:
+        """Return the goal with its present progress."""
+        self.latest = await self._client.goal(self.controller, self.latest.id)
+        return self.latest
+
+    async def cancel(self) -> None:
+        """Cancel the goal; the joints hold from the next cycle on."""
+        await self._client.cancel_goal(self.controller, self.latest.id)
+
+    async def ended(self, timeout: float | None = None) -> wire.Goal:
+        """Wait until the goal has ended, however, and return it.
+
+        Args:
+            timeout: Longest wait [s]; None waits for ever. The goal goes on after it.
+
+        Raises:
+            MotionError: It did not end in time.
+        """
+        deadline = None if timeout is None else time.monotonic() + timeout
+        while not self.is_final:
+            if deadline is not None and time.monotonic() > deadline:
+                raise MotionError(
+                    f"The goal of '{self.controller}' did not end within {timeout} s.",
+                    "Wait longer, or cancel the goal.",
+                )
+            await self._sleep(POLL)
+            await self.refresh()
+        return self.latest
+
+    async def wait(self, timeout: float | None = None) -> wire.Goal:
+        """Wait until the goal has succeeded and return it.
+
+        Args:
+            timeout: Longest wait [s]; None waits for ever. The goal goes on after it.
+
+        Raises:
+            MotionError: It was aborted or preempted, or did not end in time.
+        """
+        goal = await self.ended(timeout)
+        if goal.status != "succeeded":
+            why = goal.result.message if goal.result else ""
+            raise MotionError(
+                f"The goal of '{self.controller}' was {goal.status}. {why}".rstrip(),
+                "See GET /status for a stop and /robots for errors of the arm.",
+            )
+        return goal
+
+
+class AsyncControllersClient:
+    """The controllers of a station; every station client is one.
+
+    Args:
+        connection: The client's connection.
+    """
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        self._connection = connection
+
+    async def controllers(self) -> list[wire.ControllerState]:
+        """Return all loaded controllers."""
+        found = await self._connection.get("/controllers", wire.Controllers)
+        return found.controllers
+
+    async def controller(self, name: str) -> wire.ControllerState:
+        """Return one controller."""
+        return await self._connection.get(controller_path(name), wire.ControllerState)
+
+    async def load_controller(
+        self,
+        name: str,
+        type: str | None = None,  # noqa: A002 - ros_control's word
+        params: Mapping[str, JsonValue] | None = None,
+        *,
+        timeout: float | None = None,
+        unknown_params: Literal["refuse", "tell"] | None = None,
+        idempotency_key: str | None = None,
+    ) -> wire.ControllerState:
+        """Load a controller; loading the same one again changes nothing.
+
+        Args:
+            name: Its name.
+            type: Its plugin type; None when the station's configuration has it.
+            params: Its parameters; None when the station's configuration has them.
+            timeout: How long its import, constructor and init may take [s]; None for
+                the station's default.
+            unknown_params: Whether parameters that its type does not know are refused,
+                as when None, or told in its `notes`, as is right for files of ROS.
+            idempotency_key: Random name of the request, 1 to 200 visible ASCII
+                characters: sent again with the same key within 10 minutes, e.g. after a
+                lost connection, it is carried out once.
+        """
+        given = {
+            "name": name,
+            "type": type,
+            "params": params,
+            "timeout": timeout,
+            "unknown_params": unknown_params,
+        }
+        request = wire.LoadRequest.model_validate({
+            key: value for key, value in given.items() if value is not None
+        })
+        return await self._connection.send(
+            "POST",
+            "/controllers",
+            wire.ControllerState,
+            request,
+            headers=_keyed(idempotency_key),
+            patience=request.timeout,
+        )
+
+    async def unload_controller(
+        self, name: str, *, idempotency_key: str | None = None
+    ) -> wire.ControllerState:
+        """Unload a stopped controller, or cancel its loading; return its last state.
+
+        Args:
+            name: Its name.
+            idempotency_key: As for `load_controller`.
+        """
+        path, headers = controller_path(name), _keyed(idempotency_key)
+        return await self._connection.send(
+            "DELETE", path, wire.ControllerState, headers=headers
+        )
+
+    async def switch_controllers(
+        self,
+        *,
+        start: Sequence[str] = (),
+        stop: Sequence[str] = (),
+        strictness: Strictness = "strict",
+        start_asap: bool = False,
+        timeout: float = 0.0,
+        bound: float | None = SWITCH_BOUND,
+        dry_run: bool = False,
+        idempotency_key: str | None = None,
+    ) -> wire.SwitchResult:
+        """Start and stop controllers in one cycle.
+
+        Args:
+            start: Names to start.
+            stop: Names to stop.
+            strictness: `strict` for all or nothing, `best_effort` for what is possible.
+            start_asap: Start each as soon as its joints are ready.
+            timeout: How long the hardware may take [s], 0 to 60; 0 means as long as it
+                takes, up to `bound`.
+            bound: How long a switch without a timeout may take [s of wall time]; None
+                means as long as the hardware takes.
+            dry_run: Only return what would happen.
+            idempotency_key: As for `load_controller`.
+        """
+        request = wire.SwitchRequest(
+            start=list(start),
+            stop=list(stop),
+            strictness=strictness,
+            start_asap=start_asap,
+            timeout=timeout,
+            bound=bound,
+            dry_run=dry_run,
+        )
+        return await self._connection.send(
+            "POST",
+            "/controllers/switch",
+            wire.SwitchResult,
+            request,
+            headers=_keyed(idempotency_key),
+            patience=timeout or (math.inf if bound is None else bound),
+        )
+
+    async def gains(self, name: str) -> wire.Gains:
+        """Return a controller's gains, their units and ranges, and their ETag."""
+        return await self._connection.get(controller_path(name, "gains"), wire.Gains)
+
+    async def set_gains(
+        self, name: str, values: Mapping[str, float], etag: str | None = None
+    ) -> wire.GainsChange:
+        """Change gains in one cycle; the others keep their value.
+
+        Args:
+            name: The controller.
+            values: New values by name, in the units of the schema.
+            etag: Refuse when the gains are no longer those of that ETag.
+        """
+        path = controller_path(name, "gains")
+        request = wire.GainsPatch(values=dict(values))
+        headers = {} if etag is None else {"If-Match": etag}
+        return await self._connection.send(
+            "PATCH", path, wire.GainsChange, request, headers=headers
+        )
+
+    async def last_command(self, name: str) -> wire.CommandInfo:
+        """Return the elements of a controller's set-point, and the last set-point."""
+        path = controller_path(name, "command")
+        return await self._connection.get(path, wire.CommandInfo)
+
+    async def command(
+        self,
+        name: str,
+        values: Sequence[float | None],
+        epoch: int | None = None,
+        timeout: float | None = None,
+        rates: Sequence[float] | None = None,
+    ) -> wire.CommandAccepted:
+        """Send a set-point.
+
+        Args:
+            name: The controller.
+            values: One number per element, in its order and units; None leaves an
+                element at what the controller was told last.
+            epoch: Refuse when a stop or reset came since that epoch.
+            timeout: How long it is valid [s], 0 for ever; None for the controller's
+                own setting.
+            rates: How fast the set-point changes [rad/s or m/s], for controllers that
+                feed this forward.
+        """
+        request = wire.CommandRequest(
+            command=list(values),
+            epoch=epoch,
+            timeout=timeout,
+            rates=None if rates is None else list(rates),
+        )
+        path = controller_path(name, "command")
+        return await self._connection.send("PUT", path, wire.CommandAccepted, request)
+
+    async def controller_state(self, name: str) -> wire.ControllerSample:
+        """Return the sample of a controller of the last cycle."""
+        path = controller_path(name, "state")
+        return await self._connection.get(path, wire.ControllerSample)
+
+    async def bench(
+        self,
+        name: str,
+        excitation: Excitation,
+        *,
+        duration: float = 2.0,
+        settling_band: float = 0.02,
+    ) -> BenchResponse:
+        """Excite one joint through a running controller, and return how it follows.
+
+        The answer comes when the joint is back where it began. What is too large, too
+        fast or too near a limit is refused before anything moves.
+
+        Args:
+            name: A running controller that takes set-points of joints.
+            excitation: What the joint is asked to do, e.g. a
+                `station.wire.excitations.Step` with the joint and an amplitude.
+            duration: How long the response is measured [s], above 0, at most 10.
+            settling_band: Half-width of the band of the settling time, as a share of
+                the step, above 0 and below 1.
+        """
+        request = BenchRequest(
+            excitation=excitation, duration=duration, settling_band=settling_band
+        )
+        path, patience = controller_path(name, "bench"), 5.0 * request.duration
+        return await self._connection.send(
+            "POST", path, BenchResponse, request, patience=patience
+        )
+
+    async def submit_goal(
+        self, name: str, goal: Mapping[str, JsonValue], epoch: int | None = None
+    ) -> wire.Goal:
+        """Give a running controller a goal; it replaces the one before.
+
+        Args:
+            name: The controller.
+            goal: The goal message of its action, times in seconds.
+            epoch: Refuse when a stop or reset came since that epoch.
+        """
+        path = controller_path(name, "goals")
+        request = wire.GoalRequest(goal=dict(goal), epoch=epoch)
+        return await self._connection.send("POST", path, wire.Goal, request)
+
+    async def goals(self, name: str) -> list[wire.Goal]:
+        """Return a controller's latest goals, oldest first."""
+        path = controller_path(name, "goals")
+        return (await self._connection.get(path, wire.Goals)).goals
+
+    async def goal(self, name: str, goal_id: str) -> wire.Goal:
+        """Return a goal: its progress, or how and why it ended."""
+        return await self._connection.get(goal_path(name, goal_id), wire.Goal)
+
+    async def cancel_goal(self, name: str, goal_id: str) -> wire.Goal:
+        """Cancel a goal; the joints hold from the next cycle on."""
+        path = goal_path(name, goal_id)
+        return await self._connection.send("DELETE", path, wire.Goal)
+
+    async def follow_trajectory(
+        self, name: str, trajectory: Mapping[str, JsonValue], epoch: int | None = None
+    ) -> wire.CommandAccepted:
+        """Let a running controller follow a trajectory without a goal.
+
+        Args:
+            name: The controller.
+            trajectory: A JointTrajectory message, times in seconds; without points the
+                joints stop and hold.
+            epoch: Refuse when a stop or reset came since that epoch.
+        """
+        request = wire.TrajectoryRequest(trajectory=dict(trajectory), epoch=epoch)
+        path = controller_path(name, "trajectory")
+        return await self._connection.send("POST", path, wire.CommandAccepted, request)
+
+    async def query_state(
+        self, name: str, time: float | None = None
+    ) -> wire.DesiredState:
+        """Return the desired joint state of a trajectory controller.
+
+        Args:
+            name: The controller.
+            time: Station time [s]; now when None.
+        """
+        query = None if time is None else {"time": repr(time)}
+        path = controller_path(name, "query_state")
+        return await self._connection.get(path, wire.DesiredState, query)
+
+    async def start_goal(
+        self, name: str, goal: Mapping[str, JsonValue], epoch: int | None = None
+    ) -> AsyncGoalHandle:
+        """Give a controller a goal, as `submit_goal`, to wait for or to cancel.
+
+        Args:
+            name: The controller.
+            goal: The goal message of its action, times in seconds.
+            epoch: Refuse when a stop or reset came since that epoch.
+        """
+        answer = await self.submit_goal(name, goal, epoch)
+        return AsyncGoalHandle(self, name, answer, self._connection.sleep)
+
+    async def controller_types(self) -> list[wire.ControllerType]:
+        """Return the types of controllers that can be loaded."""
+        path = "/controller-types"
+        return (await self._connection.get(path, wire.ControllerTypes)).controller_types
+
+    async def reload_controller_types(self, *, force_kill: bool = False) -> list[str]:
+        """Let the next load of each type read its Python module anew.
+
+        Args:
+            force_kill: Stop and unload all controllers first.
+
+        Returns:
+            Names of the controllers that were unloaded.
+        """
+        path = "/controller-types/reload"
+        request = wire.ReloadRequest(force_kill=force_kill)
+        answer = await self._connection.send(
+            "POST", path, wire.Reloaded, request, patience=SWITCH_BOUND
+        )
+        return answer.unloaded
+
+
+def controller_path(name: str, rest: str = "") -> str:
+    """Return the path of a controller, or of a part of it.
+
+    Args:
+        name: The controller.
+        rest: The part, without a slash at its beginning.
+    """
+    path = f"/controllers/{segment(name)}"
+    return f"{path}/{rest}" if rest else path
+
+
+def goal_path(name: str, goal_id: str) -> str:
+    """Return the path of a controller's goal."""
+    return f"{controller_path(name, 'goals')}/{segment(goal_id)}"
+
+
+def _keyed(key: str | None) -> dict[str, str]:
+    """Return the header with the key of a request; none when there is no key."""
+    return {} if key is None else {KEY_HEADER: key}

@@ -1,0 +1,162 @@
+"""Control of the station: for a block with heartbeats, or call by call."""
+
+from types import TracebackType
+from typing import TYPE_CHECKING, Self
+
+from station import wire
+from station.client.connection import AsyncConnection
+from station.client.errors import ApiError, StationUnreachableError
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
+_PATH = "/control"
+_LOST = frozenset({"control_held", "control_not_held"})
+BEATS = 3.0
+"""So many heartbeats are sent while one would do."""
+
+
+class AsyncControlLease:
+    """Control of the station for the length of a `with` block.
+
+    While it lasts, changes by other operators are refused. Heartbeats are sent in the
+    background; when somebody takes control by force, or no heartbeat came through for
+    `ttl`, the requests of this client are refused with the new owner's name.
+
+    Args:
+        connection: The client's connection.
+        owner: Name that others are told; that of the token when None.
+        ttl: How long the lease lasts when this program falls silent [s], 0.5 to 3600.
+        force: Take control from whoever holds it.
+
+    Attributes:
+        lost: Why control was lost: an error with the new owner's name; None if it is
+            not. A loss is noticed at the next heartbeat, within a third of `ttl`.
+    """
+
+    def __init__(
+        self,
+        connection: AsyncConnection,
+        owner: str | None,
+        ttl: float,
+        *,
+        force: bool,
+    ) -> None:
+        self._connection = connection
+        self._request = wire.ControlRequest(owner=owner, ttl=ttl, force=force)
+        self._period = ttl / BEATS
+        self._stop_beating: Callable[[], Awaitable[None]] | None = None
+        self.lost: ApiError | None = None
+
+    async def __aenter__(self) -> Self:
+        """Take control.
+
+        Raises:
+            ApiError: Somebody else holds control.
+            StationUnreachableError: The station does not answer.
+        """
+        state = await self._connection.send(
+            "POST", _PATH, wire.ControlState, self._request
+        )
+        self._connection.lease = state.lease
+        self._stop_beating = self._connection.repeat(self._beat, self._period)
+        return self
+
+    async def __aexit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self._stop_beating is not None:
+            await self._stop_beating()
+        try:
+            await self._connection.send("DELETE", _PATH, wire.ControlState)
+        except ApiError as refused:
+            if refused.code not in _LOST:
+                raise
+        finally:
+            self._connection.lease = None
+
+    async def _beat(self) -> bool:
+        """Send a heartbeat; return whether to go on."""
+        try:
+            await self.renew()
+        except StationUnreachableError:
+            return True  # the link may come back before the lease is over
+        except ApiError as error:
+            self.lost = error
+            return False
+        return True
+
+    async def renew(self) -> wire.ControlState:
+        """Send a heartbeat now."""
+        request = wire.ControlPatch(ttl=self._request.ttl)
+        return await self._connection.send("PATCH", _PATH, wire.ControlState, request)
+
+    async def hand_over(self, to: str) -> wire.ControlState:
+        """Let somebody take control without force.
+
+        Args:
+            to: The owner that they take it as, or the name of their token.
+        """
+        request = wire.ControlPatch(hand_over_to=to)
+        return await self._connection.send("PATCH", _PATH, wire.ControlState, request)
+
+
+class AsyncLeaseClient:
+    """Control of the station, taken and given back call by call: `client.lease`.
+
+    `AsyncStationClient.control` does this for the length of a `with` block, with
+    heartbeats; here the caller sends them.
+
+    Args:
+        connection: The client's connection.
+    """
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        self._connection = connection
+
+    def act_under(self, lease: str | None) -> None:
+        """Let the requests from now on act under a lease of control.
+
+        Args:
+            lease: The `lease` that whoever took control was told; None for none.
+        """
+        self._connection.lease = lease
+
+    async def take(
+        self, owner: str | None = None, *, ttl: float = 10.0, force: bool = False
+    ) -> wire.ControlState:
+        """Take control, for clients that then `act_under` the `lease` of the answer.
+
+        Args:
+            owner: Name that others are told; that of the token when None.
+            ttl: How long control lasts without `renew` [s], 0.5 to 3600.
+            force: Take control from whoever holds it.
+        """
+        request = wire.ControlRequest(owner=owner, ttl=ttl, force=force)
+        return await self._connection.send(
+            "POST", "/control", wire.ControlState, request
+        )
+
+    async def renew(self, *, hand_over_to: str | None = None) -> wire.ControlState:
+        """Keep control, which this client, or its named token, holds.
+
+        Args:
+            hand_over_to: Owner or token that may take control without force; as before
+                when None.
+        """
+        request = wire.ControlPatch(hand_over_to=hand_over_to)
+        return await self._connection.send(
+            "PATCH", "/control", wire.ControlState, request
+        )
+
+    async def release(self) -> wire.ControlState:
+        """Give control back, which this client, or its named token, holds."""
+        return await self._connection.send("DELETE", "/control", wire.ControlState)
+
+    async def state(self) -> wire.ControlState:
+        """Return the present holder of control."""
+        # Unlike `get`, this names the lease: the station says whose it is.
+        return await self._connection.send("GET", "/control", wire.ControlState)

@@ -1,0 +1,397 @@
+"""The client of a station: one method per route."""
+
+import ssl
+from collections.abc import Sequence
+from types import TracebackType
+from typing import Self
+
+import httpx
+from pydantic import JsonValue
+
+from station import wire
+from station.client.connection import AsyncConnection, Promptness, Query, segment
+from station.client.controllers import AsyncControllersClient, AsyncGoalHandle
+from station.client.lease import AsyncControlLease, AsyncLeaseClient
+from station.client.motion import move_to, start_move
+from station.client.notebook import describe
+from station.client.poses import Pose, Target
+from station.client.robots import AsyncRobotClient, AsyncSimulationClient, Restart
+from station.client.samples import Samples
+from station.client.stores import (
+    AsyncAlarmsClient,
+    AsyncExperimentsClient,
+    AsyncGainSetsClient,
+    AsyncIncidentsClient,
+    AsyncRecordingsClient,
+    AsyncTokensClient,
+    AsyncWaypointPathsClient,
+)
+from station.client.streams import AsyncCommandStream, AsyncStream, Rate
+from station.local.station_locator import locate
+from station.local.tls import trust
+
+
+class AsyncStationClient(AsyncControllersClient):
+    """Talks to a station.
+
+    `StationClient` blocks until the answer is there; `AsyncStationClient` has the same
+    methods to be awaited.
+
+    Every method raises `ApiError` when the station refuses, and its child
+    `StationUnreachableError` when it does not answer. Arguments that cannot be sent
+    at all (NaN, a string for a number) raise pydantic's `ValidationError`, a
+    `ValueError`, before anything is sent.
+
+    Proxies and other settings of the environment are not used, because a station is
+    near and its token must not travel through a proxy.
+
+    Args:
+        url: The station, e.g. `http://127.0.0.1:8000`. When None it is `STATION_URL`,
+            or else the only station of this user that runs on this machine.
+        token: Operator or viewer token. When None it is `STATION_TOKEN`, or else that
+            of a station on this machine; without one only `health` and `ready` work.
+        timeout: Longest wait for an answer [s].
+        transport: How requests travel; for tests.
+        ca: PEM file with the certificates to trust with an https `url`. When None it is
+            `STATION_CA`, or else the certificate of the station on this machine, or
+            else what the system trusts.
+
+    Raises:
+        NoStationError: No `url`, and no station or several on this machine.
+        TlsFilesError: The certificates to trust cannot be read.
+
+    Attributes:
+        simulation: Pause, step and reset of a simulated robot.
+        gain_sets: Named sets of gains on the station's disk.
+        waypoint_paths: Waypoint paths on the station's disk, and their playing.
+        tokens: Named tokens of people and programs.
+        alarms: What asks for a person, and who has seen it.
+        lease: Control, taken and given back call by call; see also `control`.
+        recordings: Recordings of every cycle on the station's disk.
+        incidents: What the station kept of stops, reflexes and faults.
+        experiments: Many trials of a simulated copy of the station.
+    """
+
+    _connect: type[AsyncConnection] = AsyncConnection
+
+    def __init__(
+        self,
+        url: str | None = None,
+        token: str | None = None,
+        *,
+        timeout: float = 10.0,
+        transport: httpx.AsyncBaseTransport | None = None,
+        ca: str | None = None,
+    ) -> None:
+        url, token = locate(url, token)
+        connection = self._connect(
+            url.rstrip("/"), token, timeout, transport, trust(url, ca)
+        )
+        super().__init__(connection)
+        self.simulation = AsyncSimulationClient(connection)
+        self.gain_sets = AsyncGainSetsClient(connection)
+        self.recordings = AsyncRecordingsClient(connection)
+        self.incidents = AsyncIncidentsClient(connection)
+        self.experiments = AsyncExperimentsClient(connection)
+        self.waypoint_paths = AsyncWaypointPathsClient(connection)
+        self.alarms = AsyncAlarmsClient(connection)
+        self.tokens = AsyncTokensClient(connection)
+        self.lease = AsyncLeaseClient(connection)
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        await self.close()
+
+    def _repr_html_(self) -> str:
+        """Return the summary of the station that a notebook shows."""
+        return describe(self.url, self._connection.token, tls=self._connection.tls)
+
+    @property
+    def url(self) -> str:
+        """The station."""
+        return self._connection.url
+
+    @property
+    def timeout(self) -> float:
+        """Longest wait for an answer [s]."""
+        return self._connection.timeout
+
+    @timeout.setter
+    def timeout(self, timeout: float) -> None:
+        self._connection.timeout = timeout
+
+    def begin_within(self, promptness: Promptness | None) -> None:
+        """Let the station refuse changes that it would begin too late.
+
+        Args:
+            promptness: Until when, from the next request on; may be shared by several
+                clients of one station. None lets a change begin however late it comes.
+        """
+        self._connection.promptness = promptness
+
+    @property
+    def tls(self) -> ssl.SSLContext | None:
+        """TLS context that checks the station's certificate; None for HTTP."""
+        return self._connection.tls
+
+    def talk_to(self, url: str, token: str | None) -> None:
+        """Talk to another station from the next request on.
+
+        A stream that was opened before goes on with the station it was opened at. The
+        certificates that are trusted stay the same.
+
+        Args:
+            url: The station.
+            token: Operator or viewer token.
+        """
+        self._connection.talk_to(url.rstrip("/"), token)
+
+    async def close(self) -> None:
+        """Close the connections."""
+        await self._connection.close()
+
+    async def health(self) -> wire.Health:
+        """Return the boot_id of the process, which lives."""
+        return await self._connection.get("/health", wire.Health)
+
+    async def ready(self) -> wire.Ready:
+        """Return when the loop runs with fresh cycles; an error says why not."""
+        return await self._connection.get("/ready", wire.Ready)
+
+    async def session(self) -> wire.Session:
+        """Return the role of the token."""
+        return await self._connection.get("/session", wire.Session)
+
+    async def status(self) -> wire.Status:
+        """Return the station at a glance."""
+        return await self._connection.get("/status", wire.Status)
+
+    async def hardware(self) -> wire.Hardware:
+        """Return interfaces, claims, limits, transmissions and clamps of the robot."""
+        return await self._connection.get("/hardware", wire.Hardware)
+
+    def command_stream(
+        self, controller: str, *, timeout: float = 0.2
+    ) -> AsyncCommandStream:
+        """Return a stream of set-points for a `with` block (`async with`).
+
+        Args:
+            controller: The controller; it must run.
+            timeout: Silence after which the last set-point expires [s], up to 60.
+        """
+        return AsyncCommandStream(self._connection.command_options(controller, timeout))
+
+    async def start_move(
+        self, target: Target, *, duration: float | None = None, controller: str = ""
+    ) -> AsyncGoalHandle:
+        """Begin to move joints, to wait for the end or to cancel.
+
+        A trajectory controller does it. One is started if none runs, and controllers
+        that hold the joints are stopped in the same cycle.
+
+        Args:
+            target: Name of a pose (`ready`, `stretched`), one position per joint of the
+                controller, or positions by joint [rad or m]; other joints stay.
+            duration: How long the motion takes [s]; a calm one when None.
+            controller: The trajectory controller; found when empty.
+        """
+        return await start_move(self, target, duration=duration, controller=controller)
+
+    async def move_to(
+        self,
+        target: Target | Pose,
+        *,
+        duration: float | None = None,
+        timeout: float | None = None,
+    ) -> None:
+        """Move the arm and wait until it is there.
+
+        Args:
+            target: As for `start_move`; or a `Pose` of a Franka's end effector, which
+                its Cartesian streaming controller moves along a straight line.
+            duration: How long a motion of joints takes [s]; a calm one when None.
+            timeout: Longest wait [s]; None waits for ever.
+
+        Raises:
+            MotionError: The arm did not arrive, and why.
+            ValueError: A motion to a `Pose` was given a duration.
+        """
+        await move_to(self, target, duration, timeout, self._connection.sleep)
+
+    async def collect(
+        self, seconds: float, topic: str = "joint_states", *, rate: Rate = "full"
+    ) -> Samples:
+        """Collect the samples of a topic for some seconds, as NumPy arrays.
+
+        Args:
+            seconds: How much station time, > 0 [s].
+            topic: As for `stream`.
+            rate: Samples per second [Hz], or "full" for every cycle of `joint_states`
+                and `controller_state/<name>`.
+
+        Raises:
+            StreamTimeoutError: Nothing comes, e.g. because the simulation is paused.
+        """
+        stream = self.stream(topic, rate=rate, reconnect=False)
+        return await stream.collect(seconds, self.timeout)
+
+    async def joint_states(self) -> wire.JointStates:
+        """Return the joints of the last cycle."""
+        return await self._connection.get("/joint_states", wire.JointStates)
+
+    async def parameter(self, path: str = "") -> JsonValue:
+        """Return a parameter or a namespace; without a path the whole tree.
+
+        Args:
+            path: Names separated by `/`.
+        """
+        return (await self._connection.get(_parameter(path), wire.Parameter)).value
+
+    async def set_parameter(self, path: str, value: JsonValue) -> None:
+        """Set a parameter; controllers that are loaded afterwards read it.
+
+        Args:
+            path: Names separated by `/`.
+            value: Any JSON; an object replaces the whole namespace.
+        """
+        request = wire.ParameterRequest(value=value)
+        await self._connection.send("PUT", _parameter(path), wire.Parameter, request)
+
+    async def delete_parameter(self, path: str) -> JsonValue:
+        """Delete a parameter or a namespace; return what it was."""
+        found = await self._connection.send("DELETE", _parameter(path), wire.Parameter)
+        return found.value
+
+    async def robots(self) -> list[wire.ArmReport]:
+        """Return all arms with modes and errors, and what to do about the errors."""
+        return (await self._connection.get("/robots", wire.Arms)).robots
+
+    async def recover_all(self, restart: Restart = "none") -> wire.Recoveries:
+        """Clear the errors of all arms; with `previous` start controllers again."""
+        path, request = "/robots/error_recovery", wire.RecoveryRequest(restart=restart)
+        return await self._connection.send(
+            "POST", path, wire.Recoveries, request, patience=5.0
+        )
+
+    def robot(self, arm_id: str = "panda") -> AsyncRobotClient:
+        """Return the client of one arm."""
+        return AsyncRobotClient(self._connection, arm_id)
+
+    async def scene(self) -> list[wire.SceneObject]:
+        """Return the objects around a simulated robot, where they are now."""
+        return (await self._connection.get("/scene", wire.Scene)).objects
+
+    async def loop(self) -> wire.LoopReport:
+        """Return state and statistics of the control loop."""
+        return await self._connection.get("/loop", wire.LoopReport)
+
+    async def reset_loop_statistics(self) -> wire.LoopReport:
+        """Reset the loop's statistics."""
+        path = "/loop/statistics/reset"
+        return await self._connection.send("POST", path, wire.LoopReport)
+
+    async def stop_state(self) -> wire.StopState:
+        """Return the state of the latched stop."""
+        return await self._connection.get("/stop", wire.StopState)
+
+    async def stop(self, reason: str = "") -> wire.StopState:
+        """Stop the robot; it stays stopped until released.
+
+        Args:
+            reason: For the record.
+        """
+        request = wire.StopRequest(reason=reason)
+        return await self._connection.send("POST", "/stop", wire.StopState, request)
+
+    async def release_stop(self, *, arm: bool = False) -> wire.StopState:
+        """Release a stop, in two steps; nothing resumes by itself.
+
+        Args:
+            arm: False, first: the cause is gone. True, afterwards: allow motion again.
+        """
+        request = wire.ReleaseRequest(arm=arm)
+        return await self._connection.send(
+            "POST", "/stop/release", wire.StopState, request
+        )
+
+    def control(
+        self, owner: str | None = None, *, ttl: float = 10.0, force: bool = False
+    ) -> AsyncControlLease:
+        """Return control of the station for a `with` block (`async with`).
+
+        While it lasts, the changes of other operators are refused; stopping is always
+        possible.
+
+        Args:
+            owner: Name that others are told; that of the token when None.
+            ttl: How long control lasts when this program falls silent [s], 0.5 to 3600.
+            force: Take control from whoever holds it.
+        """
+        return AsyncControlLease(self._connection, owner, ttl, force=force)
+
+    async def events(
+        self,
+        since: int | None = None,
+        *,
+        kinds: Sequence[wire.EventKindName] = (),
+        severity: wire.SeverityName = "info",
+        limit: int = 100,
+    ) -> list[wire.Event]:
+        """Return the events of the station, oldest first.
+
+        To follow events as they happen, iterate over `stream("events")`; the `data` of
+        each frame is an event.
+
+        Args:
+            since: Number of the last event that is known; the newest events when None.
+            kinds: Only events of these kinds; all when empty.
+            severity: Only events of at least this severity.
+            limit: Most events, 1 to 1000.
+        """
+        query: Query = {
+            "severity": severity,
+            "limit": str(limit),
+            "kind": list(kinds),
+            **({} if since is None else {"since": str(since)}),
+        }
+        return (await self._connection.get("/events", wire.Events, query)).events
+
+    async def stream_ticket(self) -> wire.StreamTicket:
+        """Return a ticket that opens one WebSocket, e.g. for a browser."""
+        return await self._connection.send("POST", "/stream-tickets", wire.StreamTicket)
+
+    def stream(
+        self,
+        topic: str,
+        *,
+        rate: Rate | None = None,
+        fields: Sequence[str] = (),
+        reconnect: bool = True,
+    ) -> AsyncStream:
+        """Return a stream of a topic: iterate over it, or wait for a frame.
+
+        `with` (`async with`) connects at once, within `timeout`, or raises.
+
+        Args:
+            topic: `joint_states`, `controllers`, `loop`, `events`,
+                `controller_state/<name>`, `robot_state/<arm_id>`.
+            rate: Frames per second [Hz], or "full" for every cycle, in batches.
+            fields: Only these keys of `data`; all when empty.
+            reconnect: Connect again when the link breaks, for ever.
+        """
+        options = self._connection.stream_options(
+            topic, rate, fields, reconnect=reconnect
+        )
+        return AsyncStream(options)
+
+
+def _parameter(path: str) -> str:
+    parts = [segment(part) for part in path.split("/") if part]
+    return "/".join(["/parameters", *parts])

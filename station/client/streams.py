@@ -1,0 +1,480 @@
+"""Streams of a station over WebSockets: frames of a topic, and set-points."""
+
+import asyncio
+import json
+import math
+import random
+import ssl
+import time
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
+from dataclasses import dataclass
+from types import TracebackType
+from typing import Final, Literal, NoReturn, Self
+from urllib.parse import quote, urlencode
+
+from pydantic import JsonValue, ValidationError
+from websockets.asyncio.client import ClientConnection, connect
+from websockets.exceptions import ConnectionClosed, InvalidStatus, WebSocketException
+
+from station.client.errors import ApiError, StationUnreachableError, StreamTimeoutError
+from station.client.samples import Samples
+from station.wire import (
+    CLOSE_BAD_REQUEST,
+    CLOSE_CONTROL_HELD,
+    CLOSE_FORBIDDEN,
+    CLOSE_UNAUTHORIZED,
+    CLOSE_UNKNOWN_TOPIC,
+    CommandCounts,
+    StreamFrame,
+)
+from station.wire.protocol import LEASE_HEADER, PREFIX
+
+Rate = float | Literal["full"]
+FIRST_DELAY: Final = 0.2
+LONGEST_DELAY: Final = 5.0
+MAX_FRAME_BYTES: Final = 16 * 1024 * 1024
+CLOSE_TIMEOUT: Final = 1.0
+"""Longest wait for the station to confirm the end of a stream [s]."""
+
+REFUSALS: Mapping[int, tuple[str, str]] = {
+    CLOSE_BAD_REQUEST: ("bad_stream_request", "Correct rate, fields or format."),
+    CLOSE_UNAUTHORIZED: ("unauthorized", "Give the client the station's token."),
+    CLOSE_FORBIDDEN: ("forbidden", "Use the address and token the station printed."),
+    CLOSE_CONTROL_HELD: ("control_held", "Ask for control, or take it by force."),
+    CLOSE_UNKNOWN_TOPIC: ("unknown_topic", "Ask for a topic the station has."),
+}
+"""Close codes after which connecting again is pointless: code and remedy."""
+
+
+def bearer(token: str | None) -> dict[str, str]:
+    """Return the header that carries `token`; none when there is no token."""
+    return {} if token is None else {"Authorization": f"Bearer {token}"}
+
+
+@dataclass(frozen=True, slots=True)
+class StreamOptions:
+    """Address and options of a stream.
+
+    Attributes:
+        base_url: The station, http or https.
+        token: Operator or viewer token.
+        topic: What to stream.
+        rate: Frames per second [Hz], or "full"; None means the station's default.
+        fields: Only these keys of `data`; all when empty.
+        reconnect: Connect again when the link breaks.
+        timeout: Longest wait for a connection [s].
+        tls: How the station's certificate is checked; None for plain HTTP.
+    """
+
+    base_url: str
+    token: str | None
+    topic: str
+    rate: Rate | None = None
+    fields: tuple[str, ...] = ()
+    reconnect: bool = True
+    timeout: float = 10.0
+    tls: ssl.SSLContext | None = None
+
+    def url(self) -> str:
+        """Return the WebSocket URL."""
+        query: dict[str, str] = {}
+        if self.rate is not None:
+            query["rate"] = str(self.rate)
+        if self.fields:
+            query["fields"] = ",".join(self.fields)
+        base = "ws" + self.base_url.removeprefix("http")
+        path = f"{PREFIX}/streams/{quote(self.topic)}"
+        return f"{base}{path}?{urlencode(query)}" if query else base + path
+
+
+class Backoff:
+    """Delays between attempts to connect: doubling, with jitter."""
+
+    def __init__(self) -> None:
+        self._delay = FIRST_DELAY
+
+    def reset(self) -> None:
+        """Begin again with the first delay, after a connection that worked."""
+        self._delay = FIRST_DELAY
+
+    def next(self) -> float:
+        """Return the next delay [s], between half and all of the doubling one."""
+        delay = self._delay
+        self._delay = min(2.0 * delay, LONGEST_DELAY)
+        return delay * random.uniform(0.5, 1.0)
+
+
+class StreamProgress:
+    """State of a stream.
+
+    Attributes:
+        connected: The link stands and its first frame has come.
+        hello: The newest first frame: boot_id, epoch and a full snapshot.
+        connections: How many times it connected.
+    """
+
+    def __init__(self) -> None:
+        self.connected = False
+        self.hello: StreamFrame | None = None
+        self.connections = 0
+
+    def accept(self, message: str | bytes) -> StreamFrame | None:
+        """Read a message; return its frame, or None for the first message (`hello`)."""
+        frame = StreamFrame.model_validate_json(message)
+        if frame.topic == "hello":
+            self.hello = frame
+            self.connected = True
+            self.connections += 1
+            return None
+        boot_id = self.hello.boot_id if self.hello is not None else ""
+        return frame.model_copy(update={"boot_id": boot_id})
+
+    def snapshot(self) -> dict[str, JsonValue]:
+        """Return the full snapshot of the newest hello; empty before it."""
+        return {} if self.hello is None else self.hello.data
+
+
+def refusal(error: Exception) -> ApiError | None:
+    """Return the error to raise when connecting again is pointless, else None."""
+    if isinstance(error, InvalidStatus) and error.response.status_code < 500:
+        return ApiError.from_body(
+            error.response.status_code, bytes(error.response.body or b"")
+        )
+    if isinstance(error, ConnectionClosed) and error.rcvd is not None:
+        known = REFUSALS.get(error.rcvd.code)
+        if known is not None:
+            return ApiError(
+                error.rcvd.reason or "The station closed the stream.",
+                status=error.rcvd.code,
+                code=known[0],
+                remedy=known[1],
+            )
+    return None
+
+
+def _give_up(error: Exception, url: str) -> NoReturn:
+    """Raise why there is no link to a station.
+
+    Raises:
+        ApiError: The station refuses it.
+        StationUnreachableError: The station does not answer.
+    """
+    raise refusal(error) or StationUnreachableError(url, error) from error
+
+
+class AsyncStream:
+    """Frames of a topic; a slow reader misses frames.
+
+    `async with` connects at once and raises when that fails; without it, the first
+    frame that is asked for connects. Cancel the task, or leave the loop, to end it. The
+    station's first frame does not come as an item but as `progress.hello`; a new
+    `boot_id` in a frame means that the station restarted.
+
+    Args:
+        options: Where it comes from.
+
+    Raises:
+        ApiError: While reading: the station refuses the stream, or the link broke
+            and `reconnect` is off.
+    """
+
+    def __init__(self, options: StreamOptions) -> None:
+        self.options = options
+        self.progress = StreamProgress()
+        self._connection: ClientConnection | None = None
+        self._backoff = Backoff()
+
+    async def __aenter__(self) -> Self:
+        """Connect.
+
+        Raises:
+            ApiError: The station refuses the stream.
+            StationUnreachableError: The station does not answer.
+        """
+        try:
+            await self._connect()
+        except (OSError, WebSocketException) as error:
+            await self.close()
+            _give_up(error, self.options.base_url)
+        return self
+
+    async def __aexit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        await self.close()
+
+    async def close(self) -> None:
+        """Close the connection; asking for a frame connects again."""
+        connection, self._connection = self._connection, None
+        self.progress.connected = False
+        if connection is not None:
+            await connection.close()
+
+    async def __aiter__(self) -> AsyncIterator[StreamFrame]:
+        """Yield frames until the loop over them is left."""
+        try:
+            while True:
+                yield await self.receive()
+        finally:
+            await self.close()
+
+    async def wait_for(
+        self, predicate: Callable[[StreamFrame], bool], timeout: float | None = None
+    ) -> StreamFrame:
+        """Return the first frame that fulfils a condition.
+
+        Args:
+            predicate: The condition, e.g. `lambda frame: frame.stamp > 5.0`.
+            timeout: Longest wait [s]; None waits for ever.
+
+        Raises:
+            ApiError: The station refuses the stream.
+            StreamTimeoutError: No such frame came in time.
+            StationUnreachableError: The link broke and `reconnect` is off.
+        """
+        deadline = None if timeout is None else time.monotonic() + timeout
+        while True:
+            left = None if deadline is None else deadline - time.monotonic()
+            frame = await self.receive(left)
+            if predicate(frame):
+                return frame
+
+    async def collect(self, seconds: float, patience: float) -> Samples:
+        """Connect, and return the samples of some seconds.
+
+        Args:
+            seconds: How much station time, > 0 [s].
+            patience: Longest wait for the next frame [s].
+
+        Raises:
+            ApiError: The station refuses the stream.
+            StreamTimeoutError: Nothing comes, e.g. because the simulation is paused.
+        """
+        samples = Samples(self.options.topic)
+        async with self:
+            while samples.duration < seconds:
+                samples.add(await self.receive(patience))
+        samples.cut(seconds)
+        return samples
+
+    async def receive(self, timeout: float | None = None) -> StreamFrame:
+        """Return the next frame.
+
+        Args:
+            timeout: Longest wait [s]; None waits for ever.
+
+        Raises:
+            ApiError: The station refuses the stream.
+            StreamTimeoutError: No frame came in time.
+            StationUnreachableError: The link broke and `reconnect` is off.
+        """
+        try:
+            async with asyncio.timeout(timeout):
+                return await self._receive()
+        except TimeoutError as error:
+            raise StreamTimeoutError(self.options.topic, timeout) from error
+
+    async def _receive(self) -> StreamFrame:
+        while True:
+            try:
+                connection = self._connection or await self._connect()
+                frame = self.progress.accept(await connection.recv())
+            except (OSError, WebSocketException) as error:
+                await self.close()
+                if not self.options.reconnect or refusal(error) is not None:
+                    _give_up(error, self.options.base_url)
+                await asyncio.sleep(self._backoff.next())
+                continue
+            if frame is not None:
+                self._backoff.reset()
+                return frame
+
+    async def _connect(self) -> ClientConnection:
+        connection = await connect(
+            self.options.url(),
+            additional_headers=bearer(self.options.token),
+            compression=None,
+            max_size=MAX_FRAME_BYTES,
+            proxy=None,
+            ssl=self.options.tls,
+            open_timeout=self.options.timeout,
+            close_timeout=CLOSE_TIMEOUT,
+        )
+        self._connection = connection
+        async with asyncio.timeout(self.options.timeout):
+            self.progress.accept(await connection.recv())
+        return connection
+
+
+@dataclass(frozen=True, slots=True)
+class CommandOptions:
+    """Address of set-points, and the time after which they expire.
+
+    Attributes:
+        base_url: The station, http or https.
+        token: Operator token.
+        lease: The lease of control that the stream acts under; None without one.
+        controller: The controller.
+        timeout: Silence after which the last set-point expires [s], > 0.
+        patience: Longest wait for a connection [s].
+        tls: How the station's certificate is checked; None for plain HTTP.
+    """
+
+    base_url: str
+    token: str | None
+    lease: str | None
+    controller: str
+    timeout: float = 0.2
+    patience: float = 10.0
+    tls: ssl.SSLContext | None = None
+
+    def url(self) -> str:
+        """Return the WebSocket URL."""
+        base = "ws" + self.base_url.removeprefix("http")
+        path = f"{PREFIX}/streams/command/{quote(self.controller, safe='')}"
+        return f"{base}{path}?{urlencode({'timeout': self.timeout})}"
+
+    def headers(self) -> dict[str, str]:
+        """Return the headers that prove access and the lease of control."""
+        lease = {} if self.lease is None else {LEASE_HEADER: self.lease}
+        return {**bearer(self.token), **lease}
+
+
+def written(
+    values: Sequence[float], epoch: int | None, rates: Sequence[float] | None
+) -> str:
+    """Return the message with a set-point.
+
+    Args:
+        values: The set-point.
+        epoch: The epoch that it is made for; None for the present one.
+        rates: How fast it changes; None when that is not known.
+
+    Raises:
+        ValueError: A number is not finite.
+    """
+    numbers = [*values, *(rates or [])]
+    if not all(map(math.isfinite, numbers)):
+        raise ValueError(f"A set-point has finite numbers alone; these are {numbers}.")
+    message: dict[str, object] = {"command": list(values)}
+    if epoch is not None:
+        message["epoch"] = epoch
+    if rates is not None:
+        message["rates"] = list(rates)
+    return json.dumps(message)
+
+
+class AsyncCommandStream:
+    """Sends set-points one after the other; the newest wins. Use it in `async with`.
+
+    When the program sends nothing for `timeout`, the last set-point expires and the
+    controller does what its `command_timeout` parameters say, as after a lost link.
+
+    Args:
+        options: Where the set-points go.
+
+    Attributes:
+        counts: What the station said last about the set-points it has received; None
+            before the first report. Read while sending.
+    """
+
+    def __init__(self, options: CommandOptions) -> None:
+        self.options = options
+        self.counts: CommandCounts | None = None
+        self._connection: ClientConnection | None = None
+        self._reader: asyncio.Task[None] | None = None
+        self._broken: Exception | None = None
+
+    async def __aenter__(self) -> Self:
+        """Connect.
+
+        Raises:
+            ApiError: The station refuses the stream.
+            StationUnreachableError: The station does not answer.
+        """
+        options = self.options
+        try:
+            self._connection = await connect(
+                options.url(),
+                additional_headers=options.headers(),
+                compression=None,
+                proxy=None,
+                ssl=options.tls,
+                open_timeout=options.patience,
+                close_timeout=CLOSE_TIMEOUT,
+            )
+        except (OSError, WebSocketException) as error:
+            _give_up(error, options.base_url)
+        self._broken = None
+        self._reader = asyncio.create_task(self._read(self._connection))
+        return self
+
+    async def __aexit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        await self.close()
+
+    async def close(self) -> None:
+        """End the stream; the last set-point expires after its timeout."""
+        connection, self._connection = self._connection, None
+        if connection is not None:
+            await connection.close()
+        if self._reader is not None:
+            await asyncio.wait([self._reader])
+
+    async def send(
+        self,
+        values: Sequence[float],
+        *,
+        epoch: int | None = None,
+        rates: Sequence[float] | None = None,
+    ) -> None:
+        """Send a set-point; does not wait for the station.
+
+        Args:
+            values: One number per element of the controller, in its order and units.
+            epoch: Refuse when a stop or reset came since that epoch.
+            rates: How fast the set-point changes [rad/s or m/s].
+
+        Raises:
+            ApiError: The station has ended the stream, e.g. because control was lost.
+            StationUnreachableError: The link broke, or there is no link.
+            ValueError: A number is not finite.
+        """
+        await self.post(written(values, epoch, rates))
+
+    async def post(self, message: str) -> None:
+        """Send a set-point that is written already; raises what `send` raises."""
+        try:
+            await self.link().send(message)
+        except (OSError, WebSocketException) as error:
+            _give_up(error, self.options.base_url)
+
+    def link(self) -> ClientConnection:
+        """Return the connection; raise what `send` raises when there is none.
+
+        Raises:
+            ApiError: The station has ended the stream.
+            StationUnreachableError: The link broke, or there is no link.
+        """
+        if self._connection is None:
+            closed = ConnectionError("The stream is not open; it opens in a `with`.")
+            raise StationUnreachableError(self.options.base_url, closed)
+        if self._broken is not None:
+            _give_up(self._broken, self.options.base_url)
+        return self._connection
+
+    async def _read(self, connection: ClientConnection) -> None:
+        """Read the reports of the station until the link ends, for whatever reason."""
+        try:
+            while True:
+                message = await connection.recv()
+                self.counts = CommandCounts.model_validate_json(message)
+        except (OSError, WebSocketException, ValidationError) as error:
+            self._broken = error

@@ -1,0 +1,26 @@
+cimport cython
+from station.controllers.franka_example_controllers.pose_spring cimport PoseSpring
+from station.core.control.usual_update cimport UsualUpdate
+from station.core.franka.model_sources cimport ModelSource
+from station.core.ports.set_point cimport SetPointPort
+from station.core.toolbox.publish_timer cimport PublishTimer
+from station.memory.vectors cimport copy_into
+
+cdef class CartesianSpring:
+    cdef PoseSpring _spring
+    cdef ModelSource _pose
+    cdef ModelSource _jacobian
+    cdef ModelSource _coriolis
+    cdef object _copies
+    cdef double[::1] _commands
+    @cython.locals(spring=PoseSpring)
+    cpdef command_torques(self)
+
+cdef class SpringUpdate(UsualUpdate):
+    cdef SetPointPort port
+    cdef object retarget
+    cdef list springs
+    cdef PublishTimer timer
+    cdef readonly object published
+    @cython.locals(spring=CartesianSpring)
+    cpdef bint run(self, double time, double period) except -1

@@ -1,0 +1,280 @@
+"""Move joints along trajectories, over any joint command interface.
+
+Source: ros_controllers@678b92a joint_trajectory_controller/
+joint_trajectory_controller.h, joint_trajectory_controller_impl.h.
+"""
+
+from collections.abc import Mapping
+from typing import ClassVar, NamedTuple, TypeVar
+
+from typing_extensions import override
+
+from station.controllers.joint_trajectory_controller.adapters import (
+    HardwareInterfaceAdapter,
+    adapter_for,
+    adapter_parameters,
+)
+from station.controllers.joint_trajectory_controller.execution import (
+    SPEED_PARAMETERS,
+    SpeedScaling,
+    TrajectoryExecution,
+    TrajectoryUpdate,
+)
+from station.controllers.joint_trajectory_controller.goals import (
+    FollowJointTrajectoryPort,
+    JointTrajectoryPort,
+)
+from station.controllers.joint_trajectory_controller.planning import TrajectoryPlanner
+from station.controllers.set_point_controller import JOINTS, read_joint_names
+from station.core.control.controller import Controller, PackedSample
+from station.core.control.tunables import Tunables
+from station.core.control.usual_update import UsualUpdate
+from station.core.declared_parameter import DeclaredParameter, ParameterType
+from station.core.description.robot_description import (
+    JointDescription,
+    require_robot_description,
+)
+from station.core.hardware.interfaces import (
+    EffortJointInterface,
+    PositionJointInterface,
+    PosVelAccJointInterface,
+    PosVelJointInterface,
+    VelocityJointInterface,
+)
+from station.core.parameters import Parameters
+from station.core.ports.goal import GoalStatus
+from station.core.trajectory import (
+    TOLERANCE_PARAMETERS,
+    PosVelAccState,
+    read_tolerances,
+)
+
+InterfaceT = TypeVar("InterfaceT")
+
+
+class JointTrajectoryState(NamedTuple):
+    """Desired and measured states of one cycle; lists have the shape (n,).
+
+    Attributes:
+        stamp: Station time of the cycle [s].
+        desired: Desired positions, velocities and accelerations.
+        actual: Measured positions and velocities.
+        error: Desired minus actual positions and velocities.
+    """
+
+    stamp: float
+    desired: PosVelAccState
+    actual: PosVelAccState
+    error: PosVelAccState
+
+
+_ALLOW_PARTIAL_JOINTS_GOAL = DeclaredParameter(
+    name="allow_partial_joints_goal",
+    type=ParameterType.BOOLEAN,
+    default=False,
+    description="a trajectory may leave joints out",
+)
+_CONSTRAINTS = "constraints"
+_STOP_TRAJECTORY_DURATION = DeclaredParameter(
+    name="stop_trajectory_duration",
+    type=ParameterType.NUMBER,
+    unit="s",
+    default=0.0,
+    minimum=0.0,
+    description="time in which a motion comes to rest; 0: hold at once",
+)
+
+
+class JointTrajectoryController(Controller[InterfaceT]):
+    """Executes trajectories and goals; an adapter commands the hardware.
+
+    Parameters: `joints`; `constraints` with `goal_time`, `stopped_velocity_tolerance`
+    and per joint `trajectory` and `goal`; `stop_trajectory_duration` [s];
+    `allow_partial_joints_goal`; `speed_scaling`, 0 to 1, and `speed_scaling_ramp`, the
+    time from standstill to full speed [s]; and those of the interface's adapter, see
+    `adapter_for`. `robot_description` in this or an outer namespace gives types and
+    limits of the joints. `state_publish_rate` and `action_monitor_rate` are accepted
+    and have no effect, because the state of every cycle is available.
+
+    The run-time parameter `speed_scaling` slows the executed trajectory down, and 0
+    pauses it; the joints stay on the same path.
+
+    Attributes:
+        joints: Descriptions of the joints.
+        execution: The trajectory that is executed.
+        planner: Plans trajectories.
+    """
+
+    accepted_parameters: ClassVar[tuple[str, ...]] = (
+        "state_publish_rate",
+        "action_monitor_rate",
+    )
+    joints: list[JointDescription]
+    execution: TrajectoryExecution
+    planner: TrajectoryPlanner
+    _adapter: HardwareInterfaceAdapter
+    _update: TrajectoryUpdate
+
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        return (
+            *super().declared_parameters(),
+            JOINTS,
+            *(each.inside(_CONSTRAINTS) for each in TOLERANCE_PARAMETERS),
+            _STOP_TRAJECTORY_DURATION,
+            _ALLOW_PARTIAL_JOINTS_GOAL,
+            *SPEED_PARAMETERS,
+            *adapter_parameters(cls.hardware_interface),
+        )
+
+    @override
+    def init(self, interface: InterfaceT, params: Parameters) -> None:
+        self.joint_names = read_joint_names(params)
+        description = require_robot_description(params)
+        self.joints = [description.joint(name) for name in self.joint_names]
+        self._adapter = self.make_adapter(interface, params)
+        speed = SpeedScaling.from_parameters(params)
+        tolerances = read_tolerances(params.namespace(_CONSTRAINTS), self.joint_names)
+        self.execution = TrajectoryExecution(
+            self.joints,
+            self._adapter.tracking,
+            stop_duration=_STOP_TRAJECTORY_DURATION.read_float(params),
+            path_bounds=[tolerances[name].path for name in self.joint_names],
+            speed=speed,
+        )
+        self.planner = TrajectoryPlanner(
+            self.execution,
+            self.joints,
+            allow_partial_joints_goal=_ALLOW_PARTIAL_JOINTS_GOAL.read_bool(params),
+        )
+        self._update = TrajectoryUpdate(
+            self.execution, self._adapter.law, self._adapter.output
+        )
+        self.sampled = self._update.sampled
+        self.goals = FollowJointTrajectoryPort(
+            self.planner, tolerances, self.is_running, self._state_message
+        )
+        self.trajectories = JointTrajectoryPort(self.planner, self.is_running)
+        self.tunables = Tunables.joined(self._adapter.tunables, speed.tunables)
+
+    def make_adapter(
+        self, interface: InterfaceT, params: Parameters
+    ) -> HardwareInterfaceAdapter:
+        """Claim the joints and return what commands them; override for new interfaces.
+
+        Args:
+            interface: The robot's interface.
+            params: The controller's namespace.
+
+        Raises:
+            StationError: A joint or a parameter is missing or not allowed.
+        """
+        return adapter_for(interface, self.joints, params)
+
+    @override
+    def starting(self, time: float) -> None:
+        self._adapter.tracking.memory.read()
+        self.execution.start(time)
+        self._adapter.reset()
+
+    @override
+    def stopping(self, time: float) -> None:
+        """End the active goal for good."""
+        self.execution.end_goals(GoalStatus.PREEMPTED, "The controller was stopped.")
+
+    @override
+    def aborting(self, time: float) -> None:
+        """End the active goal for good."""
+        self.execution.end_goals(GoalStatus.ABORTED, "The controller failed.")
+
+    @override
+    def usual_update(self) -> UsualUpdate:
+        return self._update
+
+    @override
+    def update(self, time: float, period: float) -> None:
+        self._update.run(time, period)
+
+    @property
+    def trajectory_state(self) -> JointTrajectoryState | None:
+        """What was desired and measured in the last cycle; None before the first."""
+        sample = self.sample
+        if not isinstance(sample, PackedSample):
+            return None
+        desired, actual, errors, _ = sample.columns
+        velocities, accelerations, measured, rate_errors = map(
+            sample.column, range(4, 8)
+        )
+        begun, passed = sample.rest(8)
+        return JointTrajectoryState(
+            sample.stamp,
+            PosVelAccState(desired, velocities, accelerations, begun),
+            PosVelAccState(actual, measured, time_from_start=passed),
+            PosVelAccState(errors, rate_errors, time_from_start=begun - passed),
+        )
+
+    @override
+    def published(self) -> Mapping[str, Mapping[str, object]]:
+        """Return the topic `state` of the original."""
+        message = self._state_message()
+        return {"state": message} if message else {}
+
+    def _state_message(self) -> dict[str, object]:
+        """Return the last state, which is also the feedback of goals. Any thread."""
+        state = self.trajectory_state
+        if state is None:
+            return {}
+        return {
+            "stamp": state.stamp,
+            "joint_names": list(self.joint_names),
+            "desired": _message(state.desired),
+            "actual": _message(state.actual),
+            "error": _message(state.error),
+        }
+
+
+class PositionJointTrajectoryController(
+    JointTrajectoryController[PositionJointInterface]
+):
+    """Commands positions."""
+
+    hardware_interface: ClassVar[type] = PositionJointInterface
+
+
+class VelocityJointTrajectoryController(
+    JointTrajectoryController[VelocityJointInterface]
+):
+    """Commands velocities computed from the errors of position and velocity."""
+
+    hardware_interface: ClassVar[type] = VelocityJointInterface
+
+
+class EffortJointTrajectoryController(JointTrajectoryController[EffortJointInterface]):
+    """Commands efforts computed from the errors of position and velocity."""
+
+    hardware_interface: ClassVar[type] = EffortJointInterface
+
+
+class PosVelJointTrajectoryController(JointTrajectoryController[PosVelJointInterface]):
+    """Commands positions and velocities."""
+
+    hardware_interface: ClassVar[type] = PosVelJointInterface
+
+
+class PosVelAccJointTrajectoryController(
+    JointTrajectoryController[PosVelAccJointInterface]
+):
+    """Commands positions, velocities and accelerations."""
+
+    hardware_interface: ClassVar[type] = PosVelAccJointInterface
+
+
+def _message(state: PosVelAccState) -> dict[str, object]:
+    """Return a state in the form of a trajectory_msgs/JointTrajectoryPoint."""
+    return {
+        "positions": state.position,
+        "velocities": state.velocity,
+        "accelerations": state.acceleration,
+        "time_from_start": state.time_from_start,
+    }

@@ -1,0 +1,82 @@
+cimport cython
+from station.controllers.set_point_controller cimport CommandLaw
+from station.core.control.sample_columns cimport SampleColumns
+from station.core.control.usual_update cimport UsualUpdate
+from station.core.numerics.joint_errors cimport JointErrors
+from station.core.trajectory.ros_time cimport uptime_seconds
+from station.core.trajectory.splines cimport sample_splines
+
+cdef double _INF
+
+cdef class SpeedScaling:
+    cdef public double target
+    cdef readonly double ramp_time
+    cdef public double factor
+    cdef readonly double rate
+    cdef readonly object tunables
+    @cython.locals(before=double, step=double, difference=double)
+    cpdef double advance(self, double period)
+
+cdef class JointTracking:
+    cdef readonly object memory
+    cdef readonly Py_ssize_t size
+    cdef readonly object desired
+    cdef readonly object positions
+    cdef readonly object velocities
+    cdef readonly object accelerations
+    cdef readonly object errors
+    cdef readonly object rate_errors
+    cdef list _bounds
+    cdef JointErrors _position
+    cdef JointErrors _velocity
+    cdef double[::1] _states
+    cdef double[::1] _splines
+    @cython.locals(i=Py_ssize_t)
+    cpdef void load_spline(self, Py_ssize_t k, double[::1] spline) noexcept
+    cpdef bint follow_splines(self, double time, double factor, double rate) noexcept
+    cpdef void compare_states(self) noexcept
+    cpdef bint exceeds_bounds(self) noexcept
+
+cdef class GoalSupervision:
+    cdef public object goal
+    cdef object _joints
+    cdef JointTracking _tracking
+    cdef set _reached
+    cdef double _start
+    cdef double _end
+    @cython.locals(duration=double, passed=double)
+    cpdef note_progress(self, goal, double now)
+
+cdef class TrajectoryExecution:
+    cdef readonly SpeedScaling speed
+    cdef readonly JointTracking tracking
+    cdef readonly object requests
+    cdef readonly list trajectory
+    cdef readonly object retired
+    cdef readonly tuple moment
+    cdef readonly double sampled
+    cdef readonly object times_from_start
+    cdef object _names
+    cdef double _stop_duration
+    cdef object _path_bounds
+    cdef long long _uptime
+    cdef double _passed
+    cdef long long _passed_ns
+    cdef double _load_time
+    cdef double _path_end
+    cdef double _begin
+    cdef bint _rests
+    cdef double[::1] _times
+    cdef list _active
+    cdef GoalSupervision _supervision
+    @cython.locals(now=double)
+    cpdef advance(self, double time, double period)
+    @cython.locals(passed=double)
+    cdef double _pass_time(self, double time, double period) except? -1.0
+    cdef _sample_states(self, double now)
+
+cdef class TrajectoryUpdate(UsualUpdate):
+    cdef TrajectoryExecution execution
+    cdef object copies
+    cdef CommandLaw law
+    cdef readonly SampleColumns sampled

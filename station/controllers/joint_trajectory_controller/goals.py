@@ -1,0 +1,360 @@
+"""Goals and trajectories: read from requests, checked and planned on arrival.
+
+Source: control_msgs@1.5.2 action/FollowJointTrajectory.action, msg/JointTolerance.msg;
+differs: times are seconds, `stamp` may stand outside of `header`; tolerances for other
+joints are refused, not ignored.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from math import isfinite
+
+from typing_extensions import override
+
+from station.controllers.joint_trajectory_controller.execution import ErrorCode
+from station.controllers.joint_trajectory_controller.planning import (
+    MAX_DURATION,
+    TrajectoryPlanner,
+)
+from station.core.errors import ControllerStateError, InvalidTrajectoryError
+from station.core.ports.goal import Goal, GoalPort
+from station.core.ports.receipt import Receipt
+from station.core.trajectory import (
+    JointTolerances,
+    JointTrajectory,
+    JointTrajectoryPoint,
+    PosVelAccState,
+    ToleranceRequest,
+    updated_tolerances,
+)
+from station.core.trajectory.trajectory_port import TrajectoryPort
+
+
+@dataclass(frozen=True, slots=True)
+class FollowJointTrajectoryGoal:
+    """A goal of the action.
+
+    Attributes:
+        trajectory: The requested trajectory; without points: stop and hold.
+        path_tolerance: Bounds of the errors during the motion, instead of the defaults.
+        goal_tolerance: Bounds of the errors at the end, instead of the defaults.
+        goal_time_tolerance: Time after the end within which the joints must arrive
+            [s]; 0 keeps the default, and a negative value means 0.
+    """
+
+    trajectory: JointTrajectory
+    path_tolerance: tuple[ToleranceRequest, ...] = ()
+    goal_tolerance: tuple[ToleranceRequest, ...] = ()
+    goal_time_tolerance: float = 0.0
+
+
+class FollowJointTrajectoryPort(GoalPort):
+    """Checks goals and plans their trajectories; the controller executes them.
+
+    Args:
+        planner: Plans the trajectories.
+        tolerances: Default bounds of the errors by joint.
+        is_running: Returns whether the controller is running.
+        feedback: Returns the feedback message of the active goal.
+
+    Source:
+        ros_controllers@678b92a joint_trajectory_controller_impl.h, goalCB.
+    """
+
+    def __init__(
+        self,
+        planner: TrajectoryPlanner,
+        tolerances: Mapping[str, JointTolerances],
+        is_running: Callable[[], bool],
+        feedback: Callable[[], Mapping[str, object]],
+    ) -> None:
+        super().__init__(is_running, feedback)
+        self._planner = planner
+        self._tolerances = tolerances
+
+    @override
+    def submit(
+        self, request: Mapping[str, object], receipt: Receipt | None = None
+    ) -> Goal:
+        """Check a follow_joint_trajectory goal and let it replace the present one.
+
+        Args:
+            request: See `parse_goal`.
+            receipt: Where the cycle is noted that takes the goal up.
+
+        Raises:
+            ControllerStateError: The controller is not running.
+            InvalidTrajectoryError: The goal is malformed or cannot be followed;
+                `details["error_code"]` is the error code of the action's result.
+        """
+        try:
+            return self._accept(request, receipt)
+        except InvalidTrajectoryError as error:
+            error.details["error_code"] = int(error_code_of(error))
+            raise
+
+    def _accept(self, request: Mapping[str, object], receipt: Receipt | None) -> Goal:
+        wanted = parse_goal(request)
+        self._check_tolerances([*wanted.path_tolerance, *wanted.goal_tolerance])
+        goal = self.new_goal(request, receipt)
+        bounds = updated_tolerances(
+            self._tolerances,
+            wanted.path_tolerance,
+            wanted.goal_tolerance,
+            wanted.goal_time_tolerance,
+        )
+        self._planner.plan(wanted.trajectory, goal, bounds, receipt)
+        self.remember(goal)
+        return goal
+
+    def _check_tolerances(self, tolerances: Sequence[ToleranceRequest]) -> None:
+        """Refuse tolerances that would have no effect.
+
+        Raises:
+            InvalidTrajectoryError: One is for a joint that the controller does not
+                have, or bounds an acceleration.
+        """
+        for tolerance in tolerances:
+            # No joint tells its acceleration; the original compares an error of 0.
+            if tolerance.acceleration > 0.0:
+                raise InvalidTrajectoryError(
+                    f"The goal has the acceleration tolerance {tolerance.acceleration} "
+                    f"for '{tolerance.name}'; joints have no measured acceleration, so "
+                    "it would never be checked.",
+                    remedy="Leave it out, or give a velocity tolerance.",
+                    details={"joint": tolerance.name, "quantity": "acceleration"},
+                )
+            if tolerance.name not in self._tolerances:
+                known = ", ".join(self._tolerances)
+                raise InvalidTrajectoryError(
+                    f"The goal has a tolerance for '{tolerance.name}'; the joints are "
+                    f"{known}.",
+                    remedy="Name tolerances after joints of the controller.",
+                    details={"joint": tolerance.name},
+                )
+
+    @override
+    def void(self, reason: str) -> None:
+        """End every goal and every trajectory without a goal; the joints hold."""
+        super().void(reason)
+        self._planner.execution.hold(is_void=True)
+
+
+class JointTrajectoryPort(TrajectoryPort):
+    """The topic `command` and the service `query_state` of the original.
+
+    Args:
+        planner: Plans the trajectories.
+        is_running: Returns whether the controller is running.
+    """
+
+    def __init__(
+        self, planner: TrajectoryPlanner, is_running: Callable[[], bool]
+    ) -> None:
+        self._planner = planner
+        self._is_running = is_running
+
+    @override
+    def follow(
+        self, request: Mapping[str, object], receipt: Receipt | None = None
+    ) -> None:
+        """Replace the trajectory being executed.
+
+        Args:
+            request: See `parse_trajectory`; without points: stop and hold.
+            receipt: Where the cycle is noted that takes the trajectory up.
+
+        Raises:
+            ControllerStateError: The controller is not running.
+            InvalidTrajectoryError: The trajectory is malformed or cannot be followed.
+        """
+        trajectory = parse_trajectory(request)
+        self._check_running()
+        self._planner.plan(trajectory, receipt=receipt)
+
+    @override
+    def hold(self, receipt: Receipt | None = None) -> None:
+        self._planner.execution.hold(receipt)
+
+    @override
+    def query_state(self, time: float) -> PosVelAccState:
+        """Return the desired state of the joints at a station time [s].
+
+        Raises:
+            ControllerStateError: The controller is not running.
+            InvalidTrajectoryError: `time` is before the executed trajectory.
+        """
+        self._check_running()
+        return self._planner.query(time)
+
+    def _check_running(self) -> None:
+        if not self._is_running():
+            raise ControllerStateError(
+                "The controller is not running; it has no trajectory.",
+                remedy="Start the controller first.",
+            )
+
+
+def parse_goal(request: Mapping[str, object]) -> FollowJointTrajectoryGoal:
+    """Read a goal from JSON-compatible values shaped like the action's message.
+
+    Args:
+        request: `{"trajectory": {"joint_names", "points": [{"positions", "velocities",
+            "accelerations", "time_from_start"}], "stamp"}, "path_tolerance":
+            [{"name", "position", "velocity", "acceleration"}], "goal_tolerance",
+            "goal_time_tolerance"}`; only `trajectory` is required.
+
+    Raises:
+        InvalidTrajectoryError: A field is missing, unknown or has the wrong type.
+    """
+    known = {
+        "trajectory",
+        "path_tolerance",
+        "goal_tolerance",
+        "goal_time_tolerance",
+    }
+    _refuse_unknown(request, known, "the goal")
+    trajectory = _mapping(request.get("trajectory"), "trajectory")
+    return FollowJointTrajectoryGoal(
+        parse_trajectory(trajectory),
+        _tolerances(request, "path_tolerance"),
+        _tolerances(request, "goal_tolerance"),
+        _goal_time(request),
+    )
+
+
+def error_code_of(error: InvalidTrajectoryError) -> ErrorCode:
+    """Return the error code with which the original refuses a goal.
+
+    Source:
+        ros_controllers@678b92a joint_trajectory_controller_impl.h, goalCB: a
+        goal with wrong joints has INVALID_JOINTS, all others have INVALID_GOAL.
+    """
+    if error.details.get("reason") == "joints":
+        return ErrorCode.INVALID_JOINTS
+    return ErrorCode.INVALID_GOAL
+
+
+def parse_trajectory(message: Mapping[str, object]) -> JointTrajectory:
+    """Read a trajectory from values shaped like trajectory_msgs/JointTrajectory.
+
+    Args:
+        message: `{"joint_names", "points", "stamp"}`; the points are those of a goal.
+            An empty message has no joints and no points.
+
+    Raises:
+        InvalidTrajectoryError: A field is missing, unknown or has the wrong type.
+    """
+    known = {"header", "joint_names", "points", "stamp"}
+    _refuse_unknown(message, known, "trajectory")
+    header = _mapping(message.get("header", {}), "trajectory/header")
+    points = _list(message.get("points", []), "trajectory/points")
+    stamp = _number(message, "stamp", "trajectory/stamp")
+    return JointTrajectory(
+        _joint_names(message.get("joint_names", [])),
+        [
+            _point(_mapping(point, f"trajectory/points/{index}"), index)
+            for index, point in enumerate(points)
+        ],
+        stamp or _number(header, "stamp", "trajectory/header/stamp"),
+    )
+
+
+def _joint_names(value: object) -> list[str]:
+    names = value if isinstance(value, (list, tuple)) else [None]
+    if not all(isinstance(name, str) for name in names):
+        raise _wrong("trajectory/joint_names", value, "a list of joint names")
+    return [str(name) for name in names]
+
+
+def _point(message: Mapping[str, object], index: int) -> JointTrajectoryPoint:
+    where = f"trajectory/points/{index}"
+    known = {"positions", "velocities", "accelerations", "effort", "time_from_start"}
+    _refuse_unknown(message, known, where)
+    return JointTrajectoryPoint(
+        _numbers(message, "positions", where),
+        _numbers(message, "velocities", where),
+        _numbers(message, "accelerations", where),
+        _number(message, "time_from_start", f"{where}/time_from_start"),
+    )
+
+
+def _goal_time(request: Mapping[str, object]) -> float:
+    seconds = _finite(request, "goal_time_tolerance", "goal_time_tolerance")
+    if seconds > MAX_DURATION:
+        raise _wrong(
+            "goal_time_tolerance", seconds, f"at most {MAX_DURATION:g} s, or negative"
+        )
+    return seconds
+
+
+def _tolerances(
+    request: Mapping[str, object], key: str
+) -> tuple[ToleranceRequest, ...]:
+    tolerances = []
+    for index, entry in enumerate(_list(request.get(key, []), key)):
+        where = f"{key}/{index}"
+        message = _mapping(entry, where)
+        _refuse_unknown(
+            message, {"name", "position", "velocity", "acceleration"}, where
+        )
+        name = message.get("name")
+        if not isinstance(name, str):
+            raise _wrong(f"{where}/name", name, "the name of a joint")
+        tolerances.append(
+            ToleranceRequest(
+                name,
+                _finite(message, "position", f"{where}/position"),
+                _finite(message, "velocity", f"{where}/velocity"),
+                _finite(message, "acceleration", f"{where}/acceleration"),
+            )
+        )
+    return tuple(tolerances)
+
+
+def _refuse_unknown(message: Mapping[str, object], known: set[str], where: str) -> None:
+    unknown = [key for key in message if key not in known]
+    if unknown:
+        raise _wrong(where, unknown, f"made of {', '.join(sorted(known))} only")
+
+
+def _mapping(value: object, where: str) -> Mapping[str, object]:
+    if not isinstance(value, Mapping):
+        raise _wrong(where, value, "a mapping")
+    return value
+
+
+def _list(value: object, where: str) -> list[object]:
+    if not isinstance(value, (list, tuple)):
+        raise _wrong(where, value, "a list")
+    return list(value)
+
+
+def _numbers(message: Mapping[str, object], key: str, where: str) -> list[float]:
+    values = _list(message.get(key, []), f"{where}/{key}")
+    return [_as_number(value, f"{where}/{key}") for value in values]
+
+
+def _number(message: Mapping[str, object], key: str, where: str) -> float:
+    return _as_number(message.get(key, 0.0), where)
+
+
+def _finite(message: Mapping[str, object], key: str, where: str) -> float:
+    number = _number(message, key, where)
+    if not isfinite(number):
+        raise _wrong(where, number, "a finite number")
+    return number
+
+
+def _as_number(value: object, where: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise _wrong(where, value, "a number")
+    return float(value)
+
+
+def _wrong(where: str, value: object, wanted: str) -> InvalidTrajectoryError:
+    return InvalidTrajectoryError(
+        f"'{where}' is {value!r}; it must be {wanted}.",
+        remedy="Send a goal shaped like control_msgs/FollowJointTrajectoryGoal.",
+        details={"field": where},
+    )
