@@ -47,19 +47,22 @@ from station.hw.franka.arm.control_mode import (
     is_supported,
 )
 from station.hw.franka.arm.loop_period import arm_cycles_of
-from station.hw.franka.arm.robot_arm import RobotArm, cycles_of
+from station.hw.franka.arm.robot_arm import RobotArm
 from station.hw.franka.arm.sensor_check import SensorCheck
 from station.hw.franka.commands.arm_interfaces import model_interface, state_interface
 from station.hw.franka.commands.arm_services import ArmServices
 from station.hw.franka.commands.arm_writing import ArmWatch, ArmWriting
 from station.hw.franka.commands.cartesian_commands import CartesianCommands
-from station.hw.franka.commands.command_filter import CommandFilter
 from station.hw.franka.commands.command_sender import CommandSender
 from station.hw.franka.commands.joint_commands import JointCommands
 from station.hw.franka.commands.joint_limit_warnings import joint_limit_warnings
 from station.hw.franka.commands.late_cycles import catch_up
 from station.hw.franka.commands.motion_start import MotionStart
-from station.hw.franka.commands.rate_limiter import rate_limits_of
+from station.hw.franka.commands.rate_limiter import (
+    make_joint_rates,
+    make_range_update,
+    rate_limits_of,
+)
 from station.hw.franka.commands.switch_checks import check_free
 from station.hw.franka.franka_parameters import (
     FrankaParameters,
@@ -138,17 +141,21 @@ class FrankaHW(RobotHW):
         self._joints = [urdf.joints[name] for name in joint_names(arm_id)]
         for name in self.commands.add_limits(self._joints, rate_limits_of(limits)):
             _logger.warning("%s has no soft limits in the URDF; none enforced", name)
+        state = self.arm.state
+        rates = make_joint_rates(limits, state, self.commands)
         self._sender = CommandSender(
             self.arm,
+            self._mode,
             self.commands,
             self.cartesian,
-            CommandFilter(limits, self.arm.state, self.commands),
+            rates,
+            make_range_update(limits, state, rates),
         )
         self._motion = MotionStart(self.arm, self._sender)
         self._watch = ArmWatch(self, self._mode, _MODE_NAMES, self._motion)
-        self._writing = ArmWriting(self._mode, self._sender)
+        self._writing = ArmWriting(self._sender)
         self._reading = ArmReading(
-            cycles_of(self.arm),
+            self.arm.read_once,
             self._sensors.readings,
             self._motion,
             cycle_time=self.arm.cycle_time,

@@ -33,7 +33,7 @@ def test_both_modes_give_the_same_bits(gain, limits, passes, state, commands):
             velocity=[2.0, 1.0, 0.5],
             acceleration=[10.0, 5.0, 20.0],
             jerk=[5000.0, 3000.0, 9000.0],
-            torque_rate=[999.0] * SIZE,
+            torque_rate=999.0,
             lower=[-1.0] * SIZE,
             upper=[1.5] * SIZE,
             braking_share=0.5,

@@ -2,18 +2,11 @@ from station.memory.finite_check cimport FiniteCheck
 from station.hw.franka.arm.flags cimport MotionFlags
 from station.core.hardware.stages cimport Stage
 
-cdef class Cycles:
-    cpdef read(self)
-
-cdef class CalledCycles(Cycles):
-    cdef object function
-    cpdef read(self)
-
 cdef class FingerReading:
     cpdef read(self)
 
 cdef class ArmReading(Stage):
-    cdef Cycles cycles
+    cdef object read_once
     cdef FiniteCheck readings
     cdef MotionFlags motion
     cdef double cycle_time

@@ -7,29 +7,6 @@ from station.hw.franka.arm.flags import MotionFlags
 from station.memory.finite_check import FiniteCheck
 
 
-class Cycles:
-    """The cycles of an arm. Reading a state ends a cycle, and begins the next one."""
-
-    def read(self) -> None:
-        """Bring the state of the next cycle."""
-        raise NotImplementedError
-
-
-class CalledCycles(Cycles):
-    """The cycles of an arm that is read by a Python function.
-
-    Args:
-        function: Brings the state of the next cycle.
-    """
-
-    def __init__(self, function: Callable[[], object]) -> None:
-        self.function = function
-
-    def read(self) -> None:
-        """Call the function."""
-        self.function()
-
-
 class FingerReading:
     """Reads the fingers of a hand, once per cycle."""
 
@@ -42,7 +19,7 @@ class ArmReading(Stage):
     """Reads an arm once per elapsed cycle time.
 
     Args:
-        cycles: The arm's cycles.
+        read_once: Brings the arm's next state.
         readings: Looks for a reading that is not finite.
         motion: The motion that may wait for the arm.
         cycle_time: Duration of the arm's cycle [s], > 0.
@@ -59,7 +36,7 @@ class ArmReading(Stage):
 
     def __init__(
         self,
-        cycles: Cycles,
+        read_once: Callable[[], object],
         readings: FiniteCheck,
         motion: MotionFlags,
         *,
@@ -67,7 +44,7 @@ class ArmReading(Stage):
         catch_up: Callable[[], int],
         end_motion: Callable[[], None],
     ) -> None:
-        self.cycles = cycles
+        self.read_once = read_once
         self.readings = readings
         self.motion = motion
         self.cycle_time = cycle_time
@@ -84,7 +61,7 @@ class ArmReading(Stage):
         share, count = self.time_due / self.cycle_time, 1
         if self.nominal == 1 and 0.5 < share < 1.5:
             self.time_due -= self.cycle_time
-            self.cycles.read()
+            self.read_once()
         else:
             count = self.catch_up()
         if self.motion.is_waiting:

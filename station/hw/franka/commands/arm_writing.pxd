@@ -1,5 +1,5 @@
 cimport cython
-from station.hw.franka.commands.command_sending cimport CommandSending
+from station.hw.franka.commands.command_sender cimport CommandSender
 from station.hw.franka.arm.flags cimport MotionFlags
 from station.core.hardware.stages cimport RobotWatch, Stage
 
@@ -16,8 +16,7 @@ cdef class ArmWatch(RobotWatch):
     cpdef mode(self)
 
 cdef class ArmWriting(Stage):
-    cdef double[::1] code
-    cdef CommandSending sender
+    cdef CommandSender sender
     cdef object write_fingers
     cdef object claimed
     cdef object hand

@@ -6,7 +6,7 @@ from typing import Protocol
 from station.core.hardware.stages import Robot, RobotWatch, Stage
 from station.hw.franka.arm.arm_codes import MOVE
 from station.hw.franka.arm.flags import MotionFlags
-from station.hw.franka.commands.command_sending import CommandSending
+from station.hw.franka.commands.command_sender import CommandSender
 from station.memory.doubles import Doubles
 
 _MOVE = MOVE
@@ -72,12 +72,10 @@ class ArmWriting(Stage):
     """Sends the commands of an arm and of its fingers.
 
     Args:
-        code: The arm's mode, one number.
         sender: Sends the commands while a motion runs.
     """
 
-    def __init__(self, code: Doubles, sender: CommandSending) -> None:
-        self.code = code
+    def __init__(self, sender: CommandSender) -> None:
         self.sender = sender
         self.hand: Hand | None = None
         self.write_fingers: Callable[[], object] | None = None
@@ -95,5 +93,4 @@ class ArmWriting(Stage):
             pass  # without a simulated hand there are no fingers
         elif self.claimed or hand.is_moving:
             write()
-        if self.code[0] == _MOVE:
-            self.sender.send_limited(period)
+        self.sender.send_commands(period)

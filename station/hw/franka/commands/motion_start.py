@@ -95,7 +95,7 @@ class MotionStart(MotionFlags):
             arm.stop_motion()
         self.mode, self._settings = mode, settings
         self.is_active = bool(mode)
-        self._sender.begin(mode, settings)
+        self._sender.begin_motion(mode, settings)
         self.is_waiting = bool(mode) and arm.state.robot_mode is not RobotMode.MOVE
         self._waited = 0
         self.advance(0)
@@ -119,7 +119,7 @@ class MotionStart(MotionFlags):
         is_ready = arm.is_at_rest() or not self.mode & _FROM_REST
         if (is_ready and not arm.is_stopping()) or self._waited > LONGEST_WAIT:
             self.is_waiting = False
-            self._sender.begin(self.mode, settings)
+            self._sender.begin_motion(self.mode, settings)
             try:
                 arm.start_motion(*modes)
             except ArmCommandError as error:

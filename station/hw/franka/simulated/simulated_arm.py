@@ -11,13 +11,11 @@ from station.core.franka.franka_model import Frame, FrankaModel
 from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.core.franka.franka_services import ArmRecord, CollisionBehavior
 from station.core.franka.model_sources import ModelSource
-from station.hw.franka.arm.arm_codes import POSITIONS, UNUSUAL, VELOCITIES
-from station.hw.franka.arm.arm_reading import Cycles
+from station.hw.franka.arm.arm_codes import UNUSUAL
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.robot_arm import (
     ControllerMode,
     MotionGeneratorMode,
-    Receivers,
     RobotArm,
 )
 from station.hw.franka.arm.service_limits import ServiceLimits
@@ -25,11 +23,7 @@ from station.hw.franka.simulated.arm_drive import ArmDrive
 from station.hw.franka.simulated.arm_model import ArmModel
 from station.hw.franka.simulated.arm_modes import ArmModes
 from station.hw.franka.simulated.arm_parts import ArmParts
-from station.hw.franka.simulated.receivers import (
-    EndEffectorReceiver,
-    JointReceiver,
-    TorqueReceiver,
-)
+from station.hw.franka.simulated.receivers import StepReceiver
 from station.hw.franka.simulated.simulated_arm_controls import SimulatedArmControls
 from station.hw.franka.simulated.simulated_cycles import SimulatedCycles
 from station.hw.mujoco.world import World
@@ -115,18 +109,8 @@ class SimulatedArm(RobotArm):
         return self.state
 
     @override
-    def receivers(self) -> Receivers:
-        step, memory = self._step, self._memory
-        return Receivers(
-            JointReceiver(self.command_joint_positions, step, memory, POSITIONS),
-            JointReceiver(self.command_joint_velocities, step, memory, VELOCITIES),
-            TorqueReceiver(self.command_joint_torques, step, memory),
-            EndEffectorReceiver(step),
-        )
-
-    @override
-    def cycles(self) -> Cycles:
-        return self._cycles
+    def receiver(self) -> StepReceiver:
+        return StepReceiver(self._step, self._memory)
 
     @override
     def load_model(self) -> FrankaModel:

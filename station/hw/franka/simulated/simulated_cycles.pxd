@@ -1,11 +1,10 @@
 cimport cython
-from station.hw.franka.arm.arm_reading cimport Cycles
 from station.hw.franka.arm.flags cimport AlertFlag, ContactFlag
 from station.hw.franka.simulated.arm_step cimport ArmStep
 from station.hw.franka.simulated.imperfections cimport Imperfections
 from station.hw.mujoco.world_step cimport WorldStep
 
-cdef class SimulatedCycles(Cycles):
+cdef class SimulatedCycles:
     cdef ArmStep step
     cdef WorldStep world
     cdef object state

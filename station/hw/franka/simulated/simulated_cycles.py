@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from typing import Protocol
 
-from station.hw.franka.arm.arm_reading import Cycles
 from station.hw.franka.arm.flags import AlertFlag, ContactFlag
 from station.hw.franka.simulated.arm_step import ArmStep
 from station.hw.franka.simulated.imperfections import Imperfections
@@ -16,7 +15,7 @@ class TimedState(Protocol):
     time: float
 
 
-class SimulatedCycles(Cycles):
+class SimulatedCycles:
     """The cycles of a simulated arm, as far as they are usual ones.
 
     Args:

@@ -3,7 +3,7 @@
 import pytest
 from typing_extensions import override
 
-from station.hw.franka.arm.arm_reading import ArmReading, CalledCycles
+from station.hw.franka.arm.arm_reading import ArmReading
 from station.hw.franka.arm.flags import MotionFlags
 from station.memory.doubles import doubles
 from station.memory.finite_check import FiniteCheck
@@ -31,7 +31,7 @@ class Arm:
         self.readings = doubles([0.0, 0.0])
         self.motion = Motion()
         self.reading = ArmReading(
-            CalledCycles(self.read),
+            self.read,
             FiniteCheck(self.readings),
             self.motion,
             cycle_time=0.001,
