@@ -1,6 +1,5 @@
 from station.memory.vectors cimport copy_into
 from station.memory.functions cimport square_root
-from station.core.franka.joint_memory cimport JointMemory
 
 cpdef void low_pass(
     double[::1] values,
@@ -25,7 +24,10 @@ cpdef void limit_steps(
 ) noexcept
 
 cdef class CommandRates:
-    cdef JointMemory memory
+    cdef double[::1] tau_J_d
+    cdef double[::1] q_d
+    cdef double[::1] dq_d
+    cdef double[::1] ddq_d
     cdef readonly Py_ssize_t size
     cdef double[::1] positions
     cdef double[::1] velocities

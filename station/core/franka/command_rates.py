@@ -6,7 +6,6 @@ limitRate; src/control_loop.cpp, convertMotion and ControlLoop::spinControl.
 
 from collections.abc import Iterable
 
-from station.core.franka.joint_memory import JointMemory
 from station.memory.doubles import Doubles, Storage, own, own_zeros
 from station.memory.functions import square_root
 from station.memory.vectors import copy_into
@@ -99,7 +98,11 @@ class CommandRates:
     """Filters and limits the commands of n joints, one kind per cycle.
 
     Args:
-        memory: State of the joints; the desired values in it are the last commands.
+        tau_J_d: Desired torques of the last cycle [Nm], shape (n,); as the next three,
+            the commands that a new one is compared with.
+        q_d: Desired positions [rad].
+        dq_d: Desired velocities [rad/s].
+        ddq_d: Desired accelerations [rad/s^2].
         positions: Commanded positions within the joint limits [rad], shape (n,).
         velocities: Commanded velocities [rad/s].
         efforts: Commanded torques [Nm].
@@ -128,8 +131,11 @@ class CommandRates:
 
     def __init__(
         self,
-        memory: JointMemory,
         *,
+        tau_J_d: Doubles,  # noqa: N803 - libfranka's name
+        q_d: Doubles,
+        dq_d: Doubles,
+        ddq_d: Doubles,
         positions: Doubles,
         velocities: Doubles,
         efforts: Doubles,
@@ -144,9 +150,11 @@ class CommandRates:
         period: float,
         passes_first: bool = False,
     ) -> None:
-        size = memory.size
-        self.memory = memory
-        self.size = size
+        self.size = size = len(positions)
+        self.tau_J_d = tau_J_d
+        self.q_d = q_d
+        self.dq_d = dq_d
+        self.ddq_d = ddq_d
         self.positions = positions
         self.velocities = velocities
         self.efforts = efforts
@@ -196,15 +204,15 @@ class CommandRates:
 
     def filter_torques(self) -> None:
         """Compute the torques to send."""
-        last, result = self.memory.tau_J_d, self.result
+        last, result = self.tau_J_d, self.result
         low_pass(self.efforts, last, self.gain, result, self.size)
         if self.is_limiting:
             limit_steps(result, last, self.torque_step)
 
     def filter_velocities(self) -> None:
         """Compute the velocities to send."""
-        memory, result, period = self.memory, self.result, self.period
-        dq_d, ddq_d = memory.dq_d, memory.ddq_d
+        result, period = self.result, self.period
+        dq_d, ddq_d = self.dq_d, self.ddq_d
         low_pass(self.velocities, dq_d, self.gain, result, self.size)
         if not self.is_limiting:
             return
@@ -224,8 +232,8 @@ class CommandRates:
 
     def filter_positions(self) -> None:
         """Compute the positions to send, towards the noted goals."""
-        memory, result, period = self.memory, self.result, self.period
-        q_d, dq_d, ddq_d = memory.q_d, memory.dq_d, memory.ddq_d
+        result, period = self.result, self.period
+        q_d, dq_d, ddq_d = self.q_d, self.dq_d, self.ddq_d
         gain = 1.0 if self.passes_next else self.gain
         self.passes_next = False
         low_pass(self.positions, q_d, gain, result, self.size)

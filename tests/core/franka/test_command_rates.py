@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from station.memory.doubles import doubles, put, zeros
-from tests.both_modes import arrays, assert_same, needs_both, sibling
+from tests.both_modes import arrays, assert_same, needs_both
 
 SIZE = 3
 STATE = ("tau_J_d", "q_d", "dq_d", "ddq_d")
@@ -26,7 +26,7 @@ def test_both_modes_give_the_same_bits(gain, limits, passes, state, commands):
         }
         command = zeros(SIZE)
         rates = module.CommandRates(
-            sibling(module, "joint_memory").JointMemory(SIZE, **memory),
+            **memory,
             positions=command,
             velocities=command,
             efforts=command,

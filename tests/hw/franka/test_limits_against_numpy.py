@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from station.core.franka.command_rates import CommandRates, low_pass
-from station.core.franka.joint_memory import JointMemory
 from station.hw.franka.arm.arm_limits import FR3_LIMITS, PANDA_LIMITS, ArmLimits
 from station.hw.franka.commands.rate_limiter import (
     MARGIN,
@@ -92,10 +91,12 @@ def test_joint_motions_are_limited_alike(arm: str, limits: ArmLimits) -> None:
 def limited_torques(tau: np.ndarray, last: np.ndarray, rate: float) -> list[float]:
     """Return torques as they are sent, with every sample as a joint of its own."""
     size = len(tau)
-    joints = JointMemory(size, tau_J_d=as_doubles(last))
     free = [np.inf] * size
     rates = CommandRates(
-        joints,
+        tau_J_d=as_doubles(last),
+        q_d=zeros(size),
+        dq_d=zeros(size),
+        ddq_d=zeros(size),
         positions=zeros(size),
         velocities=zeros(size),
         efforts=as_doubles(tau),

@@ -15,19 +15,19 @@ class Receiver:
     network, needs no receiver of its own.
     """
 
-    def receive_torques(self, tau: Storage) -> bool:  # noqa: ARG002 - takes none
+    def receive_torques(self, tau: Storage) -> bool:
         """Return whether torques [Nm], shape (7,), were taken."""
         return False
 
-    def receive_positions(self, q: Storage) -> bool:  # noqa: ARG002 - takes none
+    def receive_positions(self, q: Storage) -> bool:
         """Return whether positions [rad], shape (7,), were taken."""
         return False
 
-    def receive_velocities(self, dq: Storage) -> bool:  # noqa: ARG002 - takes none
+    def receive_velocities(self, dq: Storage) -> bool:
         """Return whether velocities [rad/s], shape (7,), were taken."""
         return False
 
-    def receive_pose(self, pose: Doubles) -> bool:  # noqa: ARG002 - takes none
+    def receive_pose(self, pose: Doubles) -> bool:
         """Return whether a pose without an elbow, 16 numbers, was taken."""
         return False
 

@@ -13,7 +13,6 @@ from math import pi
 
 from station.core.franka.command_rates import CommandRates
 from station.core.franka.franka_robot_state import RobotState
-from station.core.franka.joint_memory import JointMemory
 from station.hw.franka.arm.arm_limits import ArmLimits, MotionLimits
 from station.hw.franka.commands.joint_commands import JointCommands
 
@@ -112,7 +111,7 @@ def make_joint_rates(
     lower, upper = commands.range()
     names = ("tau_J_d", "q_d", "dq_d", "ddq_d")
     return CommandRates(
-        JointMemory(7, **{name: state.doubles(name) for name in names}),
+        **{name: state.doubles(name) for name in names},
         positions=commands.positions,
         velocities=commands.velocities,
         efforts=commands.efforts,

@@ -1,7 +1,8 @@
 """What happens in an arm before and after every step of its world."""
 
 from station.core.franka.joint_memory import JointMemory
-from station.hw.franka.arm import arm_codes as codes
+from station.hw.franka.arm import arm_codes as modes
+from station.hw.franka.simulated import step_codes as codes
 from station.hw.franka.simulated.cartesian_step import CartesianStep
 from station.hw.franka.simulated.command_check import CommandCheck
 from station.hw.franka.simulated.cycle_log import CycleLog
@@ -14,10 +15,10 @@ from station.memory.doubles import Doubles, Storage
 from station.memory.vectors import any_of, are_finite, copy_into
 
 # As C numbers, by the .pxd.
-_IDLE = codes.IDLE
-_MOVE = codes.MOVE
-_GUIDING = codes.GUIDING
-_RECOVERY = codes.RECOVERY
+_IDLE = modes.IDLE
+_MOVE = modes.MOVE
+_GUIDING = modes.GUIDING
+_RECOVERY = modes.RECOVERY
 _POSITIONS = codes.POSITIONS
 _VELOCITIES = codes.VELOCITIES
 _CARTESIAN = codes.CARTESIAN

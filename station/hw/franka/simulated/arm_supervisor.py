@@ -15,12 +15,12 @@ from station.core.franka.franka_robot_state import RobotState
 from station.core.franka.franka_services import ArmRecord
 from station.core.numerics.poses import rotation_between, times
 from station.hw.franka.arm.arm_limits import ArmLimits
-from station.hw.franka.arm.flags import AlertFlag
 from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
 from station.hw.franka.arm.self_collision import clearance
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.simulated.cycle_log import CycleLog
 from station.hw.franka.simulated.joint_watch import JointWatch
+from station.hw.franka.simulated.simulated_cycles import AlertFlag
 from station.memory.doubles import Doubles
 
 # Change for the worse after a recovery that makes a value an error again [rad or m];

@@ -3,7 +3,7 @@
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 
-from station.hw.franka.arm.arm_names import find_prefix
+from station.hw.franka.arm.arm_description import find_prefix
 from station.hw.franka.simulated.franka_world import ArmPlacement
 from station.hw.urdf_loader import load_urdf
 

@@ -23,8 +23,8 @@ from station.hw.franka.arm.collision_behavior import (
     DEFAULT_COLLISION_BEHAVIOR,
     collision_error,
 )
-from station.hw.franka.arm.flags import ContactFlag
 from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
+from station.hw.franka.simulated.simulated_cycles import ContactFlag
 from station.hw.mujoco.world_joints import WorldJoints
 from station.memory.doubles import put
 

@@ -1,6 +1,5 @@
 """The motor of a hand's fingers: a servo with a limit on its lead, or a force."""
 
-from station.hw.franka.arm.arm_reading import FingerReading
 from station.hw.mujoco.simulator_memory import SimulatorMemory
 from station.hw.mujoco.world_step import Preparation
 from station.memory.doubles import Doubles
@@ -51,7 +50,7 @@ class FingerMotor(Preparation):
         return True
 
 
-class FingerSensor(FingerReading):
+class FingerSensor:
     """Reads the fingers of a simulated hand, which are always at the same place.
 
     Args:

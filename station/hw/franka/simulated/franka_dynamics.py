@@ -24,7 +24,7 @@ from station.core.franka.model_sources import (
 )
 from station.core.numerics.arm_chain import new_links, place_links
 from station.core.numerics.arm_dynamics import ArmDynamics
-from station.hw.franka.arm.arm_names import find_prefix
+from station.hw.franka.arm.arm_description import find_prefix
 from station.hw.franka.arm.franka_kinematics import CHAIN, DOF, FLANGE_OFFSET
 from station.hw.franka.arm.load import Load
 from station.hw.franka.simulated.end_effector import as_transform

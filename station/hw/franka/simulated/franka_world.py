@@ -9,8 +9,8 @@ from station.core.description.robot_files import RobotFiles, replace_prefix
 from station.core.description.srdf import disabled_collisions, group_states
 from station.core.description.urdf import Pose, Urdf
 from station.core.franka.franka_model import GRAVITY_EARTH
+from station.hw.franka.arm.arm_description import find_prefix, joint_names
 from station.hw.franka.arm.arm_limits import PANDA_LIMITS, ArmLimits
-from station.hw.franka.arm.arm_names import find_prefix, joint_names
 from station.hw.franka.arm.service_limits import ServiceLimits
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.franka_parameters import INITIAL_POSITIONS

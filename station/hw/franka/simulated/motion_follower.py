@@ -11,7 +11,6 @@ from typing import NoReturn
 from station.core.errors import InvalidCommandError
 from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_robot_state import RobotState
-from station.hw.franka.arm.arm_codes import CARTESIAN, NO_MOTION, POSITIONS, VELOCITIES
 from station.hw.franka.arm.arm_limits import ArmLimits
 from station.hw.franka.arm.robot_arm import MOST_LOST_PACKETS, MotionGeneratorMode
 from station.hw.franka.simulated.arm_cycle import ArmCycle
@@ -23,6 +22,12 @@ from station.hw.franka.simulated.motion_checks import (
     joint_motion_errors,
     start_position_errors,
     torque_errors,
+)
+from station.hw.franka.simulated.step_codes import (
+    CARTESIAN,
+    NO_MOTION,
+    POSITIONS,
+    VELOCITIES,
 )
 from station.memory.doubles import Doubles, Storage, doubles, put
 

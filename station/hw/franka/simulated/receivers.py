@@ -1,8 +1,8 @@
 """Takes commands for a simulated arm without a call of Python."""
 
 from station.core.franka.joint_memory import JointMemory
-from station.hw.franka.arm import arm_codes as codes
 from station.hw.franka.arm.receiver import Receiver
+from station.hw.franka.simulated import step_codes as codes
 from station.hw.franka.simulated.arm_step import ArmStep
 from station.memory.doubles import Doubles, Storage
 
@@ -43,7 +43,7 @@ class StepReceiver(Receiver):
 
         Args:
             values: The command, shape (7,).
-            generator: The motion that takes them, see `arm_codes`.
+            generator: The motion that takes them, see `step_codes`.
         """
         step, memory = self.step, self.memory
         if step.generator != generator:

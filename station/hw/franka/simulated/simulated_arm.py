@@ -11,7 +11,6 @@ from station.core.franka.franka_model import Frame, FrankaModel
 from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.core.franka.franka_services import ArmRecord, CollisionBehavior
 from station.core.franka.model_sources import ModelSource
-from station.hw.franka.arm.arm_codes import UNUSUAL
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.robot_arm import (
     ControllerMode,
@@ -26,6 +25,7 @@ from station.hw.franka.simulated.arm_parts import ArmParts
 from station.hw.franka.simulated.receivers import StepReceiver
 from station.hw.franka.simulated.simulated_arm_controls import SimulatedArmControls
 from station.hw.franka.simulated.simulated_cycles import SimulatedCycles
+from station.hw.franka.simulated.step_codes import UNUSUAL
 from station.hw.mujoco.world import World
 from station.memory.doubles import Storage
 

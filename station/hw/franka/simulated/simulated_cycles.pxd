@@ -1,8 +1,13 @@
 cimport cython
-from station.hw.franka.arm.flags cimport AlertFlag, ContactFlag
 from station.hw.franka.simulated.arm_step cimport ArmStep
 from station.hw.franka.simulated.imperfections cimport Imperfections
 from station.hw.mujoco.world_step cimport WorldStep
+
+cdef class ContactFlag:
+    cdef public bint is_quiet
+
+cdef class AlertFlag:
+    cdef public bint is_alert
 
 cdef class SimulatedCycles:
     cdef ArmStep step

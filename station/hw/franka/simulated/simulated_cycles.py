@@ -3,10 +3,31 @@
 from collections.abc import Callable
 from typing import Protocol
 
-from station.hw.franka.arm.flags import AlertFlag, ContactFlag
 from station.hw.franka.simulated.arm_step import ArmStep
 from station.hw.franka.simulated.imperfections import Imperfections
 from station.hw.mujoco.world_step import WorldStep
+
+
+class ContactFlag:
+    """Tells about the contacts of an arm.
+
+    Attributes:
+        is_quiet: Whether nothing touches the arm.
+    """
+
+    def __init__(self) -> None:
+        self.is_quiet = True
+
+
+class AlertFlag:
+    """Tells about the readings of an arm.
+
+    Attributes:
+        is_alert: Whether a reading of the last cycle was out of its range.
+    """
+
+    def __init__(self) -> None:
+        self.is_alert = False
 
 
 class TimedState(Protocol):

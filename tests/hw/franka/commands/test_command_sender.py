@@ -20,6 +20,7 @@ from tests.hw.franka.scripted_arm import ScriptedArm
 from tests.hw.franka.test_franka_hw import JOINTS
 
 PERIOD = 0.001
+VELOCITIES = ControlMode.JOINT_VELOCITY, MotionGeneratorMode.JOINT_VELOCITY
 
 
 class Limited:
@@ -71,7 +72,7 @@ class Bench:
 
 @pytest.fixture
 def bench():
-    return Bench(ControlMode.JOINT_VELOCITY, MotionGeneratorMode.JOINT_VELOCITY)
+    return Bench(*VELOCITIES)
 
 
 def test_a_command_is_limited_and_sent_once_per_cycle(bench):
@@ -141,8 +142,7 @@ def test_a_refused_elbow_ends_the_motion_with_the_reason():
 
 @pytest.mark.parametrize(("rate_limiting", "count"), [(True, 2), (False, 1)])
 def test_the_same_command_is_sent_again_only_with_rate_limits(rate_limiting, count):
-    mode, generator = ControlMode.JOINT_VELOCITY, MotionGeneratorMode.JOINT_VELOCITY
-    bench = Bench(mode, generator, rate_limiting=rate_limiting)
+    bench = Bench(*VELOCITIES, rate_limiting=rate_limiting)
     bench.sender.send_commands(PERIOD)
     bench.sender.send_again()
 
