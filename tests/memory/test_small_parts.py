@@ -80,7 +80,7 @@ def test_the_times_of_the_last_cycles_are_kept_part_by_part():
 
 def test_speeds_within_their_limits_hold_and_a_nan_does_not():
     speeds, shares = doubles([1.0, 0.1]), doubles([0.5, 0.5])
-    check = interpreted("speed_check").SpeedCheck(speeds, shares)
+    check = interpreted("world_step").SpeedCheck(speeds, shares)
     assert check.holds()
     speeds[1] = 2.1
     assert not check.holds()
@@ -166,5 +166,5 @@ def test_both_modes_give_the_same_bits(values, target, step):
     assert_same("finite_check", finite)
     assert_same("command_pieces", pieces)
     assert_same("durations", durations)
-    assert_same("speed_check", speeds)
+    assert_same("world_step", speeds)
     assert_same("finger_motor", fingers)

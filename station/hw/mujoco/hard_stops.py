@@ -21,7 +21,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from station.hw.mujoco.world_joints import find_joint
-from station.hw.mujoco.world_step import CalledPreparation
 
 if TYPE_CHECKING:
     from station.hw.mujoco.world import World
@@ -118,7 +117,7 @@ def add_hard_stops(world: "World", limits: Mapping[str, float]) -> None:
     fast = [name for name, v in limits.items() if needs_hard_stop(model, name, v)]
     if fast:
         stops = HardStops(model, world.data, fast)
-        world.add_preparation(CalledPreparation(stops.before_step))
+        world.call_before_steps(stops.before_step)
 
 
 def needs_hard_stop(model: mujoco.MjModel, name: str, velocity: float) -> bool:

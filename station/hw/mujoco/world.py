@@ -17,7 +17,7 @@ from station.hw.mujoco.world_joints import (
     joint_position_address,
 )
 from station.hw.mujoco.world_step import (
-    AttendedPreparation,
+    GuardedPreparation,
     Preparation,
     WorldStep,
 )
@@ -30,15 +30,12 @@ _warnings: deque[str] = deque(maxlen=8)
 class WorldActor(Protocol):
     """A part that drives joints of the world, e.g. an arm's own controller."""
 
-    @property
-    def preparation(self) -> Preparation:
-        """What writes the controls of a coming step that is a usual one."""
-
-    def attend(self) -> None:
-        """Write the controls of a coming step that is not a usual one."""
-
     def after_reset(self) -> None:
         """Start again from the state of the world, which has been reset."""
+
+
+def _do_nothing() -> None:
+    """Leave a step as it is."""
 
 
 class World:
@@ -82,10 +79,10 @@ class World:
             stepper.step,
             stepper.addresses,
             self.brakes.speeds,
-            self._look,
+            self._brake,
             self._count_pushes,
         )
-        self.step = self.stepping.make
+        self.step = self.stepping.make_step
         self._start_qpos: list[float] = self.data.qpos.tolist()
         self._initial_qpos = self._start_qpos
         self.diverged_because: str | None = None
@@ -103,23 +100,38 @@ class World:
         """Number of steps made since the world exists; a reset does not change it."""
         return self.stepping.count
 
-    def add_actor(self, actor: WorldActor) -> None:
-        """Let `actor` act before every step, after those added before it."""
-        self._actors.append(actor)
-        self._prepare(actor.preparation, actor.attend)
-
-    def add_preparation(self, preparation: Preparation) -> None:
-        """Prepare every step in this way, after what was added before it.
-
-        For what keeps no state of its own and knows no unusual step.
+    def add_actor(
+        self,
+        actor: WorldActor,
+        preparation: Preparation,
+        fallback: Callable[[], object] = _do_nothing,
+    ) -> None:
+        """Let `actor` act before every step, after those added before it.
 
         Args:
-            preparation: Prepares the coming step, and returns True. Control thread.
+            actor: Is told of a reset.
+            preparation: Writes the controls of a coming step in compiled code.
+            fallback: Writes them where `preparation` does not.
         """
-        self._prepare(preparation, _nothing)
+        self._actors.append(actor)
+        self.add_preparation(preparation, fallback)
 
-    def _prepare(self, preparation: Preparation, attend: Callable[[], None]) -> None:
-        self.stepping.preparations.append(AttendedPreparation(preparation, attend))
+    def add_preparation(
+        self, preparation: Preparation, fallback: Callable[[], object] = _do_nothing
+    ) -> None:
+        """Prepare every step in this way, after what was added before it.
+
+        For what keeps no state of its own. Control thread.
+
+        Args:
+            preparation: Prepares the coming step in compiled code.
+            fallback: Prepares it where `preparation` does not.
+        """
+        self.stepping.preparations.append(GuardedPreparation(preparation, fallback))
+
+    def call_before_steps(self, function: Callable[[], object]) -> None:
+        """Call a function before every step, after what was added before it."""
+        self.add_preparation(Preparation(), function)
 
     def joints(self, names: Sequence[str]) -> WorldJoints:
         """Return access to some joints, in the order of `names`.
@@ -173,8 +185,8 @@ class World:
             applied.end()
         self._forget_pushes()
 
-    def _look(self) -> None:
-        """Look at velocities that may be too high, and brake."""
+    def _brake(self) -> None:
+        """Brake joints that are too fast; end a simulation that has diverged."""
         # Written with `not … <`, so that a NaN counts as diverged, too.
         if not self._qvel.dot(self._qvel) < MAX_SQUARED_VELOCITY:
             detail = _warnings[-1] if _warnings else "no warning of MuJoCo"
@@ -239,10 +251,6 @@ class World:
         mujoco.mj_resetData(self.model, self.data)
         self.data.qpos[:] = self._initial_qpos
         mujoco.mj_forward(self.model, self.data)
-
-
-def _nothing() -> None:
-    """Attend to a step that is always a usual one."""
 
 
 def _report(thing: SceneObject, data: mujoco.MjData) -> SceneObjectReport:

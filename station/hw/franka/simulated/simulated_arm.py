@@ -59,8 +59,6 @@ class SimulatedArm(RobotArm):
         load: The configured load.
         contact: External torques and the thresholds for them.
         supervisor: Finds and keeps the errors.
-        preparation: Takes the commands, advances the desired motion, and sets the
-            motors' controls in a usual cycle; `attend` does in any other.
     """
 
     def __init__(
@@ -82,7 +80,6 @@ class SimulatedArm(RobotArm):
         self._memory = parts.cycle.memory
         self._modes = ArmModes(world, parts)
         self._drive = ArmDrive(parts, self._modes)
-        self.preparation, self.attend = self._step, self._drive.attend
         self._controls = SimulatedArmControls(world, parts, self._modes, service_limits)
         self._cycles = SimulatedCycles(
             self._step,
@@ -101,7 +98,7 @@ class SimulatedArm(RobotArm):
         # Preparations run in the order of their adding: friction acts before the arm.
         if self.contact.imperfections is not None:
             world.add_preparation(self.contact.imperfections)
-        world.add_actor(self)
+        world.add_actor(self, self._step, self._drive.attend)
 
     @override
     def read_once(self) -> RobotState:

@@ -92,7 +92,7 @@ class SimulatedCycles:
         world, step = self.world, self.step
         self.cycle += 1
         while world.count < self.cycle:
-            world.make()
+            world.make_step()
         steps = world.count
         if self.seen >= steps:
             return
