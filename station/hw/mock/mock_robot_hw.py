@@ -110,7 +110,7 @@ class MockRobotHW(RobotHW):
             raise ParameterError(
                 f"Inertia {inertia} and damping {damping} of the mock must be > 0 and "
                 ">= 0.",
-                remedy="Leave them out for the usual ones.",
+                remedy="Leave them out for the defaults.",
             )
         self.script.switch_cycles = hw_params.get_int("switch_cycles", 0)
         self.joint_names = names

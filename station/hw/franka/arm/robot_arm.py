@@ -210,7 +210,7 @@ class RobotArm(ABC):
         """
 
     def pose_source(self, model: FrankaModel) -> ModelSource | None:  # noqa: ARG002
-        """Return what writes `O_T_EE` alone in a quicker way; None if nothing does.
+        """Return what writes `O_T_EE` alone, without a refresh; None if nothing does.
 
         Args:
             model: A model of this arm, whose results are used where they can be.

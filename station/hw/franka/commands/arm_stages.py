@@ -97,7 +97,7 @@ class ArmReading(Stage):
         lost = 0 if bridged else max(0, late)
         for cycle in range(min(cycles, self.nominal + late)):
             if cycle > lost:
-                self.sender.send_again()
+                self.sender.resend_commands()
             self.arm.read_once()
         return cycles
 

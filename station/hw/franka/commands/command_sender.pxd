@@ -26,7 +26,7 @@ cdef class CommandSender:
     cdef public object refusal
     @cython.locals(check=FiniteCheck, limits=EnforcedLimits)
     cpdef send_commands(self, double period)
-    cpdef send_again(self)
+    cpdef resend_commands(self)
     cpdef send_all(self, bint is_new)
     cpdef send_positions(self)
     cpdef send_velocities(self)

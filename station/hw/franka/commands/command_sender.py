@@ -110,7 +110,7 @@ class CommandSender:
                 limits.enforce(period)
         self.send_all(True)  # noqa: FBT003 - positional in C
 
-    def send_again(self) -> None:
+    def resend_commands(self) -> None:
         """Send the last commands again in an arm cycle between two loop cycles.
 
         Poses are extrapolated. Other commands are repeated only with rate limits, which

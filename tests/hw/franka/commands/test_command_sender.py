@@ -144,6 +144,6 @@ def test_a_refused_elbow_ends_the_motion_with_the_reason():
 def test_the_same_command_is_sent_again_only_with_rate_limits(rate_limiting, count):
     bench = Bench(*VELOCITIES, rate_limiting=rate_limiting)
     bench.sender.send_commands(PERIOD)
-    bench.sender.send_again()
+    bench.sender.resend_commands()
 
     assert len(bench.arm.sent) == count
