@@ -13,7 +13,6 @@ from typing_extensions import override
 from station.api.dependencies import access
 from station.api.errors import ProblemError
 
-
 MOST_VALUES = 20_000
 """Values in one body: members, items, objects and lists; 10,000 numbers of a trajectory
 with a point for every seven are 16,000. Each costs up to 0.3 µs in which no other

@@ -153,7 +153,8 @@ class FciBeside:
 
     def _welcome(self) -> None:
         self._hw.guest = self._guest
-        self._loop.reading = GuestReading(self._guest, self._loop.reading, self._hand)
+        hw = self._loop.hw
+        hw.read = GuestReading(self._guest, hw.read, self._hand).read  # type: ignore[method-assign]
 
     def _may_move(self) -> bool:
         return self._loop.stop_latch.state is StopState.ARMED

@@ -1,8 +1,8 @@
 """Whether a quicker way of doing the same still does the same.
 
-A robot may offer a quicker way than its methods `read` and `write`. A subclass, or a
-test, that replaces one of these expects to be called in every cycle, and knows nothing
-of the quicker way of the class that it extends.
+A controller may offer a quicker way than its method `update`, an arm than `read_once`.
+A subclass, or a test, that replaces one of these expects to be called in every cycle,
+and knows nothing of the quicker way of the class that it extends.
 """
 
 

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 
 import mujoco
 import numpy as np
-from typing_extensions import override
 
 from station.core.errors import suggest
 from station.core.hardware.interfaces import (
@@ -16,7 +15,6 @@ from station.core.hardware.interfaces import (
     VelocityJointInterface,
 )
 from station.core.hardware.robot_hw import RobotHW
-from station.core.hardware.stages import Stage
 from station.core.loop.control_loop import ControlLoop
 from station.hw.mujoco.shared_world import SharedWorld
 from station.hw.mujoco.world import World
@@ -152,7 +150,7 @@ def _carrier(model: mujoco.MjModel, body: int) -> int:
         body = heaviest
 
 
-class CommandDelay(Stage):
+class CommandDelay:
     """Lets a robot receive the commands of its joints some cycles late.
 
     What the arm does by itself, such as holding its pose, is not delayed: the delay is
@@ -172,8 +170,8 @@ class CommandDelay(Stage):
             for handle in interface.handles()
         ]
         self._line: deque[list[float]] = deque()
-        self._loop = loop
-        self._writing = loop.writing
+        self._hw = hw
+        self._write = hw.write
 
     def begin(self, cycles: int) -> None:
         """Begin a trial; nothing is on its way.
@@ -183,11 +181,10 @@ class CommandDelay(Stage):
         """
         self._cycles = cycles
         self._line.clear()
-        # Without a delay the robot's own stage is quicker, and does the same.
-        self._loop.writing = self if cycles else self._writing
+        # Without a delay the robot's own method is quicker, and does the same.
+        self._hw.write = self.write if cycles else self._write  # type: ignore[method-assign]
 
-    @override
-    def run(self, time: float, period: float) -> None:
+    def write(self, time: float, period: float) -> None:
         """Send the commands of some cycles before to the robot.
 
         Args:
@@ -198,7 +195,7 @@ class CommandDelay(Stage):
         self._line.append(commands)
         is_full = len(self._line) > self._cycles
         self._put(self._line.popleft() if is_full else self._line[0])
-        self._writing.run(time, period)
+        self._write(time, period)
         self._put(commands)  # controllers find what they commanded
 
     def _put(self, commands: list[float]) -> None:
@@ -206,7 +203,7 @@ class CommandDelay(Stage):
             storage[index] = command
 
 
-class MeasurementNoise(Stage):
+class MeasurementNoise:
     """Adds Gaussian noise to what a robot's joints measure.
 
     Controllers, limits and the record see the noise; the motors and the supervision
@@ -221,8 +218,8 @@ class MeasurementNoise(Stage):
         self._handles = interface.handles() if interface else []
         self._position = self._velocity = 0.0
         self._random = np.random.default_rng(0)
-        self._loop = loop
-        self._reading = loop.reading
+        self._hw = loop.hw
+        self._read = loop.hw.read
 
     def begin(self, position: float, velocity: float, seed: int) -> None:
         """Begin a trial.
@@ -235,17 +232,16 @@ class MeasurementNoise(Stage):
         self._position, self._velocity = position, velocity
         self._random = np.random.default_rng(seed)
         is_silent = position == velocity == 0.0
-        self._loop.reading = self._reading if is_silent else self
+        self._hw.read = self._read if is_silent else self.read  # type: ignore[method-assign]
 
-    @override
-    def run(self, time: float, period: float) -> None:
+    def read(self, time: float, period: float) -> None:
         """Read the robot, then add the noise.
 
         Args:
             time: Station time of this cycle [s].
             period: Time since the last cycle [s], >= 0.
         """
-        self._reading.run(time, period)
+        self._read(time, period)
         draws = self._random.standard_normal(2 * len(self._handles)).tolist()
         for i, handle in enumerate(self._handles):
             handle.position_storage[handle.index] += self._position * draws[2 * i]

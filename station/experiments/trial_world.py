@@ -193,7 +193,7 @@ class TrialWorld:
         facade.robots.recover_all()
         # Controllers compute with differences of station time, whose rounding depends
         # on how late it is. None runs now that would see time go back.
-        facade.loop.time = 0.0
+        facade.loop.control_cycle.time = 0.0
 
     def gains_of(self, trial: Trial) -> dict[str, dict[str, float]]:
         """Return the gains that a trial changes, by controller and name.

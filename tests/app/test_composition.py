@@ -165,7 +165,7 @@ def test_a_controller_over_its_budget_is_stopped_while_others_go_on(
         f"quick: {{type: '{__name__}:HasNoHurry'}}",
     )
     station = compose(config, ManualClock()).station
-    station.manager.updating().stopwatch = TakesTwoPeriods.clock.now
+    station.manager.controller_update.stopwatch = TakesTwoPeriods.clock.now
 
     station.switch_controllers(SwitchRequest(start=["slow", "quick"]))
     station.loop.start()

@@ -84,7 +84,7 @@ def test_virtual_time_passes_before_each_cycle_that_is_stepped():
 
     loop = make_loop(Watching(), clock=ManualClock(10.0))
     loop.step(2, tick=0.25)
-    loop.late_cycles = 1
+    loop.delay_next_cycle(1)
     loop.step(tick=0.25)
 
     assert seen == [10.25, 10.5, 10.75]

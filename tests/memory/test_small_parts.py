@@ -30,26 +30,16 @@ def test_the_first_number_that_is_not_finite_is_found(values, bad):
     assert check.first_bad() == bad
 
 
-def test_a_piece_of_commands_tells_what_changed_and_writes_it_back():
+def test_a_block_of_commands_tells_what_changed_and_writes_it_back():
     memory = doubles([1.0, 2.0])
-    piece = interpreted("command_pieces").CommandPiece(memory)
-    assert not piece.differs()
+    block = interpreted("command_gate").DoublesBlock(memory)
+    assert not block.has_changed()
     memory[1] = nan
-    assert piece.differs()
-    piece.write()
+    assert block.has_changed()
+    block.write_copy()
     assert list(memory) == [1.0, 2.0]
     memory[0] = inf
-    assert not piece.take()
-
-
-def test_pieces_of_commands_are_written_back_together():
-    module = interpreted("command_pieces")
-    memories = [doubles([1.0]), doubles([2.0, 3.0])]
-    pieces = module.CommandPieces([module.CommandPiece(one) for one in memories])
-    for memory in memories:
-        memory[0] = nan
-    pieces.keep()
-    assert [list(memory) for memory in memories] == [[1.0], [2.0, 3.0]]
+    assert not block.copy_commands()
 
 
 def test_durations_keep_the_last_and_sum_up_all():
@@ -126,9 +116,9 @@ def test_both_modes_give_the_same_bits(values, target, step):
     def finite(module):
         return [module.FiniteCheck(doubles(values)).first_bad()]
 
-    def pieces(module):
-        piece = module.CommandPiece(doubles(values))
-        return [piece.take(), piece.differs(), *piece.values]
+    def blocks(module):
+        block = module.DoublesBlock(doubles(values))
+        return [block.copy_commands(), block.has_changed(), *block.values]
 
     def durations(module):
         kept = module.Durations(3)
@@ -164,7 +154,7 @@ def test_both_modes_give_the_same_bits(values, target, step):
 
     assert_same("vectors", at_once)
     assert_same("finite_check", finite)
-    assert_same("command_pieces", pieces)
+    assert_same("command_gate", blocks)
     assert_same("durations", durations)
     assert_same("world_step", speeds)
     assert_same("finger_motor", fingers)

@@ -277,20 +277,21 @@ def test_late_cycles_while_a_recording_begins_are_inputs_but_not_rows(station, s
 
 
 def test_each_cycle_has_all_its_messages_or_none(station, recorder, store, monkeypatch):
-    opened, read = Recording.open_sources, station.snapshots.rows_since
+    opened, ring = Recording.open_sources, station.snapshots
 
     def open_late(recording):
         opened(recording)
         station.loop.step(2)  # sampled, but before the first cycle of the recording
 
-    def read_early(cycle):
-        rows = read(cycle)
-        station.loop.step(2)  # the loop goes on before the samples are read
-        return rows
+    class Read:
+        def rows_since(self, cycle):
+            rows = ring.rows_since(cycle)
+            station.loop.step(2)  # the loop goes on before the samples are read
+            return rows
 
     monkeypatch.setattr(Recording, "open_sources", open_late)
     identifier = recorder.start().identifier
-    monkeypatch.setattr(station.snapshots, "rows_since", read_early)
+    monkeypatch.setattr(station.loop, "snapshots", Read())
     for _ in range(20):
         station.loop.step(3)
         recorder.drain()

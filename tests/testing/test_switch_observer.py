@@ -6,7 +6,6 @@ from dataclasses import replace
 import pytest
 
 from station.core import CombinedRobotHW, RobotHW
-from station.core.control.command_gate import CommandGate
 from station.core.control.switching import SwitchOutcome
 from station.testing.scripted import ScriptedBench
 from station.testing.switch_observer import SwitchObserver, command_places
@@ -46,8 +45,8 @@ def test_a_command_that_is_no_finite_float_is_found(bench, observer, command):
     assert "j3 is no finite float" in observer.problems[0]
 
 
-def test_a_command_without_an_owner_that_moves_is_found(bench, observer, monkeypatch):
-    monkeypatch.setattr(CommandGate, "close", lambda *_: None)
+@pytest.mark.usefixtures("open_gate")
+def test_a_command_without_an_owner_that_moves_is_found(bench, observer):
     bench.step()
     bench.robot.joints.velocity_command[0] = 0.5
 
@@ -56,10 +55,8 @@ def test_a_command_without_an_owner_that_moves_is_found(bench, observer, monkeyp
     assert "without an owner changed from 0.0 to 0.5" in observer.problems[0]
 
 
-def test_a_command_that_does_not_rest_when_its_owner_stops_is_found(
-    bench, observer, monkeypatch
-):
-    monkeypatch.setattr(CommandGate, "close", lambda *_: None)
+@pytest.mark.usefixtures("open_gate")
+def test_a_command_that_does_not_rest_when_its_owner_stops_is_found(bench, observer):
     a = bench.manager.get_controller("a")
     bench.switch(["a"])
     a.actions["update"] = lambda: a.command(0.04)

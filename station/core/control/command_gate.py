@@ -5,13 +5,13 @@ has written, or the rest command of a resource that nobody owns:
 
 1. After every call of a controller its own commands are checked and copied
    (`ControllerCommands.refused`), so that a bad value is charged to that call.
-2. At the end of the cycle `close` writes all of them anew: the rest of what nobody
-   owns, and what each owner wrote if others ran beside it. So nothing else reaches the
-   robot.
+2. At the end of the cycle `keep_commands` writes all of them anew: the rest of what
+   nobody owns, and what each owner wrote if others ran beside it. So nothing else
+   reaches the robot.
 3. Around every call of a controller in a switch, and around `do_switch`, the commands
    of the others are remembered and put back (`CommandGate.remember`, `put_back`).
-4. Before it writes, `close` compares one group of commands with what is there, another
-   one in every cycle. After a difference the gate traces: it compares all of them after
+4. Before it writes, it compares one block of commands with what is there, another one
+   in every cycle. After a difference the gate traces: it compares all of them after
    every call, and the controller that writes what it does not own is stopped.
 
 The ranges of the commands are the robot's business: `RobotHW.write` enforces the joint
@@ -19,19 +19,24 @@ limits, which depend on the measured state and on the period.
 """
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+import cython
 
 from station.core.control.command_guard import all_guards
-from station.core.control.command_piece import KeptPiece, make_pieces
-from station.core.control.command_pieces import CommandPieces
 from station.core.control.controller import ControllerState
-from station.core.control.controller_round import OwnerFlags
-from station.core.control.loaded_controller import LoadedController
+from station.core.faults import CONTAINED
 from station.core.hardware.robot_hw import RobotHW
-from station.core.hardware.slots import Slot, in_memory_order
-from station.memory.doubles import Storage
+from station.core.hardware.slots import Slot, SlotRun, in_memory_order, side_by_side
+from station.memory.doubles import Doubles, Storage, zeros
+from station.memory.vectors import are_finite, copy_into, differ
+
+if TYPE_CHECKING:
+    from station.core.control.loaded_controller import LoadedController
 
 _RUNNING = ControllerState.RUNNING
+_FLOAT = {float}
 
 TRACED_CYCLES = 1000
 """How long the gate looks for whoever writes commands without a claim [cycles]."""
@@ -43,7 +48,118 @@ Remembered = list[tuple[Storage, int, float]]
 """Commands as (storage, index, value)."""
 
 
-class CommandGate(OwnerFlags):
+class CommandBlock:
+    """Commands that lie side by side, and a copy of them.
+
+    Args:
+        slots: Where each of the commands is.
+        values: The copy, shape (n,), changed in place.
+    """
+
+    def __init__(self, slots: Sequence[Slot], values: Storage) -> None:
+        self.slots = slots
+        self.values = values
+
+    def copy_commands(self) -> bool:
+        """Copy the commands; return whether all certainly are finite floats."""
+        raise NotImplementedError
+
+    def has_changed(self) -> bool:
+        """Return whether a command is not what was copied."""
+        raise NotImplementedError
+
+    def write_copy(self) -> None:
+        """Write the copied commands."""
+        raise NotImplementedError
+
+
+class DoublesBlock(CommandBlock):
+    """Commands in memory of doubles.
+
+    Args:
+        memory: The commands, shape (n,).
+        slots: Where each of them is.
+    """
+
+    def __init__(self, memory: Doubles, slots: Sequence[Slot] = ()) -> None:
+        self.memory = memory
+        self.size = len(memory)
+        self.copy = zeros(self.size)
+        super().__init__(slots, self.copy)
+        self.copy_commands()
+
+    def copy_commands(self) -> bool:
+        """Copy the commands; return whether all certainly are finite."""
+        if cython.compiled:
+            copy_into(self.copy, 0, self.memory, self.size)
+        else:
+            self.copy[:] = self.memory
+        return are_finite(self.copy, self.size)
+
+    def has_changed(self) -> bool:
+        """Return whether a command is not what was copied."""
+        if cython.compiled:
+            return differ(self.memory, self.copy, self.size)
+        return self.memory != self.copy
+
+    def write_copy(self) -> None:
+        """Write the copied commands."""
+        if cython.compiled:
+            copy_into(self.memory, 0, self.copy, self.size)
+        else:
+            self.memory[:] = self.copy
+
+
+class ListBlock(CommandBlock):
+    """Commands in a list, which may hold anything that somebody writes into it.
+
+    Args:
+        storage: The list.
+        place: Which of its elements.
+        slots: Where each of them is.
+    """
+
+    def __init__(
+        self, storage: list[float], place: slice, slots: Sequence[Slot]
+    ) -> None:
+        self.storage = storage
+        self.place = place
+        self.copy = storage[place]
+        super().__init__(slots, self.copy)
+
+    def copy_commands(self) -> bool:
+        """Copy the commands; return whether they certainly are finite floats."""
+        copy = self.copy
+        copy[:] = self.storage[self.place]
+        # The types first: the sum of a complex number or of a decimal raises, or
+        # passes every comparison with a float. An overflow of the sum alone is no bad
+        # command: whoever gets False looks again.
+        return set(map(type, copy)) == _FLOAT and not (total := sum(copy)) - total
+
+    def has_changed(self) -> bool:
+        """Return whether commands are not those that were copied."""
+        try:
+            return self.storage[self.place] != self.copy
+        except CONTAINED:  # e.g. an array: its comparison has no truth value
+            return True
+
+    def write_copy(self) -> None:
+        """Write the copied commands."""
+        self.storage[self.place] = self.copy
+
+
+def make_blocks(slots: Iterable[Slot]) -> list[CommandBlock]:
+    """Return the commands in some slots, with a copy of what they are now."""
+    return [_make_block(run) for run in side_by_side(slots)]
+
+
+def _make_block(run: SlotRun) -> CommandBlock:
+    if isinstance(run.storage, list):
+        return ListBlock(run.storage, slice(run.begin, run.end), run.slots)
+    return DoublesBlock(run.storage[run.begin : run.end], run.slots)
+
+
+class CommandGate:
     """Keeps the commands of a robot with their owners. Control thread only.
 
     Args:
@@ -52,8 +168,8 @@ class CommandGate(OwnerFlags):
     Attributes:
         is_stale: Whether controllers have started or stopped since the owners were
             noted; set by whoever starts or stops one.
-        kept: The commands that are written anew at the end of a cycle.
-        running: The controllers that ran when the owners were noted last.
+        running: The controllers that ran when the owners were noted last, in the order
+            of loading.
         traced_cycles: For how many cycles more the gate looks after every call for
             whoever writes commands that it does not own; 0 until a violation is found.
         violations: How often a command was found that its owner had not written.
@@ -61,26 +177,28 @@ class CommandGate(OwnerFlags):
     """
 
     def __init__(self, hw: RobotHW) -> None:
-        super().__init__()
+        self.is_stale = True
+        self.traced_cycles = 0
         self.running: tuple[LoadedController, ...] = ()
         self.violations = 0
         self.last_violation: str | None = None
-        self._guards = all_guards(hw)
+        self.guards = all_guards(hw)
         # Commands that nobody owns, with their rest; and all that are written anew.
-        self._resting: list[KeptPiece] = []
-        self._note_rows([])
-        self._owned_names: set[str] = set()
-        self._names: dict[SlotId, str] = {
+        self.resting: list[CommandBlock] = []
+        self.kept: list[CommandBlock] = []
+        self.next_compared = 0
+        self.owned_names: set[str] = set()
+        self.names: dict[SlotId, str] = {
             (id(storage), index): guard.name
-            for guard in self._guards
+            for guard in self.guards
             for storage, index in guard.slots
         }
-        commands = in_memory_order(slot for one in self._guards for slot in one.slots)
-        self._slots: dict[SlotId, Slot] = {
+        commands = in_memory_order(slot for one in self.guards for slot in one.slots)
+        self.slots: dict[SlotId, Slot] = {
             (id(storage), index): (storage, index) for storage, index in commands
         }
 
-    def remember(self, one: LoadedController) -> Remembered:
+    def remember(self, one: "LoadedController") -> Remembered:
         """Return every command of the robot that `one` does not own.
 
         For a call of `one` in which nobody else writes commands.
@@ -88,7 +206,7 @@ class CommandGate(OwnerFlags):
         own = {(id(storage), index) for storage, index in one.commands.slots}
         return [
             (storage, index, storage[index])
-            for slot, (storage, index) in self._slots.items()
+            for slot, (storage, index) in self.slots.items()
             if slot not in own
         ]
 
@@ -105,56 +223,51 @@ class CommandGate(OwnerFlags):
             if now is value or (type(now) is float and now == value):
                 continue
             storage[index] = value
-            changed = changed or self._names[id(storage), index]
+            changed = changed or self.names[id(storage), index]
         return changed
 
     def forget_rest(self) -> None:
-        """Let resources without an owner rest where they are now, at the next `close`.
+        """Let resources without an owner rest where they are when owners are noted.
 
         For a world that was put somewhere else.
         """
-        self._resting = []
-        self._note_rows([])
+        self.resting = []
+        self._keep([])
         self.is_stale = True
 
-    def close(self, loaded: Iterable[LoadedController]) -> None:
-        """Write every command anew: that of its owner, or the rest.
-
-        Args:
-            loaded: All controllers; those that run own what they claim.
-        """
-        if self.is_stale or self.traced_cycles:
-            self._close_with_care(loaded)
-            return
-        self.kept.keep()
-
-    def _close_with_care(self, loaded: Iterable[LoadedController]) -> None:
-        """Do the same in a cycle in which owners have changed, or that is traced."""
+    def keep_commands(self) -> None:
+        """Write every command anew, unless owners have changed in this cycle."""
         if self.traced_cycles:
             self.traced_cycles -= 1
-        if self.is_stale:
-            self._note_owners(loaded)
-            self.is_stale = False
-        else:
-            self.restore()
+            self.restore_commands()
+            return
+        kept, place = self.kept, self.next_compared
+        if place < len(kept):
+            block = kept[place]
+            if block.has_changed():
+                self._report(block)
+        self.next_compared = place + 1 if place + 1 < len(kept) else 0
+        # Also what equals the copy is written: it may still be no float, e.g. 0j.
+        for each in kept:
+            each.write_copy()
 
-    def restore(self) -> None:
+    def restore_commands(self) -> None:
         """Compare all commands with what they ought to be, and write them anew.
 
         Also before a switch, after which the owners are others, and at the beginning of
         a traced cycle, so that what was written between two cycles is not charged to
         the controller that is called next. Nothing happens when owners have changed in
-        this cycle already: `close` looks at all of them then.
+        this cycle already: `note_owners` looks at all of them then.
         """
         if self.is_stale:
             return
-        for piece in self._rows:
-            if piece.differs():
-                self._report(piece)
-            piece.write()
+        for block in self.kept:
+            if block.has_changed():
+                self._report(block)
+            block.write_copy()
 
     def find_intrusion(
-        self, one: LoadedController, loaded: Iterable[LoadedController]
+        self, one: "LoadedController", loaded: "Iterable[LoadedController]"
     ) -> str | None:
         """Return which command a call of `one` has written without owning it.
 
@@ -173,74 +286,77 @@ class CommandGate(OwnerFlags):
             ):
                 other.commands.write_again()
                 return f"the commands of '{other.info.name}'"
-        for piece in self._resting:
-            if piece.differs():
-                name = self._changed(piece)
-                piece.write()
+        for block in self.resting:
+            if block.has_changed():
+                name = self._changed(block)
+                block.write_copy()
                 return f"the command of '{name}'"
         return None
 
-    def _note_owners(self, loaded: Iterable[LoadedController]) -> None:
-        """Find out which commands nobody owns, and let them rest.
+    def note_owners(self, loaded: "Iterable[LoadedController]") -> None:
+        """Find out which commands nobody owns, let them rest, and write all anew.
 
         A resource that had no owner before keeps its rest command: resting anew where
         it is measured would let a joint under load creep a little at every switch. One
         that had an owner has moved meanwhile, so all of its commands rest anew, those
         of other interfaces as well.
         """
+        if self.traced_cycles:
+            self.traced_cycles -= 1
         owned = _count_owners(loaded)
         before = {
             (id(storage), index): value
-            for piece in self._resting
-            for (storage, index), value in zip(piece.slots, piece.values, strict=True)
+            for block in self.resting
+            for (storage, index), value in zip(block.slots, block.values, strict=True)
         }
-        for guard in self._guards:
+        for guard in self.guards:
             begun = []
             for position, (storage, index) in enumerate(guard.slots):
                 slot = (id(storage), index)
                 if slot in owned:
                     continue
-                if slot in before and guard.name not in self._owned_names:
+                if slot in before and guard.name not in self.owned_names:
                     storage[index] = before[slot]
                 else:
                     begun.append(position)
             if begun:
                 guard.write_rest(begun)
-        free = [slot for name, slot in self._slots.items() if name not in owned]
-        self._resting = make_pieces(free)
+        free = [slot for name, slot in self.slots.items() if name not in owned]
+        self.resting = make_blocks(free)
         self.running = tuple(one for one in loaded if one.controller.state is _RUNNING)
         running = self.running
-        self._owned_names = {g.name for one in running for g in one.commands.guards}
+        self.owned_names = {g.name for one in running for g in one.commands.guards}
         owners = [one for one in running if not one.commands.is_shared]
         for one in owners:
             one.commands.write_again()
         # With nobody beside it, what the only controller has written stays as it is.
         beside = owners if len(running) > 1 else []
-        owned_pieces = [piece for one in beside for piece in one.commands.pieces]
-        self._note_rows([*self._resting, *owned_pieces])
+        owned_blocks = [block for one in beside for block in one.commands.blocks]
+        self._keep([*self.resting, *owned_blocks])
+        self.is_stale = False
 
-    def _note_rows(self, rows: list[KeptPiece]) -> None:
-        self._rows = rows
-        self.kept = CommandPieces([*rows], self._report)
+    def _keep(self, blocks: list[CommandBlock]) -> None:
+        self.kept = blocks
+        self.next_compared = 0
 
-    def _changed(self, piece: KeptPiece) -> str:
-        for (storage, index), value in zip(piece.slots, piece.values, strict=True):
+    def _changed(self, block: CommandBlock) -> str:
+        for (storage, index), value in zip(block.slots, block.values, strict=True):
             now = storage[index]
             if not (type(now) is float and now == value):
-                return self._names[id(storage), index]
+                return self.names[id(storage), index]
         return "an unknown resource"
 
-    def _report(self, piece: KeptPiece) -> None:
+    def _report(self, block: CommandBlock) -> None:
         """Note that somebody has written commands that are not theirs, and trace."""
         self.violations += 1
         self.last_violation = (
             "Somebody without a claim has written the command of "
-            f"'{self._changed(piece)}'."
+            f"'{self._changed(block)}'."
         )
         self.traced_cycles = TRACED_CYCLES
 
 
-def _count_owners(loaded: Iterable[LoadedController]) -> Counter[SlotId]:
+def _count_owners(loaded: "Iterable[LoadedController]") -> Counter[SlotId]:
     """Count the owners of every command, and note who shares commands."""
     running = [one for one in loaded if one.controller.state is _RUNNING]
     owned = Counter(

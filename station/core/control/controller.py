@@ -115,7 +115,7 @@ class ControllerSample:
 
 
 class PackedSample(ControllerSample):
-    """A sample in one piece of memory; its lists are made when somebody reads them.
+    """A sample in one block of memory; its lists are made when somebody reads them.
 
     Args:
         stamp: Station time of the cycle [s].

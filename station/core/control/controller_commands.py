@@ -1,7 +1,7 @@
 """The commands of one controller: checked after each of its calls, rested, compared."""
 
+from station.core.control.command_gate import make_blocks
 from station.core.control.command_guard import CommandGuard
-from station.core.control.command_piece import make_pieces
 
 
 class ControllerCommands:
@@ -13,7 +13,7 @@ class ControllerCommands:
     Attributes:
         guards: The same.
         slots: Where the commands are, as (storage, index).
-        pieces: The same as few pieces; each has a copy of what `refused` looked at
+        blocks: The same as few blocks; each has a copy of what `refused` looked at
             last.
         is_shared: Whether the robot lets another running controller command one of
             the same resources; the last to write it decides.
@@ -23,7 +23,7 @@ class ControllerCommands:
         self.guards = guards
         self.slots = [slot for guard in guards for slot in guard.slots]
         self.is_shared = False
-        self.pieces = make_pieces(self.slots)
+        self.blocks = make_blocks(self.slots)
 
     def refused(self) -> str | None:
         """Return which command is not a real finite number; None when all are.
@@ -31,22 +31,22 @@ class ControllerCommands:
         Called after every call of the controller, so that a bad value is charged to
         the call that wrote it. Real numbers of other types become floats.
         """
-        for piece in self.pieces:
-            if not piece.take():
+        for block in self.blocks:
+            if not block.copy_commands():
                 refused = self._find_refused()
                 if refused is not None:
                     return refused
-                piece.take()
+                block.copy_commands()
         return None
 
     def is_as_written(self) -> bool:
         """Return whether the commands are those that `refused` looked at last."""
-        return self.is_shared or not any(piece.differs() for piece in self.pieces)
+        return self.is_shared or not any(block.has_changed() for block in self.blocks)
 
     def write_again(self) -> None:
         """Write the commands that `refused` looked at last."""
-        for piece in self.pieces:
-            piece.write()
+        for block in self.blocks:
+            block.write_copy()
 
     def values(self) -> list[float]:
         """Return what the commands are now, in the order of `slots`."""

@@ -12,7 +12,7 @@ from math import inf
 from station.core.control.command_gate import CommandGate
 from station.core.control.controller import ControllerState
 from station.core.control.loaded_controller import LoadedController
-from station.core.errors import StationError
+from station.core.errors import ControllerNotFoundError, StationError, suggest
 from station.core.faults import (
     CONTAINED,
     describe,
@@ -45,6 +45,34 @@ class ControllerLifecycle:
         self.gate = CommandGate(hw)
         self.loaded: tuple[LoadedController, ...] = ()
         self.start_gate: Callable[[], None] | None = None
+
+    def find(self, name: str) -> LoadedController:
+        """Return the controller loaded as `name`. Any thread.
+
+        Raises:
+            ControllerNotFoundError: None of that name is loaded.
+        """
+        for one in self.loaded:
+            if one.info.name == name:
+                return one
+        raise ControllerNotFoundError(
+            f"No controller '{name}' is loaded.",
+            remedy=suggest(name, (one.info.name for one in self.loaded)),
+            details={"controller": name},
+        )
+
+    def void_commands(self, reason: str) -> None:
+        """Void every set-point that has not been picked up, and every goal.
+
+        Args:
+            reason: Why, one sentence; the goals that end say it.
+        """
+        for one in self.loaded:
+            controller = one.controller
+            if controller.set_points is not None:
+                controller.set_points.clear()
+            if controller.goals is not None:
+                controller.goals.void(reason)
 
     def start(
         self,

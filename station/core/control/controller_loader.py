@@ -11,7 +11,6 @@ from importlib.metadata import EntryPoint, entry_points
 from typing_extensions import override
 
 from station.core.control.controller import ControllerBase
-from station.core.control.controller_origins import CONTROLLER_ORIGINS
 from station.core.control.plugin_modules import PluginModules
 from station.core.errors import (
     ControllerLoadError,
@@ -26,6 +25,24 @@ BASE_CLASS = "controller_interface::ControllerBase"
 
 Target = str | type[ControllerBase]
 """What a table names: `module:Class`, or the class itself."""
+
+_ORIGINS = {
+    "ackermann_steering_controller": "ros_controllers (ros-controls/ros_controllers)",
+    "four_wheel_steering_controller": "ros_controllers (ros-controls/ros_controllers)",
+    "robot_controllers": "robot_controllers of Fetch (fetchrobotics/robot_controllers)",
+    "pr2_mechanism_controllers": "pr2_controllers (PR2/pr2_controllers)",
+    "robot_mechanism_controllers": "pr2_controllers (PR2/pr2_controllers)",
+    "unitree_legged_control": "unitree_ros (unitreerobotics/unitree_ros)",
+    "baxter_sim_controllers": "baxter_simulator (RethinkRobotics/baxter_simulator)",
+    "scaled_controllers": "the scaled controllers of Universal Robots "
+    "(UniversalRobots/Universal_Robots_ROS_scaled_controllers)",
+    "ur_controllers": "ur_robot_driver (UniversalRobots/Universal_Robots_ROS_Driver)",
+    "passthrough_controllers": "the passthrough controllers of Universal Robots "
+    "(UniversalRobots/Universal_Robots_ROS_passthrough_controllers)",
+    "industrial_robot_status_controller": "industrial_robot_status_controller "
+    "(gavanderhoorn/industrial_robot_status_controller)",
+}
+"""Where types come from that this station does not have, by the package of ROS."""
 
 
 class ControllerLoader(ABC):
@@ -247,11 +264,7 @@ def create_controller(
             details={"type": controller_type},
         )
     package = controller_type.partition("/")[0]
-    origin = (
-        f" It comes from {CONTROLLER_ORIGINS[package]}."
-        if package in CONTROLLER_ORIGINS
-        else ""
-    )
+    origin = f" It comes from {_ORIGINS[package]}." if package in _ORIGINS else ""
     raise ControllerTypeNotFoundError(
         f"No loader knows the controller type '{controller_type}'.{origin}",
         remedy=f"{suggest(controller_type, types)} Or write 'module:Class'.",

@@ -20,15 +20,15 @@ from station.core.control.controller import (
     ControllerState,
 )
 from station.core.control.controller_factory import ControllerFactory
+from station.core.control.controller_lifecycle import ControllerLifecycle
 from station.core.control.controller_loader import ControllerLoader
-from station.core.control.controller_round import ControllerRound
-from station.core.control.controller_runner import ControllerRunner
 from station.core.control.controller_status import (
     ControllerCondition,
     ControllerStatistics,
     ControllerStatus,
 )
 from station.core.control.controller_type import ControllerType
+from station.core.control.controller_update import ControllerUpdate
 from station.core.control.loaded_controller import LoadedController
 from station.core.control.loading import LOAD_TIMEOUT, Loading
 from station.core.control.switch_caller import SwitchCaller
@@ -64,6 +64,9 @@ class ControllerManager:
         parameters: Namespace in which every controller has a namespace of its name.
         loaders: Where controllers come from; asked in this order.
         clock: Wall time.
+
+    Attributes:
+        controller_update: Does the same as `update`, for a loop.
     """
 
     def __init__(
@@ -76,9 +79,10 @@ class ControllerManager:
         self._hw = hw
         self._factory = ControllerFactory(hw, parameters, loaders)
         self._clock = clock
-        self._runner = ControllerRunner(hw)
+        self._lifecycle = ControllerLifecycle(hw)
+        self.controller_update = ControllerUpdate(self._lifecycle)
         self._lock = threading.Lock()
-        self._switches = SwitchCaller(hw, self._runner, clock, self._lock)
+        self._switches = SwitchCaller(hw, self.controller_update, clock, self._lock)
         self._loading: dict[str, Loading] = {}
         self._listed: dict[str, ControllerStatus] = {}
 
@@ -94,11 +98,11 @@ class ControllerManager:
     @property
     def start_gate(self) -> Callable[[], None] | None:
         """Called before a start, in the control thread; raises when none may be."""
-        return self._runner.lifecycle.start_gate
+        return self._lifecycle.start_gate
 
     @start_gate.setter
     def start_gate(self, gate: Callable[[], None] | None) -> None:
-        self._runner.lifecycle.start_gate = gate
+        self._lifecycle.start_gate = gate
 
     @property
     def update_budget(self) -> float:
@@ -107,31 +111,31 @@ class ControllerManager:
         Infinite until somebody sets it: cycles that are stepped take no wall time into
         account.
         """
-        return self._runner.update_budget
+        return self.controller_update.update_budget
 
     @update_budget.setter
     def update_budget(self, budget: float) -> None:
-        self._runner.update_budget = budget
+        self.controller_update.update_budget = budget
 
     @property
     def command_violations(self) -> tuple[int, str | None]:
         """How often somebody has written a command without a claim, and the last."""
-        gate = self._runner.lifecycle.gate
+        gate = self._lifecycle.gate
         return gate.violations, gate.last_violation
 
     @property
     def cycle(self) -> int:
         """Number of updates so far."""
-        return self._runner.cycle
+        return self.controller_update.cycle
 
     @property
     def interrupted(self) -> tuple[str, ...]:
         """Names of the controllers that the last interruption of the robot stopped."""
-        return self._runner.interrupted
+        return self.controller_update.interrupted
 
     def forget_interrupted(self) -> None:
         """Note that nothing is to be started again any more."""
-        self._runner.interrupted = ()
+        self.controller_update.interrupted = ()
 
     def update(
         self,
@@ -150,27 +154,12 @@ class ControllerManager:
             ValueError: `time` or `period` is negative or not finite.
         """
         if reset_controllers:
-            self._runner.resets = True
-        self._runner.run(time, period)
+            self.controller_update.resets = True
+        self.controller_update.update_controllers(time, period)
 
     def reset_next(self) -> None:
         """Restart every running controller in the next cycle, once. Control thread."""
-        self._runner.resets = True
-
-    def updating(self) -> ControllerRound:
-        """Return what does the same as `update`."""
-        return self._runner
-
-    def carry_on_switch(self, time: float) -> bool:
-        """Carry on with a pending switch in a cycle in which no time passes.
-
-        Args:
-            time: Station time [s].
-
-        Returns:
-            Whether there was one.
-        """
-        return self._runner.carry_on_switch(time)
+        self.controller_update.resets = True
 
     def stop_all(self, time: float) -> None:
         """Stop every controller now and rest the robot; ends a pending switch.
@@ -178,7 +167,7 @@ class ControllerManager:
         Args:
             time: Station time [s].
         """
-        self._runner.stop_all(time)
+        self.controller_update.stop_all(time)
 
     def void_commands(self, reason: str) -> None:
         """Void every set-point that has not been picked up, and every goal.
@@ -186,20 +175,21 @@ class ControllerManager:
         Args:
             reason: Why, one sentence; the goals that end say it.
         """
-        self._runner.void_commands(reason)
+        self._lifecycle.void_commands(reason)
 
     def samples(self) -> dict[str, ControllerSample]:
         """Return what each running controller did last, by name."""
         found = {
             one.info.name: one.controller.sample
-            for one in self._runner.loaded
+            for one in self._lifecycle.loaded
             if one.controller.state is ControllerState.RUNNING
         }
         return {name: sample for name, sample in found.items() if sample is not None}
 
     def running_names(self) -> list[str]:
         """Return the names of the running controllers; takes no lock."""
-        return self._runner.running_names()
+        loaded = self._lifecycle.loaded
+        return [one.info.name for one in loaded if one.controller.is_running()]
 
     # Loading
 
@@ -239,11 +229,11 @@ class ControllerManager:
             loaded.controller.set_points.clock = self._clock
         with self._lock:
             self._refuse_duplicate(name)
-            self._runner.loaded = (*self._runner.loaded, loaded)
+            self._lifecycle.loaded = (*self._lifecycle.loaded, loaded)
 
     def _refuse_duplicate(self, name: str) -> None:
         is_loading = name in self._loading
-        if is_loading or any(one.info.name == name for one in self._runner.loaded):
+        if is_loading or any(one.info.name == name for one in self._lifecycle.loaded):
             state = "is being loaded" if is_loading else "is loaded already"
             raise ControllerExistsError(
                 f"Controller '{name}' {state}.",
@@ -266,7 +256,7 @@ class ControllerManager:
             if name in self._loading:
                 self._loading.pop(name).cancel()
                 return
-            self._unload(self._runner.find(name))
+            self._unload(self._lifecycle.find(name))
 
     def list_controllers(self) -> list[ControllerStatus]:
         """Return the loaded controllers in load order (CM-81), then those loading.
@@ -279,19 +269,19 @@ class ControllerManager:
         return [*loaded, *(one.status() for one in list(self._loading.values()))]
 
     def _between_changes(self) -> list[ControllerStatus]:
-        changes, clock = self._runner.changes, self._clock
+        changes, clock = self.controller_update.changes, self._clock
         deadline = clock.now() + _PATIENCE
-        is_inside = threading.get_ident() == self._runner.thread
+        is_inside = threading.get_ident() == self.controller_update.thread
         while True:
             before = changes.count
             if before % 2 == 0 or is_inside:
-                found = [one.status() for one in self._runner.loaded]
+                found = [one.status() for one in self._lifecycle.loaded]
                 if changes.count == before:
                     self._listed = {status.name: status for status in found}
                     return found
             now = clock.now()
             if now >= deadline:
-                loaded, listed = self._runner.loaded, self._listed
+                loaded, listed = self._lifecycle.loaded, self._listed
                 return [listed.get(o.info.name) or o.status() for o in loaded]
             clock.sleep_until(now + _PATIENCE / 20.0)
 
@@ -301,16 +291,16 @@ class ControllerManager:
         Computing the statistics of `list_controllers` holds the interpreter too long
         for a reader that looks many times a second.
         """
-        return [one.condition() for one in self._runner.loaded]
+        return [one.condition() for one in self._lifecycle.loaded]
 
     def running(self) -> list[ControllerInfo]:
         """Return the controllers that run, with what they claim, in load order."""
-        loaded = self._runner.loaded
+        loaded = self._lifecycle.loaded
         return [one.info for one in loaded if one.controller.is_running()]
 
     def is_switching(self) -> bool:
         """Return whether a switch was handed to the control thread and is not over."""
-        return self._runner.pending is not None
+        return self.controller_update.pending is not None
 
     def get_controller(self, name: str) -> ControllerBase:
         """Return the controller loaded as `name`.
@@ -318,7 +308,7 @@ class ControllerManager:
         Raises:
             ControllerNotFoundError: None of that name is loaded.
         """
-        return self._runner.find(name).controller
+        return self._lifecycle.find(name).controller
 
     def list_controller_types(self) -> list[tuple[str, str]]:
         """Return (type, base class) of everything the loaders declare (CM-86)."""
@@ -352,7 +342,7 @@ class ControllerManager:
         """
         self._refuse_control_thread("reload", waits=True)
         with self._switches.one_at_a_time(SWITCH_BOUND):
-            names = [loaded.info.name for loaded in self._runner.loaded]
+            names = [loaded.info.name for loaded in self._lifecycle.loaded]
             if names and not force_kill:
                 raise ControllerStateError(
                     f"Cannot reload: {len(names)} controllers are loaded: "
@@ -366,18 +356,18 @@ class ControllerManager:
                 )
             with self._lock:
                 for name in names:
-                    self._unload(self._runner.find(name))
+                    self._unload(self._lifecycle.find(name))
             self._factory.reload()
             return names
 
     def controller_statistics(self) -> list[ControllerStatistics]:
         """Return the times of all loaded controllers, in load order."""
-        time = self._runner.time
-        return [loaded.statistics(time) for loaded in self._runner.loaded]
+        time = self.controller_update.time
+        return [loaded.statistics(time) for loaded in self._lifecycle.loaded]
 
     def reset_statistics(self) -> None:
         """Start the statistics of all controllers anew."""
-        for loaded in self._runner.loaded:
+        for loaded in self._lifecycle.loaded:
             loaded.reset_statistics()
 
     # Switching
@@ -407,9 +397,9 @@ class ControllerManager:
     # What the above share
 
     def _refuse_control_thread(self, verb: str, *, waits: bool = False) -> None:
-        runner = self._runner
-        here = threading.get_ident() == runner.thread
-        if here and (runner.updating or (waits and self.pump is None)):
+        update = self.controller_update
+        here = threading.get_ident() == update.thread
+        if here and (update.is_updating or (waits and self.pump is None)):
             raise ControllerStateError(
                 f"Cannot {verb} controllers from the control thread: it would wait for "
                 "itself.",
@@ -437,6 +427,6 @@ class ControllerManager:
                 remedy=f"Stop '{name}' first.",
                 details={"controller": name, "state": loaded.controller.state.value},
             )
-        self._runner.loaded = tuple(
-            one for one in self._runner.loaded if one is not loaded
+        self._lifecycle.loaded = tuple(
+            one for one in self._lifecycle.loaded if one is not loaded
         )

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 from station.core.control.command_guard import CommandGuard
 from station.core.control.controller import ControllerBase
 from station.core.control.controller_commands import ControllerCommands
-from station.core.control.controller_round import ControllerTurn
 from station.core.control.controller_status import (
     ControllerCondition,
     ControllerStatistics,
@@ -19,7 +18,8 @@ from station.core.ports.goal import Goal
 from station.core.quick_way import is_in_force
 
 if TYPE_CHECKING:
-    from station.core.control.command_pieces import Piece
+    from station.core.control.sample_columns import SampleColumns
+    from station.core.control.usual_update import UsualUpdate
 
 
 class LoadedController:
@@ -39,9 +39,12 @@ class LoadedController:
         ownership: Held while somebody starts or unloads it; never waited for.
         durations: Durations of its updates [s].
         overruns: Updates that took longer than the period, since it was loaded.
+        last_overrun: Station time of the last of them [s].
         late_updates: Updates in a row that took longer than the budget.
         stalled_at: Station time of its last update that took very long [s]; minus
             infinity since its start.
+        sampled: The columns of its sample; None if it makes samples itself.
+        place: Where its columns are in a row of the snapshots; -1 if they are not.
     """
 
     def __init__(
@@ -57,59 +60,55 @@ class LoadedController:
         self.controller = controller
         self.info = info
         self.commands = ControllerCommands(guards)
+        self.blocks = self.commands.blocks
+        self.usual: UsualUpdate | None = None
+        self.sampled: SampleColumns | None = None
+        self.place = -1
         self.fallback = fallback
         self.may_jump = may_jump
-        self._notes = notes
+        self.notes = notes
         self.fault: str | None = None
         self.traceback: str | None = None
         self.is_unreleased = False
         self.fresh = False
-        self._last_set_point: list[float] | None = None
-        self._last_goal: Goal | None = None
+        self.last_set_point: list[float] | None = None
+        self.last_goal: Goal | None = None
         self.ownership = threading.Lock()
         self.durations = DurationRing(1024)
         self.overruns = 0
-        self._overruns_before = 0
+        self.overruns_before = 0
         self.last_overrun = 0.0
         self.late_updates = 0
         self.stalled_at = -inf
 
-    def turn(self) -> ControllerTurn:
-        """Return what a round of updates looks at; only the round keeps it."""
-        pieces: list[Piece] = [*self.commands.pieces]
-        name = self.info.name
-        controller = self.controller
-        usual = None
-        if is_in_force(controller, "usual_update", "update"):
-            usual = controller.usual_update()
-        return ControllerTurn(
-            self, controller, name, self.durations, pieces, usual, controller.sampled
-        )
-
     def reset_statistics(self) -> None:
         """Start the statistics anew; control thread or between cycles."""
         self.durations.reset()
-        self._overruns_before = self.overruns
+        self.overruns_before = self.overruns
         self.last_overrun = 0.0
 
     def watch_first_update(self) -> None:
         """Note that it was started and has not been updated yet."""
-        port = self.controller.set_points
+        controller = self.controller
+        port = controller.set_points
         self.fresh = True
-        self._last_set_point = None if port is None else port.last
-        self._last_goal = self._newest_goal()
+        self.sampled, self.usual = controller.sampled, None
+        if is_in_force(controller, "usual_update", "update"):
+            self.usual = controller.usual_update()
+        self.last_set_point = None if port is None else port.last
+        self.last_goal = self._newest_goal()
 
     def got_set_point(self) -> bool:
         """Return whether a set-point or a goal has arrived since the start."""
         port = self.controller.set_points
-        if port is not None and port.last is not self._last_set_point:
+        if port is not None and port.last is not self.last_set_point:
             return True
-        return self._newest_goal() is not self._last_goal
+        return self._newest_goal() is not self.last_goal
 
     def _newest_goal(self) -> Goal | None:
         port = self.controller.goals
         goals = [] if port is None else port.goals()
-        return goals[-1] if goals else None
+        return goals[len(goals) - 1] if goals else None
 
     def abort_goals(self, reason: str) -> None:
         """End the controller's goals because it cannot go on.
@@ -140,7 +139,7 @@ class LoadedController:
             self.traceback,
             self.fallback,
             self.durations.percentiles(),
-            (*self._notes, *tunables.notes(tunables.values)),
+            (*self.notes, *tunables.notes(tunables.values)),
         )
 
     def condition(self) -> ControllerCondition:
@@ -166,7 +165,7 @@ class LoadedController:
             percentiles.max,
             mean,
             max(self.durations.squares / count - mean * mean, 0.0),
-            self.overruns - self._overruns_before,
+            self.overruns - self.overruns_before,
             self.last_overrun,
             percentiles,
             self.durations.added,

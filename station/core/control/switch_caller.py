@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from math import inf
 
 from station.core.clock import Clock
-from station.core.control.controller_runner import ControllerRunner
+from station.core.control.controller_update import ControllerUpdate
 from station.core.control.pending_switch import PendingSwitch, SwitchProgress
 from station.core.control.switching import (
     Candidate,
@@ -41,7 +41,7 @@ class SwitchCaller:
 
     Args:
         hw: The robot.
-        runner: The control thread's half of the manager.
+        update: Carries switches out, once per cycle.
         clock: Wall time.
         lock: Guards the list of controllers; held for moments only.
 
@@ -51,12 +51,12 @@ class SwitchCaller:
     """
 
     def __init__(
-        self, hw: RobotHW, runner: ControllerRunner, clock: Clock, lock: threading.Lock
+        self, hw: RobotHW, update: ControllerUpdate, clock: Clock, lock: threading.Lock
     ) -> None:
         self.pump: Callable[[], None] | None = None
         self.planned: set[str] = set()
         self._hw = hw
-        self._runner = runner
+        self._update = update
         self._clock = clock
         self._lock = lock
         self._switching = threading.Lock()
@@ -120,18 +120,18 @@ class SwitchCaller:
                 plan=plan,
                 dry_run=True,
             )
-        runner = self._runner
+        update = self._update
         with self._lock:
             # From here on nobody unloads what this switch is about.
-            start = [runner.find(name) for name in plan.start_requests]
-            stop = [runner.find(name) for name in plan.stop_requests]
+            start = [update.lifecycle.find(name) for name in plan.start_requests]
+            stop = [update.lifecycle.find(name) for name in plan.stop_requests]
             self.planned.update(plan.start_requests, plan.stop_requests)
         try:
             with _foreign("prepare_switch"):
                 self._hw.prepare_switch(plan.start, plan.stop)
-            since = runner.time if runner.cycle else None
+            since = update.time if update.cycle else None
             pending = PendingSwitch(request, plan, start, stop, since)
-            runner.pending = pending
+            update.pending = pending
             try:
                 self._wait_for(pending)
             except BaseException:
@@ -143,8 +143,8 @@ class SwitchCaller:
         return pending.result()
 
     def _plan(self, request: SwitchRequest) -> SwitchPlan:
-        loaded = self._runner.loaded
-        if self._runner.pending is not None:
+        loaded = self._update.lifecycle.loaded
+        if self._update.pending is not None:
             raise SwitchRefusedError(
                 "The switch before has begun and is not finished: the control loop "
                 "stands still.",
@@ -171,18 +171,18 @@ class SwitchCaller:
             SwitchTimeoutError: It has not, at the deadline.
         """
         bound = _bound_of(pending.request)
-        clock, runner = self._clock, self._runner
-        offset = clock.now() - runner.time  # pumped cycles take station time
+        clock, update = self._clock, self._update
+        offset = clock.now() - update.time  # pumped cycles take station time
         deadline = clock.now() + bound
-        cycle = runner.cycle
+        cycle = update.cycle
         while pending.progress is not SwitchProgress.FINISHED:
-            now = max(clock.now(), runner.time + offset if self.pump else 0.0)
+            now = max(clock.now(), update.time + offset if self.pump else 0.0)
             if now >= deadline:
-                stands_still = pending.expired and runner.cycle == cycle
+                stands_still = pending.expired and update.cycle == cycle
                 if stands_still or self._withdraw(pending):
                     raise self._timed_out(pending, bound)
                 # It has begun: the next cycles end it or take it back.
-                deadline, cycle = now + SWITCH_GRACE, runner.cycle
+                deadline, cycle = now + SWITCH_GRACE, update.cycle
             elif self.pump is not None:
                 self.pump()
             else:
@@ -191,7 +191,7 @@ class SwitchCaller:
     def _withdraw(self, pending: PendingSwitch) -> bool:
         """Take back a switch that has not begun; let one that has end itself."""
         if pending.claim.acquire(blocking=False):
-            self._runner.pending = None
+            self._update.pending = None
             return True
         pending.expired = True
         return False

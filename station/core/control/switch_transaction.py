@@ -53,7 +53,7 @@ rest before it changes its mode needs a few hundred."""
 
 
 class SwitchTransaction:
-    """Carries one pending switch on, cycle by cycle. Control thread only.
+    """Advances one pending switch, cycle by cycle. Control thread only.
 
     Args:
         lifecycle: Starts and stops the controllers.
@@ -68,7 +68,7 @@ class SwitchTransaction:
         self._was_running: list[LoadedController] = []
         self._begun: set[str] = set()  # names started as soon as possible
 
-    def carry_on(self, time: float) -> bool:
+    def advance(self, time: float) -> bool:
         """Do what one cycle can do; return whether the switch is finished.
 
         Args:
@@ -76,7 +76,7 @@ class SwitchTransaction:
         """
         pending = self._pending
         if pending.progress is SwitchProgress.ROLLING_BACK:
-            return self._carry_on_rollback(time)
+            return self._advance_rollback(time)
         if pending.progress is SwitchProgress.CLAIMED:
             pending.progress = SwitchProgress.RUNNING
             finished = self._begin(time)
@@ -287,9 +287,9 @@ class SwitchTransaction:
         if problem is not None:
             return self._halt(time, problem)
         self._pending.progress = SwitchProgress.ROLLING_BACK
-        return self._carry_on_rollback(time)
+        return self._advance_rollback(time)
 
-    def _carry_on_rollback(self, time: float) -> bool:
+    def _advance_rollback(self, time: float) -> bool:
         done, problem = self._ask(self._hw.switch_result, "switch_result")
         if done:
             return self._start_again(time)

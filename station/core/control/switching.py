@@ -1,7 +1,7 @@
 """Which controllers a switch would start and stop, or why it is refused.
 
 Planning is a pure function of the loaded controllers and the request. Carrying a plan
-out is the business of `controller_runner.py`.
+out is the business of `controller_update.py`.
 
 Source: ros_control@0.20.0 controller_manager/src/controller_manager.cpp,
 ControllerManager::switchController; differs: a refusal says why.

@@ -148,7 +148,7 @@ class Robots:
         def act() -> T:
             result = action()
             if voids is not None:
-                self._loop.next_epoch(voids)
+                self._loop.control_cycle.next_epoch(voids)
             if moves or voids is not None:
                 self._inputs.note_in_cycle("operation", what=_name_of(action))
             return result
@@ -217,7 +217,7 @@ class Robots:
                 self._inputs.note_in_cycle("recover", robots=recovered)
                 names = "' and '".join(recovered)
                 did = "was" if len(recovered) == 1 else "were"
-                self._loop.next_epoch(f"Arm '{names}' {did} recovered.")
+                self._loop.control_cycle.next_epoch(f"Arm '{names}' {did} recovered.")
             return bool(recovered)
 
         if not self._loop.run_in_cycle(clear):

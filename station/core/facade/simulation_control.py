@@ -183,7 +183,7 @@ class SimulationControl:
 
         def apply() -> None:
             world.reset(wanted)
-            loop.begin_anew()
+            loop.control_cycle.begin_anew()
             self._inputs.note_in_cycle("reset", positions=wanted)
 
         loop.run_in_cycle(apply)

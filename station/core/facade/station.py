@@ -400,7 +400,7 @@ class Station:
         self.loop.stop_latch.engage(reason)
         self.inputs.note_stop(reason)
         if self.loop.state is not LoopState.RUNNING:
-            self.loop.carry_out_stop()
+            self.loop.control_cycle.carry_out_stop(self.loop.failure_summary())
 
     def release_stop(self, *, arm: bool) -> StopState:
         """Release the latched stop, or with `arm` allow motion again.

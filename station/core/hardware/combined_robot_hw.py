@@ -18,8 +18,6 @@ from station.core.hardware.robot_hw import (
     ResourceConflict,
     RobotHW,
     SwitchState,
-    reading_of,
-    writing_of,
 )
 from station.core.hardware.robot_report import (
     ClampReport,
@@ -27,7 +25,6 @@ from station.core.hardware.robot_report import (
     TransmissionReport,
 )
 from station.core.hardware.simulated_world import SimulatedWorld
-from station.core.hardware.stages import Stage, StageSequence
 from station.core.parameters import Parameters
 
 CreateRobot = Callable[[str], RobotHW]
@@ -95,14 +92,6 @@ class CombinedRobotHW(RobotHW):
     def read(self, time: float, period: float) -> None:
         for robot in self.robots.values():
             robot.read(time, period)
-
-    @override
-    def reading(self) -> Stage:
-        return StageSequence([reading_of(robot) for robot in self.robots.values()])
-
-    @override
-    def writing(self) -> Stage:
-        return StageSequence([writing_of(robot) for robot in self.robots.values()])
 
     @override
     def write(self, time: float, period: float) -> None:

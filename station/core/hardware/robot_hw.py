@@ -18,9 +18,7 @@ from station.core.hardware.robot_report import (
     TransmissionReport,
 )
 from station.core.hardware.simulated_world import SimulatedWorld
-from station.core.hardware.stages import RobotReading, RobotWatch, RobotWriting, Stage
 from station.core.parameters import Parameters
-from station.core.quick_way import is_in_force
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,21 +129,6 @@ class RobotHW(InterfaceManager):
             time: Station time of this cycle [s], to which the state belongs.
             period: Time since the last cycle [s], >= 0.
         """
-
-    def reading(self) -> Stage:
-        """Return what does the same as `read`; a robot may have a quicker way.
-
-        Ask `reading_of`: a subclass that replaces `read` alone is read by its `read`.
-        """
-        return RobotReading(self)
-
-    def writing(self) -> Stage:
-        """Return what does the same as `write`; see `reading` and `writing_of`."""
-        return RobotWriting(self)
-
-    def watch(self) -> RobotWatch:
-        """Return what does the same as `mode` and `is_interrupted`; see `watch_of`."""
-        return RobotWatch(self)
 
     def write(self, time: float, period: float) -> None:
         """Send the commands in the handles' storage to the hardware.
@@ -304,21 +287,3 @@ class RobotHW(InterfaceManager):
 def _describe(resource: str, claims: list[tuple[str, str]]) -> str:
     holders = " and ".join(f"'{name}' ({interface})" for name, interface in claims)
     return f"Resource '{resource}' is claimed by {holders}."
-
-
-def reading_of(robot: RobotHW) -> Stage:
-    """Return how a loop reads a robot: `RobotHW.reading`, or `read` if it is newer."""
-    is_quick = is_in_force(robot, "reading", "read")
-    return robot.reading() if is_quick else RobotReading(robot)
-
-
-def writing_of(robot: RobotHW) -> Stage:
-    """Return how a loop writes to a robot; see `reading_of`."""
-    is_quick = is_in_force(robot, "writing", "write")
-    return robot.writing() if is_quick else RobotWriting(robot)
-
-
-def watch_of(robot: RobotHW) -> RobotWatch:
-    """Return how a loop asks a robot how it is; see `reading_of`."""
-    is_quick = is_in_force(robot, "watch", "mode", "is_interrupted")
-    return robot.watch() if is_quick else RobotWatch(robot)

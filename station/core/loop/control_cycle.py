@@ -1,53 +1,44 @@
-"""One cycle of the control loop: read, update, write, and note what was."""
+"""One cycle of the control loop: what waits between two cycles, read, update, write.
 
-from collections.abc import Callable, Sized
-from typing import Protocol
+The order of a cycle and of what happens while time stands still is here alone; the loop
+decides when a cycle begins.
+"""
+
+from typing import TYPE_CHECKING, Any
 
 import cython
 
-from station.core.control.controller_round import ControllerRound
-from station.core.control.records import Records
-from station.core.hardware.stages import Stage
+from station.core.clock import Clock, SystemClock
+from station.core.control.controller_manager import ControllerManager
+from station.core.hardware.interfaces import JointStateGroup
+from station.core.hardware.robot_hw import RobotHW
+from station.core.hardware.services import InterruptibleServices, find_services
+from station.core.loop.heartbeat import Heartbeat
+from station.core.loop.operations import Operations
+from station.core.loop.snapshot import SnapshotRing
+from station.core.loop.stop_latch import StopLatch
 from station.core.numerics.durations import CycleTimes
 from station.memory.wall_time import VirtualTime, wall_time
 
+if TYPE_CHECKING:
+    from station.core.loop.cycle_tap import CycleTap
 
-class StopFlag:
-    """Tells whether a stop waits to be carried out.
-
-    Compiled, it is a field of C, which every cycle reads without a look-up.
-
-    Attributes:
-        pending: Whether one does.
-    """
-
-    def __init__(self) -> None:
-        self.pending = False
-
-
-class Tap(Protocol):
-    """Something that samples every cycle."""
-
-    def take(self, cycle: int, epoch: int, stamp: float, period: float) -> None:
-        """Sample a cycle."""
+_INF = float("inf")
 
 
 class ControlCycle:
-    """Runs the cycles of a loop; a subclass knows what happens around a cycle.
+    """Runs the cycles of a robot and its controllers; for the control thread.
 
     Args:
-        reading: Reads the robot.
-        updating: Updates the controllers.
-        writing: Writes the commands to the robot.
-        times: Where the durations go.
-        records: Where every cycle is left.
-        now: Returns wall time [s]; None takes the clock of the system.
-        virtual: Wall time if that is virtual; `now` is not asked then.
-        refresh: Brings the joint states that the records read up to date; None if
-            they always are.
-        waiting: What is to be done between two cycles; empty in a usual cycle.
-        latch: Its `pending` tells whether everything is to be stopped.
-        stop_flags: `stop_flags[0]` is not 0 while a watchdog asks for a stop.
+        hw: The robot, initialised.
+        manager: Its controllers.
+        joints: The joints whose states every row of the snapshots has.
+        snapshots: Where every cycle leaves a row.
+        operations: What other threads want done between two cycles.
+        stop_latch: The latched stop.
+        heartbeat: Where a watchdog asks for a stop.
+        times: Takes the durations of every cycle.
+        clock: Wall time.
 
     Attributes:
         time: Station time [s].
@@ -60,49 +51,46 @@ class ControlCycle:
 
     def __init__(
         self,
+        hw: RobotHW,
+        manager: ControllerManager,
+        joints: JointStateGroup,
         *,
-        reading: Stage,
-        updating: ControllerRound,
-        writing: Stage,
+        snapshots: SnapshotRing,
+        operations: Operations,
+        stop_latch: StopLatch,
+        heartbeat: Heartbeat,
         times: CycleTimes,
-        records: Records,
-        now: Callable[[], float] | None,
-        virtual: VirtualTime | None = None,
-        refresh: Callable[[], None] | None,
-        waiting: Sized,
-        latch: StopFlag,
-        stop_flags: memoryview,
+        clock: Clock,
     ) -> None:
-        self.reading = reading
-        self.updating = updating
-        self.writing = writing
+        self.hw = hw
+        self.manager = manager
+        self.controllers = manager.controller_update
+        self.refresh_joints = joints.refresh
+        self.snapshots = snapshots
+        self.operations = operations
+        self.waiting = operations.waiting
+        self.stop_latch = stop_latch
+        self.heartbeat = heartbeat
+        self.stop_flags = heartbeat.flags
         self.times = times
-        updating.leave_in(records)
-        self.now = now
-        self.virtual = virtual
-        self.refresh = refresh
-        self.waiting = waiting
-        self.latch = latch
-        self.stop_flags = stop_flags
-        self.taps: tuple[Tap, ...] = ()
+        self.now = None if isinstance(clock, SystemClock) else clock.now
+        self.virtual = clock if isinstance(clock, VirtualTime) else None
+        self.interruptible = [
+            one for one in find_services(hw) if isinstance(one, InterruptibleServices)
+        ]
+        self.taps: tuple[CycleTap[Any], ...] = ()
         self.time = 0.0
         self.cycle = 0
         self.epoch = 1
-        self.longest_period = float("inf")
+        world = hw.simulated_world()
+        # Asked once: how long a world waits is settled when the robot is initialised.
+        self.longest_period = _INF if world is None else world.longest_period()
         self.late_cycles = 0
-        if not cython.compiled and now is None and virtual is None:
+        if not cython.compiled and self.now is None and self.virtual is None:
             # The same, without two calls of Python around it, four times a cycle.
             self.wall_time = wall_time  # type: ignore[method-assign]
 
-    def attend(self) -> object:
-        """Do what is to be done between two cycles."""
-        raise NotImplementedError
-
-    def obey_watchdog(self) -> None:
-        """Carry out the stop that the watchdog asks for."""
-        raise NotImplementedError
-
-    def run(self, cycles: int, period: float, tick: float = 0.0) -> int:
+    def run_cycles(self, cycles: int, period: float, tick: float = 0.0) -> int:
         """Run some cycles, fewer if one of them is to begin late.
 
         Args:
@@ -117,11 +105,11 @@ class ControlCycle:
         while done < cycles and not self.late_cycles:
             if self.virtual is not None:
                 self.virtual.seconds += tick
-            self.run_one(period)
+            self.run_cycle(period)
             done += 1
         return done
 
-    def run_one(self, period: float) -> None:
+    def run_cycle(self, period: float) -> None:
         """Run one cycle.
 
         Args:
@@ -132,20 +120,36 @@ class ControlCycle:
         time = self.time + period
         self.time = time
         self.cycle += 1
-        if self.waiting or self.latch.pending:
-            self.attend()
+        if self.waiting or self.stop_latch.pending:
+            self.carry_out_requests()
         begun = self.wall_time()
-        self.reading.run(time, period)
+        self.hw.read(time, period)
         read = self.wall_time()
-        self.updating.run(time, period)
+        self.controllers.update_controllers(time, period)
         if self.stop_flags[0]:
             # A controller that held the thread up has just returned. What it wrote must
             # not reach the robot, so the stop is carried out before the write.
             self.obey_watchdog()
         updated = self.wall_time()
-        self.writing.run(time, period)
+        self.hw.write(time, period)
         self.times.add(begun, read, updated, self.wall_time())
-        self.leave(period)
+        self.leave_row(period)
+
+    def run_standstill(self) -> None:
+        """Carry out what waits for the loop while time stands still, and show it.
+
+        No controller is updated and nothing is written. The robot is read when
+        something may have changed it.
+        """
+        if self.stop_flags[0]:
+            self.obey_watchdog()
+            changed = True
+        else:
+            changed = self.carry_out_requests()
+        if self.controllers.advance_switch(self.time) or changed:
+            self.cycle += 1
+            self.hw.read(self.time, 0.0)
+            self.leave_row(0.0)
 
     def wall_time(self) -> float:
         """Return wall time [s]."""
@@ -153,11 +157,58 @@ class ControlCycle:
             return self.virtual.seconds
         return wall_time() if self.now is None else self.now()
 
-    def leave(self, period: float) -> None:
-        """Leave a record of the cycle."""
+    def leave_row(self, period: float) -> None:
+        """Leave a row of the cycle for readers in other threads."""
         cycle, epoch, time = self.cycle, self.epoch, self.time
-        if self.refresh is not None:
-            self.refresh()
-        self.updating.leave(cycle, epoch, time, period)
+        if self.refresh_joints is not None:
+            self.refresh_joints()
+        running = self.controllers.gate.running
+        self.snapshots.leave_row(cycle, epoch, time, period, self.hw.mode(), running)
         for tap in self.taps:
-            tap.take(cycle, epoch, time, period)
+            tap.sample_cycle(cycle, epoch, time, period)
+
+    def carry_out_requests(self) -> bool:
+        """Carry out operations and the stop; return whether there were any."""
+        changed = self.operations.run()
+        if self.stop_latch.pending:
+            self.carry_out_stop()
+            changed = True
+        return changed
+
+    def carry_out_stop(self, failure: str = "") -> None:
+        """Stop every controller now; also when no thread runs.
+
+        Args:
+            failure: Why the loop died, if it did.
+        """
+        why = self.stop_latch.reason or failure or "no reason given"
+        self.next_epoch(f"The station was stopped: {why.rstrip('.')}.")
+        self.manager.stop_all(self.time)
+        if self.stop_latch.pending:
+            self.stop_latch.carried_out(self.cycle)
+
+    def obey_watchdog(self) -> None:
+        """Carry out the stop that the watchdog asks for."""
+        self.stop_latch.engage(self.heartbeat.stop_reason())
+        self.carry_out_stop()
+        self.heartbeat.confirm_stop()
+
+    def next_epoch(self, reason: str) -> int:
+        """Make everything commanded so far void; control thread or between cycles.
+
+        Args:
+            reason: Why, one sentence; the goals and gripper motions that end say it.
+        """
+        self.epoch += 1
+        self.manager.void_commands(reason)
+        for services in self.interruptible:
+            services.interrupt(reason)
+        return self.epoch
+
+    def begin_anew(self) -> None:
+        """Void all commands and restart what runs in the next cycle, once.
+
+        For a world that was put somewhere else; control thread or between cycles.
+        """
+        self.next_epoch("A reset put the simulated world back to its start.")
+        self.manager.reset_next()

@@ -16,27 +16,18 @@ from collections.abc import Callable
 from math import inf
 from typing import TypeVar
 
-from typing_extensions import override
-
-from station.core.clock import Clock, ManualClock, SystemClock
+from station.core.clock import Clock, ManualClock
 from station.core.control.controller_manager import ControllerManager
 from station.core.errors import LoopError
 from station.core.faults import CONTAINED, trace_of_fault
 from station.core.hardware.interfaces import JointStateGroup, JointStateInterface
-from station.core.hardware.robot_hw import (
-    RobotClock,
-    RobotHW,
-    reading_of,
-    writing_of,
-)
-from station.core.hardware.services import InterruptibleServices, find_services
+from station.core.hardware.robot_hw import RobotClock, RobotHW
 from station.core.loop.control_cycle import ControlCycle
 from station.core.loop.heartbeat import Heartbeat, LoopLife
 from station.core.loop.loop_report import LoopMeter, LoopReport, LoopState
 from station.core.loop.operations import Operations, guarded
 from station.core.loop.pace import Pace
 from station.core.loop.right_of_way import RightOfWay
-from station.core.loop.robot_pace import RobotPace
 from station.core.loop.scheduling import (
     keep_interpreter,
     let_others_in,
@@ -55,7 +46,7 @@ It decides how long a stop, a switch or an operation waits at a small real-time 
 Sleeping in slices needs no lock; an event or a condition to wake the thread has one."""
 
 
-class ControlLoop(ControlCycle):
+class ControlLoop:
     """Runs a robot and its controllers.
 
     Either `start` and `stop` a thread, or call `step` for a deterministic run with
@@ -73,8 +64,8 @@ class ControlLoop(ControlCycle):
         heartbeat: The page shared with a watchdog; one of this process alone when None.
 
     Attributes:
-        epoch: Number that commands must not be older than.
-        stop_latch: The latched stop; the loop carries it out.
+        control_cycle: Runs the cycles, and what waits between them.
+        stop_latch: The latched stop; carried out between two cycles.
         pace: Whether time passes in the thread, and how fast.
         heartbeat: Where the thread leaves the time of every wake-up, and where a
             watchdog asks for a stop.
@@ -106,33 +97,25 @@ class ControlLoop(ControlCycle):
         self.heartbeat = heartbeat or Heartbeat()
         self.right_of_way = RightOfWay(clock, self.heartbeat, period, self.pace)
         interface = hw.get(JointStateInterface)
-        world = hw.simulated_world()
         self._robot_clock = hw.robot_clock()
         self._joints = JointStateGroup(interface.handles() if interface else [])
-        self._interruptible = [
-            one for one in find_services(hw) if isinstance(one, InterruptibleServices)
-        ]
         self._update_budget = period if update_budget is None else update_budget
         self._meter = LoopMeter(clock)
         self._operations = Operations()
         # Four columns for every joint, twice; what does not fit is kept as objects.
         room = 64 + 8 * len(self._joints.names)
-        self.snapshots.prepare(self._joints.pieces, room)
-        super().__init__(
-            reading=reading_of(hw),
-            updating=manager.updating(),
-            writing=writing_of(hw),
+        self.snapshots.prepare(self._joints.blocks, room)
+        self.control_cycle = ControlCycle(
+            hw,
+            manager,
+            self._joints,
+            snapshots=self.snapshots,
+            operations=self._operations,
+            stop_latch=self.stop_latch,
+            heartbeat=self.heartbeat,
             times=self._meter.times,
-            records=self.snapshots,
-            now=None if isinstance(clock, SystemClock) else clock.now,
-            virtual=clock if isinstance(clock, ManualClock) else None,
-            refresh=self._joints.refresh,
-            waiting=self._operations.waiting,
-            latch=self.stop_latch,
-            stop_flags=self.heartbeat.flags,
+            clock=clock,
         )
-        # Asked once: how long a world waits is settled when the robot is initialised.
-        self.longest_period = inf if world is None else world.longest_period()
         self._thread: threading.Thread | None = None
         self._stopping = False
         self._state = LoopState.STOPPED
@@ -141,6 +124,21 @@ class ControlLoop(ControlCycle):
         manager.pump = self.step
         # A switch posted before a stop must not start anything after it.
         manager.start_gate = self.stop_latch.check
+
+    @property
+    def time(self) -> float:
+        """Station time [s]."""
+        return self.control_cycle.time
+
+    @property
+    def cycle(self) -> int:
+        """Number of the last cycle."""
+        return self.control_cycle.cycle
+
+    @property
+    def epoch(self) -> int:
+        """Number that commands must not be older than."""
+        return self.control_cycle.epoch
 
     @property
     def joint_names(self) -> list[str]:
@@ -213,16 +211,17 @@ class ControlLoop(ControlCycle):
                 "Cannot step: the control loop runs in its thread.",
                 remedy="Stop the loop first.",
             )
+        control_cycle = self.control_cycle
         while cycles > 0:
-            if not self.late_cycles:
-                cycles -= self.run(cycles, self.period, tick)
+            if not control_cycle.late_cycles:
+                cycles -= control_cycle.run_cycles(cycles, self.period, tick)
                 continue
             cycles -= 1
             if isinstance(self.clock, ManualClock):
                 self.clock.advance(tick)
             late = self._take_late_cycles()
             self._meter.woke(late * self.period / self.pace.real_time_factor, late)
-            self.run_one((1 + late) * self.period)
+            control_cycle.run_cycle((1 + late) * self.period)
 
     def run_in_cycle(
         self, action: Callable[[], T], timeout: float = 1.0, *, moves: bool = False
@@ -284,39 +283,11 @@ class ControlLoop(ControlCycle):
         Args:
             cycles: By how many nominal periods, >= 0. They are skipped and counted.
         """
-        self.late_cycles = cycles
+        self.control_cycle.late_cycles = cycles
 
     def _take_late_cycles(self) -> int:
-        late, self.late_cycles = self.late_cycles, 0
+        late, self.control_cycle.late_cycles = self.control_cycle.late_cycles, 0
         return late
-
-    def next_epoch(self, reason: str) -> int:
-        """Make everything commanded so far void; control thread or between cycles.
-
-        Args:
-            reason: Why, one sentence; the goals and gripper motions that end say it.
-        """
-        self.epoch += 1
-        self.manager.void_commands(reason)
-        for services in self._interruptible:
-            services.interrupt(reason)
-        return self.epoch
-
-    def begin_anew(self) -> None:
-        """Void all commands and restart what runs in the next cycle, once.
-
-        For a world that was put somewhere else; control thread or between cycles.
-        """
-        self.next_epoch("A reset put the simulated world back to its start.")
-        self.manager.reset_next()
-
-    def carry_out_stop(self) -> None:
-        """Stop every controller now; control thread, or when no thread runs."""
-        why = self.stop_latch.reason or self.failure_summary() or "no reason given"
-        self.next_epoch(f"The station was stopped: {why.rstrip('.')}.")
-        self.manager.stop_all(self.time)
-        if self.stop_latch.pending:
-            self.stop_latch.carried_out(self.cycle)
 
     def age(self) -> float:
         """Return how long ago the control thread woke up last [s wall time]."""
@@ -342,7 +313,7 @@ class ControlLoop(ControlCycle):
     def _end_what_ran(self) -> None:
         """Stop the controllers of a loop that died and tell who waits for it."""
         try:
-            self.carry_out_stop()
+            self.control_cycle.carry_out_stop(self.failure_summary())
         except CONTAINED:
             self._failure = f"{trace_of_fault()}\nAfter:\n{self._failure}"
         self._operations.give_up(self._death())
@@ -380,24 +351,36 @@ class ControlLoop(ControlCycle):
             lateness = now - deadline
             skipped = int(lateness / wall_period)
             if not pace.passes():
-                self._idle()
+                self.control_cycle.run_standstill()
+                self._meter.idled()
             elif pace.paused:
-                self.run_one(self.period)  # a step is a step, however late
+                # A step is a step, however late.
+                self.control_cycle.run_cycle(self.period)
             else:
                 self._meter.woke(lateness, skipped)
-                self.run_one((1 + skipped) * self.period)
+                self.control_cycle.run_cycle((1 + skipped) * self.period)
             deadline += (1 + skipped) * wall_period
 
     def _run_at_the_pace_of(self, robot: RobotClock) -> None:
-        pace = RobotPace(robot, self.clock.now, self.period)
+        """Run a cycle for each state of a robot; the wait for it is the sleep.
+
+        The two clocks drift apart, so a state is due one period after the last one.
+        """
+        clock, beats = self.clock, self.heartbeat.beats
+        last = clock.now()
         while not self._stopping:
             let_others_in()
-            elapsed = pace.wait(self._meter, self.heartbeat.beats)
+            elapsed = robot.wait()
+            now = clock.now()
+            beats[0] = now
             keep_interpreter()
             if elapsed:
-                self.run_one(elapsed * self.period)
+                lateness = now - last - elapsed * self.period
+                self._meter.woke(max(0.0, lateness), elapsed - 1)
+                last = now
+                self.control_cycle.run_cycle(elapsed * self.period)
             else:
-                self._look_around()
+                self.control_cycle.run_standstill()
 
     def _sleep_in_slices(self, deadline: float) -> None:
         """Sleep until `deadline`, the end of the loop, or a change of the pace."""
@@ -410,37 +393,6 @@ class ControlLoop(ControlCycle):
             if factor < 1.0:
                 # Only a simulated world is slowed down, and stands still between its
                 # cycles. A real robot is read once per cycle, at whatever rate.
-                self._look_around()
+                self.control_cycle.run_standstill()
             if pace.real_time_factor != factor:
                 return
-
-    @override
-    def attend(self) -> bool:
-        changed = self._operations.run()
-        if self.stop_latch.pending:
-            self.carry_out_stop()
-            changed = True
-        return changed
-
-    @override
-    def obey_watchdog(self) -> None:
-        self.stop_latch.engage(self.heartbeat.stop_reason())
-        self.carry_out_stop()
-        self.heartbeat.confirm_stop()
-
-    def _idle(self) -> None:
-        """Let time stand still for a period."""
-        self._look_around()
-        self._meter.idled()
-
-    def _look_around(self) -> None:
-        """Carry out what waits for the loop while time stands still, and show it."""
-        if self.heartbeat.is_stop_asked:
-            self.obey_watchdog()
-            changed = True
-        else:
-            changed = self.attend()
-        if self.manager.carry_on_switch(self.time) or changed:
-            self.cycle += 1
-            self.hw.read(self.time, 0.0)
-            self.leave(0.0)

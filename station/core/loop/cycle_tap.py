@@ -52,23 +52,24 @@ class CycleTap(Generic[SampleT]):
 
     def __init__(self, loop: "ControlLoop", sample: Callable[[], SampleT]) -> None:
         self.failure: str | None = None
-        self._loop = loop
+        self._cycles = loop.control_cycle
         self._sample = sample
         self._slots: list[TappedCycle[SampleT] | None] = [None] * CAPACITY
-        self._newest = loop.cycle
+        self._newest = self._cycles.cycle
 
     def open(self) -> None:
         """Sample from the next cycle on."""
         with _changes:
-            self._newest = self._loop.cycle
-            self._loop.taps = (*self._loop.taps, self)
+            self._newest = self._cycles.cycle
+            self._cycles.taps = (*self._cycles.taps, self)
 
     def close(self) -> None:
         """Sample no more."""
         with _changes:
-            self._loop.taps = tuple(one for one in self._loop.taps if one is not self)
+            taps = self._cycles.taps
+            self._cycles.taps = tuple(one for one in taps if one is not self)
 
-    def take(self, cycle: int, epoch: int, stamp: float, period: float) -> None:
+    def sample_cycle(self, cycle: int, epoch: int, stamp: float, period: float) -> None:
         """Sample a cycle; control thread only."""
         if self.failure is not None:
             return

@@ -1,6 +1,7 @@
 """What a cycle left behind, kept in a ring: one writer, any number of readers."""
 
 from array import array
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from math import isnan
@@ -9,9 +10,26 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from station.core.control.controller import ControllerSample, unpack_sample
-from station.core.control.records import HEAD, Layout, Records
+from station.core.control.controller import (
+    ControllerSample,
+    ControllerState,
+    unpack_sample,
+)
+from station.core.control.loaded_controller import LoadedController
 from station.core.control.sample_columns import PackedColumns
+from station.memory.doubles import Doubles, zeros
+from station.memory.vectors import copy_into
+
+HEAD = 4
+"""Numbers of a row before the states of the joints."""
+_HEAD = HEAD
+_NAN = float("nan")
+_RUNNING = ControllerState.RUNNING
+
+Layout = tuple[tuple[str, int, int, int], ...]
+"""Where the samples are in a row: name of the controller, index of the sample, how many
+doubles it has, and the length n of each of its first four columns. A sample begins with
+its station time, which the columns follow. The index is -1 if it is an object."""
 
 
 class Snapshot(NamedTuple):
@@ -51,7 +69,7 @@ class Rows:
     """Cycles as the control thread has left them, k of them.
 
     Attributes:
-        numbers: Their rows, see `station.core.control.records`, shape (k, width).
+        numbers: Their rows, see `SnapshotRing`, shape (k, width).
         states: How many of a row's numbers are states of joints, 3 n.
         modes: The robot's mode in each.
         layouts: Where the samples are in each row.
@@ -72,7 +90,7 @@ class Rows:
     @property
     def newest(self) -> int:
         """Number of the last cycle; there must be one."""
-        return int(self.numbers[-1, 0])
+        return int(self.numbers[len(self) - 1, 0])
 
     def time_of(self, cycle: int) -> float:
         """Return the station time of `cycle` [s].
@@ -117,7 +135,8 @@ class Rows:
         self, controller: str, rows: list[int], found: NDArray[np.float64]
     ) -> None:
         for k in rows:
-            sample = self.record(k)[-1].get(controller)
+            *_, samples = self.record(k)
+            sample = samples.get(controller)
             memory = b"" if sample is None else unpack_sample(sample).memory()
             if len(memory) == found[k].nbytes:
                 found[k] = np.frombuffer(memory)
@@ -144,26 +163,129 @@ class Rows:
         return int(cycle), int(epoch), stamp, period, mode, states, samples
 
 
-class SnapshotRing(Records):
-    """Keeps the last `capacity` cycles without a lock.
+class StateBlock:
+    """States of joints that lie side by side."""
 
-    The control thread leaves one row per cycle; a reader makes a snapshot of it. A
-    reader copies rows and then looks whether the writer has overtaken it, so that it
-    either gets every cycle or learns how many it lost.
+    def __init__(self, values: Doubles) -> None:
+        self.values = values
+        self.size = len(values)
+
+
+class SnapshotRing:
+    """Keeps the last `capacity` cycles without a lock, in memory that is made once.
+
+    The control thread leaves one row of doubles per cycle: number of the cycle, epoch,
+    station time [s], period [s], then the states of the joints, then the samples of
+    controllers. A reader copies rows, and then looks whether the writer has overtaken
+    it: a row is whole if its first number is that of the cycle. So a reader either gets
+    every cycle or learns how many it lost.
 
     Args:
         capacity: Number of cycles kept, >= 2.
+
+    Attributes:
+        newest: Number of the newest cycle, 0 before the first one.
     """
 
     def __init__(self, capacity: int = 4096) -> None:
-        super().__init__(capacity)
+        self.capacity = capacity
+        # The robot's mode, the layout and the samples that are objects of each row.
+        self.modes: list[str] = [""] * capacity
+        self.layouts: list[Layout] = [()] * capacity
+        self.objects: list[dict[str, object] | None] = [None] * capacity
+        self.prepare([], 0)
+
+    def prepare(self, blocks: Sequence[Doubles], room: int) -> None:
+        """Forget all cycles, and make memory for others.
+
+        Args:
+            blocks: Where the states of the joints are read, one after the other.
+            room: How many doubles samples may take.
+        """
+        self.blocks = [StateBlock(values) for values in blocks]
+        self.states = sum(len(values) for values in blocks)
+        self.room = room
+        self.width = _HEAD + self.states + room
+        self.memory = zeros(self.capacity * self.width)
+        self.rows = self.memory
+        self.newest = 0
+        self.running: tuple[LoadedController, ...] = ()
+        self.layout: Layout = ()
+
+    def leave_row(
+        self,
+        cycle: int,
+        epoch: int,
+        time: float,
+        period: float,
+        mode: str,
+        running: tuple[LoadedController, ...],
+    ) -> None:
+        """Leave a row of a cycle: joints, and what each running controller did last.
+
+        Control thread only, cycles without gaps.
+
+        Args:
+            cycle: Number of the cycle.
+            epoch: The station's epoch.
+            time: Station time [s].
+            period: Time since the last cycle [s].
+            mode: The robot's mode.
+            running: The controllers that ran when the owners of commands were noted
+                last; another object when it was noted anew.
+        """
+        if running is not self.running:
+            self._lay_out(running)
+        slot = cycle % self.capacity
+        begin = slot * self.width
+        rows = self.rows
+        rows[begin] = 0.0  # nobody takes the row for whole
+        self.modes[slot] = mode
+        rows[begin + 1] = epoch
+        rows[begin + 2] = time
+        rows[begin + 3] = period
+        at = begin + _HEAD
+        for block in self.blocks:
+            copy_into(rows, at, block.values, block.size)
+            at += block.size
+        objects: dict[str, object] | None = None
+        for one in running:
+            is_running = one.controller.state is _RUNNING
+            sampled = one.sampled
+            if sampled is not None and one.place >= 0:
+                copy_into(rows, at + one.place, sampled.row, sampled.width)
+                if not is_running:
+                    rows[at + one.place] = _NAN
+            elif is_running:
+                sample = one.controller.sample if sampled is None else sampled.newest
+                if sample is not None:
+                    if objects is None:
+                        objects = {}
+                    objects[one.info.name] = sample
+        self.layouts[slot] = self.layout
+        self.objects[slot] = objects
+        rows[begin] = cycle
+        self.newest = cycle
+
+    def _lay_out(self, running: tuple[LoadedController, ...]) -> None:
+        """Find a place in the rows for the columns of each controller."""
+        layout: list[tuple[str, int, int, int]] = []
+        at = 0
+        for one in running:
+            one.place, width, size = -1, 0, 0
+            sampled = one.sampled
+            if sampled is not None and at + sampled.width <= self.room:
+                one.place, width, size = at, sampled.width, sampled.size
+                at += width
+            layout.append((one.info.name, one.place, width, size))
+        self.running, self.layout = running, tuple(layout)
 
     def latest(self) -> Snapshot | None:
         """Return the newest snapshot, None before the first cycle."""
         while newest := self.newest:
             found, _ = self.read_since(newest - 1)
             if found:  # or it has been overwritten meanwhile
-                return found[-1]
+                return found[len(found) - 1]
         return None
 
     def read_since(self, cycle: int) -> tuple[list[Snapshot], int]:

@@ -3,7 +3,6 @@
 from enum import Enum
 
 from station.core.errors import StoppedError
-from station.core.loop.control_cycle import StopFlag
 
 
 class StopState(Enum):
@@ -17,20 +16,21 @@ class StopState(Enum):
     """The cause is gone; motion must still be armed."""
 
 
-class StopLatch(StopFlag):
+class StopLatch:
     """The software stop of the station. Not a safety device.
 
     `engage` only sets a flag, so it cannot fail or wait; the control loop sees the
     flag at its next cycle and stops every controller. Any thread may call it.
 
     Attributes:
+        state: Where it is.
         pending: Engaged, and not yet carried out by the loop.
         reason: Why it was engaged last, for people.
         cycle: The cycle in which the last stop was carried out; 0 if none was.
     """
 
     def __init__(self) -> None:
-        super().__init__()
+        self.pending = False
         self.state = StopState.ARMED
         self.reason = ""
         self.cycle = 0

@@ -46,7 +46,6 @@ from station.core.hardware.robot_hw import (
     SwitchState,
 )
 from station.core.hardware.robot_report import ClampReport, JointLimitsReport
-from station.core.hardware.stages import RobotWatch, Stage
 from station.core.parameters import Parameters
 from station.hw.franka.arm.arm_description import (
     find_prefix,
@@ -161,7 +160,7 @@ class FrankaHW(RobotHW):
             make_range_update(limits, state, rates),
         )
         self._motion = MotionStart(self.arm, self._sender)
-        self._watch = ArmWatch(self, self._mode, _MODE_NAMES, self._motion)
+        self._watch = ArmWatch(self._mode, _MODE_NAMES, self._motion)
         self._writing = ArmWriting(self._sender)
         self._reading = ArmReading(
             self.arm,
@@ -187,6 +186,7 @@ class FrankaHW(RobotHW):
         services.register_handle(self._services)
         for interface in (state_interface(self.arm, arm_id, model), models, services):
             self.register_interface(interface)
+        self._call_compiled()
 
     def _make_arm(self, root_params: Parameters) -> None:
         """Connect to the real arm at `robot_ip`, or simulate one.
@@ -255,31 +255,31 @@ class FrankaHW(RobotHW):
         """The kinds of command that the running controllers give."""
         return self._motion.mode
 
+    def _call_compiled(self) -> None:
+        """Let a cycle call the compiled parts with no method of Python around each."""
+        for name, method in (
+            ("read", self._reading.read),
+            ("write", self._writing.write),
+            ("mode", self._watch.mode),
+            ("is_interrupted", self._watch.is_interrupted),
+        ):
+            # A method that a subclass replaces is called as it is.
+            if getattr(type(self), name) is getattr(FrankaHW, name):
+                setattr(self, name, method)
+
     @override
     def mode(self) -> str:
         return self._watch.mode()
 
     @override
-    def watch(self) -> RobotWatch:
-        return self._watch
-
-    @override
     def read(self, time: float, period: float) -> None:
         """Bring the arm's state up to date, one arm cycle per elapsed cycle time."""
-        self._reading.run(time, period)
-
-    @override
-    def reading(self) -> Stage:
-        return self._reading
+        self._reading.read(time, period)
 
     @override
     def write(self, time: float, period: float) -> None:
         """Limit, filter and send the commands of the present mode."""
-        self._writing.run(time, period)
-
-    @override
-    def writing(self) -> Stage:
-        return self._writing
+        self._writing.write(time, period)
 
     @override
     def joint_limits(self) -> Sequence[JointLimitsReport]:

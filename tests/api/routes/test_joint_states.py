@@ -1,5 +1,6 @@
 """The joints of the last cycle."""
 
+from station.core.loop.snapshot import SnapshotRing
 from tests.api.test_errors import problem_of
 
 
@@ -16,6 +17,6 @@ def test_joint_states(client):
 def test_joint_states_are_refused_before_the_first_cycle(
     operator, station, monkeypatch
 ):
-    monkeypatch.setattr(station.snapshots, "latest", lambda: None)
+    monkeypatch.setattr(station.loop, "snapshots", SnapshotRing())
 
     problem_of(operator.get("/api/v1/joint_states"), 503, "loop")

@@ -139,7 +139,7 @@ def test_every_topic_has_a_sample_of_every_cycle(station):
         keys = {"cycle", *find_topic(station, name).sample_fields} - {"name", "arm_id"}
         assert all(set(sample) == keys for sample in batch.data["samples"]), name
         assert batch.cycle == cycles[-1]
-    assert station.loop.taps == ()
+    assert station.loop.control_cycle.taps == ()
 
 
 def test_the_controllers_that_run_are_told_for_every_cycle(station):

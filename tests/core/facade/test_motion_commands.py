@@ -197,7 +197,7 @@ def test_a_wish_of_an_older_epoch_is_refused(arm, submit):
 def test_a_new_epoch_voids_what_is_under_way(arm, submit):
     submit(arm)
     arm.loop.step(200)
-    arm.loop.next_epoch("A reset.")  # as a reset or a recovery does
+    arm.loop.control_cycle.next_epoch("A reset.")  # as a reset or a recovery does
     arm.loop.step(2)
     here = positions(arm)
     arm.loop.step(600)
@@ -213,7 +213,7 @@ def test_an_epoch_that_ends_during_the_check_voids_the_wish(arm, submit, monkeyp
     real = controller.execution.plan
 
     def plan(*arguments, **options):
-        arm.loop.next_epoch("A reset.")
+        arm.loop.control_cycle.next_epoch("A reset.")
         real(*arguments, **options)
 
     monkeypatch.setattr(controller.execution, "plan", plan)
@@ -268,7 +268,7 @@ def test_a_new_epoch_lets_set_point_controllers_rest(station):
     station.loop.hw.joints.position[:] = [0.1, 0.1]
     station.loop.step(2)
 
-    station.loop.next_epoch("A reset.")
+    station.loop.control_cycle.next_epoch("A reset.")
     station.loop.step(2)
 
     assert station.controller_sample("group").desired == [0.1, 0.1]
@@ -296,7 +296,7 @@ def test_a_set_point_that_is_overtaken_by_a_new_epoch_is_void(station, monkeypat
     real = port.post
 
     def post(*arguments):
-        station.loop.next_epoch("A reset.")
+        station.loop.control_cycle.next_epoch("A reset.")
         real(*arguments)
 
     monkeypatch.setattr(port, "post", post)

@@ -224,7 +224,7 @@ def test_a_release_waits_for_the_stop_to_be_carried_out(running):
 
     def sleep_until(deadline):
         sleep(deadline)
-        running.loop.carry_out_stop()
+        running.loop.control_cycle.carry_out_stop()
 
     clock.sleep_until = sleep_until
     assert running.release_stop(arm=False) is StopState.RELEASED

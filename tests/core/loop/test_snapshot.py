@@ -4,18 +4,26 @@ from array import array
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from station.core.control.controller import ControllerSample
+from station.core.control import loaded_controller
+from station.core.control.controller import (
+    ControllerBase,
+    ControllerSample,
+    ControllerState,
+)
 from station.core.control.sample_columns import SampleColumns
-from station.core.loop.snapshot import SnapshotRing
+from station.core.hardware.robot_hw import ControllerInfo
+from station.core.loop.snapshot import HEAD, SnapshotRing
 from station.memory.doubles import doubles
+from tests.both_modes import arrays, assert_same, needs_both, sibling
 
 STATES = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)  # positions, velocities, efforts of two joints
 
 
 def _push(ring: SnapshotRing, cycle: int, mode: str = "idle") -> None:
-    ring.begin(cycle, 1, cycle * 0.001, 0.001, mode)
-    ring.end(cycle, (), None)
+    ring.leave_row(cycle, 1, cycle * 0.001, 0.001, mode, ())
 
 
 def _ring(capacity: int, cycles: int) -> SnapshotRing:
@@ -24,6 +32,16 @@ def _ring(capacity: int, cycles: int) -> SnapshotRing:
     for cycle in range(1, cycles + 1):
         _push(ring, cycle)
     return ring
+
+
+def _running(name, module, sampled=None):
+    """Return a controller that runs, loaded by the module `loaded_controller`."""
+    controller = ControllerBase()
+    controller.state, controller.sampled = ControllerState.RUNNING, sampled
+    info = ControllerInfo(name, "test/Test", ())
+    loaded = module.LoadedController(controller, info, [], (), may_jump=False)
+    loaded.watch_first_update()
+    return loaded
 
 
 def test_an_empty_ring_has_no_latest_snapshot():
@@ -76,11 +94,16 @@ def test_samples_are_read_from_the_row_or_as_the_objects_they_are():
     ring, sampled = SnapshotRing(4), SampleColumns([doubles([1.0, 2.0])] * 4)
     ring.prepare([], sampled.width)
     mine = ControllerSample(0.5, [1.0], [2.0], [3.0], [4.0])
-    layout = (("arm", 0, sampled.width, sampled.size), ("mine", -1, 0, 0))
+    running = (
+        _running("arm", loaded_controller, sampled),
+        _running("mine", loaded_controller),
+    )
+    running[1].controller.sample = mine
     sampled.keep(0.25)
-    for cycle, is_there in ((1, True), (2, False)):
-        ring.add(ring.begin(cycle, 1, 0.001, 0.001, "idle"), sampled, is_there)
-        ring.end(cycle, layout, {"mine": mine} if is_there else None)
+    ring.leave_row(1, 1, 0.001, 0.001, "idle", running)
+    for one in running:
+        one.controller.state = ControllerState.STOPPED
+    ring.leave_row(2, 1, 0.001, 0.001, "idle", running)
 
     (first, second), _ = ring.read_since(0)
 
@@ -106,3 +129,46 @@ def test_rows_tell_their_newest_cycle_and_the_time_of_each():
     assert rows.time_of(8) == 0.008
     assert rows.time_of(3) == 0.007  # lost: the first that is there
     assert rows.time_of(12) == 0.010  # to come: the last
+
+
+def test_a_row_begins_with_its_cycle_and_has_the_states_of_the_joints():
+    ring = SnapshotRing(2)
+    ring.prepare([doubles([1.0]), doubles([2.0, 3.0])], 5)
+    ring.leave_row(3, 7, 0.5, 0.25, "idle", ())
+
+    assert ring.newest == 3
+    row = ring.memory[ring.width : 2 * ring.width].tolist()
+    assert row == [3.0, 7.0, 0.5, 0.25, 1.0, 2.0, 3.0, *[0.0] * 5]
+    assert len(row) == HEAD + 3 + 5
+
+
+def test_what_does_not_fit_into_a_row_is_kept_as_an_object():
+    ring, sampled = SnapshotRing(2), SampleColumns([doubles([1.0, 2.0])] * 4)
+    ring.prepare([], 2 * sampled.width - 1)
+    running = tuple(_running(n, loaded_controller, sampled) for n in ("a", "b"))
+    sampled.keep(0.25)
+    ring.leave_row(1, 1, 0.001, 0.001, "idle", running)
+
+    assert list(ring.objects[1]) == ["b"]
+    first, second = ring.latest().samples.values()
+    assert first.columns == second.columns == ([1.0, 2.0],) * 4
+
+
+@needs_both
+@given(arrays(3), arrays(4), st.lists(st.booleans(), min_size=1, max_size=5))
+def test_both_modes_leave_the_same(states, column, there):
+    def scenario(module):
+        sampled = sibling(module, "sample_columns").SampleColumns([doubles(column)] * 4)
+        one = _running("arm", sibling(module, "loaded_controller"), sampled)
+        ring = module.SnapshotRing(3)
+        ring.prepare([doubles(states)], 20)
+        found = []
+        for cycle, is_there in enumerate(there, 1):
+            state = ControllerState.RUNNING if is_there else ControllerState.STOPPED
+            one.controller.state = state
+            sampled.keep(0.125 * cycle)
+            ring.leave_row(cycle, 1, 0.5, 0.001, "idle", (one,))
+            found += ring.memory.tolist()
+        return found
+
+    assert_same("snapshot", scenario)

@@ -5,7 +5,6 @@ import threading
 
 import pytest
 
-from station.core.control.command_gate import CommandGate
 from station.core.control.controller_lifecycle import ControllerLifecycle
 from station.core.control.pending_switch import PendingSwitch
 from station.core.hardware.robot_hw import RobotHW
@@ -50,9 +49,8 @@ def test_a_long_storm_finds_nothing(name, operations):
     assert report.switches["committed"] > operations / 20
 
 
-def test_commands_that_nobody_puts_back_are_found(monkeypatch):
-    monkeypatch.setattr(CommandGate, "close", lambda *_: None)
-
+@pytest.mark.usefixtures("open_gate")
+def test_commands_that_nobody_puts_back_are_found():
     report = rage("mock", 1000)
 
     assert not report.ok

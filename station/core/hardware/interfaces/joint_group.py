@@ -66,8 +66,8 @@ class JointStateGroup:
         get_efforts: Return the efforts [Nm or N], shape (n,), a new list.
         positions: The positions themselves, if the robot keeps them side by side in a
             block of doubles; otherwise None. The same for `velocities` and `efforts`.
-        pieces: Where the states are, positions, velocities and efforts one after the
-            other: memory of the robot, as few pieces as it allows, or copies.
+        blocks: Where the states are, positions, velocities and efforts one after the
+            other: memory of the robot, as few blocks as it allows, or copies.
         refresh: Brings copies up to date; None if there are none.
     """
 
@@ -88,8 +88,8 @@ class JointStateGroup:
         self._columns = columns if None in found else ()
         size = len(handles)
         self._copies = [zeros(size) for _ in self._columns]
-        self.pieces: list[Doubles] = self._copies or [
-            piece for piece in found if piece is not None
+        self.blocks: list[Doubles] = self._copies or [
+            block for block in found if block is not None
         ]
         self.refresh: Callable[[], None] | None = (
             self._refresh if self._columns else None

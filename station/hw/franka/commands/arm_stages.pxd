@@ -1,11 +1,10 @@
 cimport cython
-from station.core.hardware.stages cimport RobotWatch, Stage
 from station.hw.franka.commands.command_sender cimport CommandSender
 from station.memory.finite_check cimport FiniteCheck
 
 cdef int _MOVE
 
-cdef class ArmReading(Stage):
+cdef class ArmReading:
     cdef object arm
     cdef double[::1] joint_readings
     cdef FiniteCheck readings
@@ -18,14 +17,14 @@ cdef class ArmReading(Stage):
     cdef readonly double time_due
     cdef public long nominal
     cdef long bad
-    cpdef run(self, double time, double period)
+    cpdef read(self, double time, double period)
 
-cdef class ArmWriting(Stage):
+cdef class ArmWriting:
     cdef CommandSender sender
     cdef public object fingers
-    cpdef run(self, double time, double period)
+    cpdef write(self, double time, double period)
 
-cdef class ArmWatch(RobotWatch):
+cdef class ArmWatch:
     cdef double[::1] code
     cdef dict names
     cdef object motion

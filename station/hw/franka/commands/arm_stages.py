@@ -2,7 +2,6 @@
 
 from typing import TYPE_CHECKING, Protocol
 
-from station.core.hardware.stages import Robot, RobotWatch, Stage
 from station.hw.franka.arm.arm_codes import MOVE
 from station.hw.franka.commands.command_sender import CommandSender
 from station.memory.doubles import Doubles
@@ -26,7 +25,7 @@ class Fingers(Protocol):
         """Pass their commands on."""
 
 
-class ArmReading(Stage):
+class ArmReading:
     """Reads an arm once per elapsed cycle time. Control thread only.
 
     Args:
@@ -63,8 +62,13 @@ class ArmReading(Stage):
         self.nominal = 1
         self.bad = -1  # number of a reading that is not finite
 
-    def run(self, time: float, period: float) -> None:
-        """Read the arm once for each of its cycles that has elapsed."""
+    def read(self, time: float, period: float) -> None:
+        """Read the arm once for each of its cycles that has elapsed.
+
+        Args:
+            time: Station time of the cycle [s].
+            period: Time since the last cycle [s], >= 0.
+        """
         self.time_due += period
         share, count = self.time_due / self.cycle_time, 1
         if self.nominal == 1 and 0.5 < share < 1.5:
@@ -102,7 +106,7 @@ class ArmReading(Stage):
         return cycles
 
     def blindness(self) -> str | None:
-        """Return which reading was not finite at the last `run`; None when all were."""
+        """Return which reading was not finite at the last `read`; None when all were."""
         if self.bad < 0:
             return None
         reading, joint = divmod(self.bad, 7)
@@ -110,7 +114,7 @@ class ArmReading(Stage):
         return f"the {_READINGS[reading]} of joint{joint + 1} reads {value}"
 
 
-class ArmWriting(Stage):
+class ArmWriting:
     """Sends the commands of an arm, and of its fingers.
 
     Args:
@@ -124,18 +128,22 @@ class ArmWriting(Stage):
         self.sender = sender
         self.fingers: Fingers | None = None
 
-    def run(self, time: float, period: float) -> None:
-        """Send the commands."""
+    def write(self, time: float, period: float) -> None:
+        """Send the commands; see `CommandSender.send_commands`.
+
+        Args:
+            time: Station time of the cycle [s].
+            period: Time since the last cycle [s], >= 0.
+        """
         if self.fingers is not None:
             self.fingers.write()
         self.sender.send_commands(period)
 
 
-class ArmWatch(RobotWatch):
+class ArmWatch:
     """Tells how an arm is.
 
     Args:
-        robot: The robot.
         code: The arm's mode, one number.
         names: Name of each mode, by its number.
         motion: The motion that controllers command.
@@ -143,12 +151,10 @@ class ArmWatch(RobotWatch):
 
     def __init__(
         self,
-        robot: Robot,
         code: Doubles,
         names: dict[float, str],
         motion: "MotionStart",
     ) -> None:
-        super().__init__(robot)
         self.code = code
         self.names = names
         self.motion = motion

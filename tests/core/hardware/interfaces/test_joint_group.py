@@ -93,16 +93,16 @@ def of_memory(memory, indices):
 
 
 @pytest.mark.parametrize(
-    ("indices", "pieces"), [([0, 1, 2, 3], 1), ([0, 1, 2], 3), ([0, 1, 3], 4)]
+    ("indices", "blocks"), [([0, 1, 2, 3], 1), ([0, 1, 2], 3), ([0, 1, 3], 4)]
 )
-def test_states_in_memory_are_read_in_place_in_few_pieces(indices, pieces):
+def test_states_in_memory_are_read_in_place_in_few_pieces(indices, blocks):
     memory = doubles(range(12))
     group = JointStateGroup(of_memory(memory, indices))
 
-    assert len(group.pieces) == pieces
+    assert len(group.blocks) == blocks
     assert group.refresh is None
     memory[4] = 40.0
-    states = [value for piece in group.pieces for value in piece]
+    states = [value for block in group.blocks for value in block]
     expected = [*(first + i for first in (0, 4, 8) for i in indices)]
     expected[len(indices)] = 40.0
     assert states == expected
@@ -115,7 +115,7 @@ def test_states_in_lists_are_copied_when_asked():
 
     group.refresh()
 
-    found = [piece.tolist() for piece in group.pieces]
+    found = [block.tolist() for block in group.blocks]
     assert found == [[7.0, 0.2, 3.0], [1.0, 2.0, 7.0], [5.0, 6.0, 11.0]]
 
 

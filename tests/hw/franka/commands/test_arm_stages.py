@@ -46,14 +46,14 @@ def arm():
 
 def test_the_arm_is_read_once_in_a_cycle_of_its_own_duration(arm):
     for _ in range(3):
-        arm.reading.run(0.0, PERIOD)
+        arm.reading.read(0.0, PERIOD)
     assert (arm.reads, arm.arm.sent) == (3, [])
     assert arm.reading.time_due == pytest.approx(0.0, abs=1e-12)
 
 
 @pytest.mark.parametrize(("period", "cycles"), [(0.0, 0), (0.0004, 0), (0.0016, 2)])
 def test_any_other_number_of_cycles_is_read_as_well(arm, period, cycles):
-    arm.reading.run(0.0, period)
+    arm.reading.read(0.0, period)
     assert arm.reads == cycles
     assert arm.reading.time_due == pytest.approx(period - cycles * PERIOD)
 
@@ -62,26 +62,26 @@ def test_any_other_number_of_cycles_is_read_as_well(arm, period, cycles):
 def test_a_slow_loop_sends_its_command_again_in_the_cycles_between(rate_limiting, sent):
     arm = Read(rate_limiting=rate_limiting)
     arm.reading.nominal = 4
-    arm.reading.run(0.0, 4 * PERIOD)
+    arm.reading.read(0.0, 4 * PERIOD)
     assert (arm.reads, len(arm.arm.sent)) == (4, sent)
 
 
 def test_the_cycles_of_a_late_loop_are_lost(arm):
-    arm.reading.run(0.0, 5 * PERIOD)
+    arm.reading.read(0.0, 5 * PERIOD)
     assert (arm.reads, arm.arm.sent) == (5, [])
 
 
 def test_a_very_late_loop_loses_twenty_cycles_and_no_more(arm):
-    arm.reading.run(0.0, 50 * PERIOD)
+    arm.reading.read(0.0, 50 * PERIOD)
     assert arm.reads == 21
-    arm.reading.run(0.0, PERIOD)
+    arm.reading.read(0.0, PERIOD)
     assert arm.reads == 22
 
 
 def test_a_motion_that_waits_hears_how_many_cycles_have_passed(arm):
     arm.motion.is_waiting = True
-    arm.reading.run(0.0, PERIOD)
-    arm.reading.run(0.0, 3 * PERIOD)
+    arm.reading.read(0.0, PERIOD)
+    arm.reading.read(0.0, 3 * PERIOD)
     assert arm.motion.waited == [1, 3]
 
 
@@ -97,17 +97,17 @@ def test_a_reading_that_is_not_finite_is_named_and_ends_the_motion(
     arm, field, joint, value, text
 ):
     arm.arm.state.doubles(field)[joint - 1] = value
-    arm.reading.run(0.0, PERIOD)
+    arm.reading.read(0.0, PERIOD)
     assert arm.reading.blindness() == text
     assert (arm.arm.state.doubles(MODE)[0] == 2) is (text is None)
     arm.arm.state.doubles(field)[joint - 1] = 0.5
-    arm.reading.run(0.0, PERIOD)
+    arm.reading.read(0.0, PERIOD)
     assert arm.reading.blindness() is None
 
 
 def test_an_arm_is_interrupted_when_it_has_left_a_motion_that_has_begun():
     motion, code = Motion(), Read().arm.state.doubles(MODE)
-    watch = ArmWatch(None, code, {1.0: "idle", 2.0: "move"}, motion)
+    watch = ArmWatch(code, {1.0: "idle", 2.0: "move"}, motion)
     assert (watch.is_interrupted(), watch.mode()) == (False, "move")
     code[0] = 1.0
     assert (watch.is_interrupted(), watch.mode()) == (True, "idle")

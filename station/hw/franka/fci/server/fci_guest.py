@@ -9,7 +9,6 @@ from typing import Generic, Protocol, TypeVar
 
 from typing_extensions import override
 
-from station.core.hardware.stages import Stage
 from station.hw.franka.arm.robot_arm import RobotArm
 from station.hw.franka.fci.server.gripper_session import (
     GRIPPER_PERIOD,
@@ -179,24 +178,27 @@ class HandGuest(_Guest[GripperSession]):
             page.put_state(session.state(self._cycle))
 
 
-class GuestReading(Stage):
+class GuestReading:
     """Reads a robot, with the guests of its arm and its hand before and after.
 
     Args:
         guest: The guest of the arm.
-        reading: Reads the robot.
+        read: Reads the robot.
         hand: The guest of the hand; None without a hand.
     """
 
     def __init__(
-        self, guest: FciGuest, reading: Stage, hand: HandGuest | None = None
+        self,
+        guest: FciGuest,
+        read: Callable[[float, float], None],
+        hand: HandGuest | None = None,
     ) -> None:
-        self._guest, self._hand, self._reading = guest, hand, reading
+        self._guest, self._hand, self._read = guest, hand, read
 
-    @override
-    def run(self, time: float, period: float) -> None:
+    def read(self, time: float, period: float) -> None:
+        """Read the robot; see `RobotHW.read`."""
         self._guest.before_read()
-        self._reading.run(time, period)
+        self._read(time, period)
         self._guest.after_read()
         if self._hand is not None:
             self._hand.after_read()

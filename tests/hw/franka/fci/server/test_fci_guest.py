@@ -39,7 +39,7 @@ class BesideNetwork:
             is_commanded=lambda: self.hw.is_commanded,
             may_move=lambda: self.may_move,
         )
-        self._reading = GuestReading(self.guest, self.hw.reading())
+        self._reading = GuestReading(self.guest, self.hw.read)
         self._answers = bytearray()
         self.guest.open()
 
@@ -55,7 +55,7 @@ class BesideNetwork:
         self.page.put_command(bytes(data))
 
     def wait(self, buffer):
-        self._reading.run(0.0, PERIOD)
+        self._reading.read(0.0, PERIOD)
         self.hw.write(0.0, PERIOD)
         state = self.page.take_state()
         if state is None:
@@ -212,7 +212,7 @@ def hand(network):
         SharedPage(memory),
         may_move=lambda: network.may_move,
     )
-    network._reading = GuestReading(network.guest, network.hw.reading(), guest)
+    network._reading = GuestReading(network.guest, network.hw.read, guest)
     guest.open()
     assert ask(guest, GripperCommand.CONNECT, version=3, udp_port=1) == [0]
     return guest, SharedPage(memory)

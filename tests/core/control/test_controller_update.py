@@ -3,7 +3,7 @@
 import pytest
 
 from station.core.control.controller import ControllerSample
-from station.core.control.controller_runner import milliseconds
+from station.core.control.controller_update import milliseconds
 from station.core.control.switching import Strictness
 from station.core.errors import StoppedError, SwitchRefusedError
 from station.core.ports.set_point import SetPointElement, SetPointPort
@@ -235,7 +235,7 @@ class Stopwatch:
 
 @pytest.fixture
 def stopwatch(bench):
-    bench.manager.updating().stopwatch = stopwatch = Stopwatch()
+    bench.manager.controller_update.stopwatch = stopwatch = Stopwatch()
     return stopwatch
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.core.loop.robot_pace import RobotPace
+from station.core.clock import ManualClock
 from station.core.loop.stop_latch import StopState
 from tests.core.loop.one_joint import PERIOD, OneJoint, make_loop
 
@@ -52,24 +52,24 @@ def test_stop_is_carried_out_while_a_robot_with_a_clock_is_silent():
     assert loop.time == pytest.approx(PERIOD)
 
 
-class Meter:
-    """Writes down what it is told."""
-
-    def __init__(self):
-        self.told = []
-
-    def woke(self, lateness, skipped):
-        self.told.append((lateness, skipped))
-
-
 def test_lateness_is_counted_from_the_state_before():
-    times = iter([0.0, 0.0011, 0.0020, 0.0060, 0.0082])
-    meter, beats = Meter(), [0.0]
-    pace = RobotPace(PacedJoint(1, 1, 0, 3), lambda: next(times), PERIOD)
-    assert [pace.wait(meter, beats) for _ in range(4)] == [1, 1, 0, 3]
-    assert meter.told == [
-        pytest.approx((0.0001, 0)),
-        pytest.approx((0.0, 0)),
-        pytest.approx((0.0032, 2)),
-    ]
-    assert beats == [0.0082]
+    clock = ManualClock()
+    arrivals = [(1, 0.0011), (1, 0.0020), (0, 0.0060), (3, 0.0082)]
+    begin = clock.now()
+
+    class Arriving(PacedJoint):
+        def wait(self):
+            if not self.waits:
+                return super().wait()
+            elapsed, clock.seconds = self.waits[0][0], begin + self.waits.pop(0)[1]
+            return elapsed
+
+    hw = Arriving(*arrivals)
+    loop = hw.loop = make_loop(hw, clock)
+    loop.start()
+    loop._thread.join(5.0)
+    loop.stop()
+    report = loop.report()
+    assert report.lateness.max == pytest.approx(0.0032, abs=1e-8)
+    assert report.lateness.p50 == pytest.approx(0.0001, abs=1e-8)
+    assert (report.lateness.count, report.skipped) == (3, 2)
