@@ -1,8 +1,8 @@
 """The joint sensors of a simulated arm, with the effect of a configured load."""
 
 from station.core.franka.franka_robot_state import RobotState
-from station.hw.franka.simulated.arm_load import ArmLoad
 from station.hw.franka.simulated.arm_step import ArmStep
+from station.hw.franka.simulated.franka_dynamics import ArmLoad
 from station.hw.franka.simulated.sensor_faults import SensorFaults
 from station.hw.mujoco.world_joints import WorldJoints
 from station.memory.doubles import Doubles, put

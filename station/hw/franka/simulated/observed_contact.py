@@ -11,10 +11,10 @@ from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_model import Frame
 from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.core.franka.franka_services import CollisionBehavior
+from station.core.franka.joint_memory import JointMemory
 from station.hw.franka.arm.arm_limits import ArmLimits
 from station.hw.franka.arm.collision_behavior import NEAR
 from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
-from station.hw.franka.simulated.arm_cycle import ArmCycle
 from station.hw.franka.simulated.contact_estimate import SINGULAR, ContactEstimate
 from station.hw.franka.simulated.imperfections import (
     LOST,
@@ -58,7 +58,7 @@ class ObservedContact(ContactEstimate):
         limits: The arm's limits.
         load_torques: As for `ContactEstimate`.
         realism: What disturbs the arm.
-        cycle: The arithmetic of the arm's cycle.
+        memory: State of the joints.
         simulator: The simulator's memory of the joints.
 
     Attributes:
@@ -73,12 +73,12 @@ class ObservedContact(ContactEstimate):
         limits: ArmLimits,
         load_torques: Callable[[], list[float] | None],
         realism: Realism,
-        cycle: ArmCycle,
+        memory: JointMemory,
         simulator: SimulatorMemory,
     ) -> None:
         super().__init__(joints, state, limits, load_torques)
         self.imperfections: Imperfections = Imperfections(
-            cycle.memory,
+            memory,
             simulator,
             noise=_random_numbers(realism.seed),
             estimate=state.doubles("tau_ext_hat_filtered"),
@@ -88,7 +88,7 @@ class ObservedContact(ContactEstimate):
             period=joints.timestep,
         )
         _set(self.imperfections, realism, joints.timestep)
-        self._positions = cycle.memory.positions
+        self._positions = memory.positions
         self._torque_error = realism.torque_error
         self._dice = random.Random(realism.seed)
         self._losses = realism.losses

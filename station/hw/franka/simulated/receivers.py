@@ -89,7 +89,4 @@ class EndEffectorReceiver(PoseReceiver):
 
     def receive(self, pose: Doubles) -> bool:
         """Take a pose without an elbow for the next cycle."""
-        if not self.step.receive_end_effector(pose, _POSE):
-            return False
-        self.step.cartesian.has_elbow = False
-        return True
+        return self.step.receive_end_effector(pose, _POSE)

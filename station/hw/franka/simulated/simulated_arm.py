@@ -21,7 +21,6 @@ from station.hw.franka.arm.robot_arm import (
     RobotArm,
 )
 from station.hw.franka.arm.service_limits import ServiceLimits
-from station.hw.franka.simulated.arm_drive import ArmDrive
 from station.hw.franka.simulated.arm_model import ArmModel
 from station.hw.franka.simulated.arm_modes import ArmModes
 from station.hw.franka.simulated.arm_parts import ArmParts
@@ -65,8 +64,7 @@ class SimulatedArm(RobotArm):
         load: The configured load.
         contact: External torques and the thresholds for them.
         supervisor: Finds and keeps the errors.
-        preparation: Takes the commands, advances the desired motion, and sets the
-            motors' controls in a usual cycle; `attend` does in any other.
+        preparation: Follows the commands and sets the motors' controls.
     """
 
     def __init__(
@@ -83,12 +81,10 @@ class SimulatedArm(RobotArm):
         self.motors, self.contact = parts.motors, parts.contact
         self.supervisor = parts.supervisor
         self._faults, self._sensors = parts.faults, parts.sensors
-        self._follower = parts.follower
-        self._motion, self._step = parts.cycle.motion, parts.cycle.step
-        self._memory = parts.cycle.memory
+        self._motion, self._memory = parts.motion, parts.memory
         self._modes = ArmModes(world, parts)
-        self._drive = ArmDrive(parts, self._modes)
-        self.preparation, self.attend = self._step, self._drive.attend
+        self.preparation = self._step = parts.step
+        self._step.modes = self._modes
         self._controls = SimulatedArmControls(world, parts, self._modes, service_limits)
         self._cycles = SimulatedCycles(
             self._step,
@@ -152,7 +148,7 @@ class SimulatedArm(RobotArm):
 
     @override
     def is_at_rest(self) -> bool:
-        return self._drive.is_at_rest()
+        return self._modes.is_at_rest()
 
     @override
     def start_motion(
@@ -161,7 +157,6 @@ class SimulatedArm(RobotArm):
         motion_generator_mode: MotionGeneratorMode,
     ) -> None:
         self._modes.begin_motion(controller_mode, motion_generator_mode)
-        self._drive.begin_motion()
 
     @override
     def stop_motion(self) -> None:
@@ -172,19 +167,19 @@ class SimulatedArm(RobotArm):
     def command_joint_torques(self, tau: Storage) -> None:
         if self._modes.controller is not ControllerMode.EXTERNAL_CONTROLLER:
             raise self._modes.not_commandable("joint torques")
-        self._follower.command_torques(tau)
+        self._step.command_torques(tau)
 
     @override
     def command_joint_positions(self, q: Storage) -> None:
         if self._modes.generator is not MotionGeneratorMode.JOINT_POSITION:
             raise self._modes.not_commandable("joint positions")
-        self._follower.command_joints(q)
+        self._step.command_joints(q)
 
     @override
     def command_joint_velocities(self, dq: Storage) -> None:
         if self._modes.generator is not MotionGeneratorMode.JOINT_VELOCITY:
             raise self._modes.not_commandable("joint velocities")
-        self._follower.command_joints(dq)
+        self._step.command_joints(dq)
 
     @override
     def command_cartesian_pose(
@@ -192,7 +187,7 @@ class SimulatedArm(RobotArm):
     ) -> None:
         if self._modes.generator is not MotionGeneratorMode.CARTESIAN_POSITION:
             raise self._modes.not_commandable("Cartesian pose")
-        self._follower.command_cartesian(pose, elbow, 16)
+        self._step.command_cartesian(pose, elbow, 16)
 
     @override
     def command_cartesian_velocity(
@@ -200,7 +195,7 @@ class SimulatedArm(RobotArm):
     ) -> None:
         if self._modes.generator is not MotionGeneratorMode.CARTESIAN_VELOCITY:
             raise self._modes.not_commandable("Cartesian velocity")
-        self._follower.command_cartesian(twist, elbow, 6)
+        self._step.command_cartesian(twist, elbow, 6)
 
     @override
     def set_joint_impedance(self, stiffness: Sequence[float]) -> None:
@@ -269,6 +264,9 @@ class SimulatedArm(RobotArm):
     def simulation(self) -> ArmSimulation | None:
         return self._controls
 
+    def attend(self) -> None:
+        """Do nothing."""
+
     def after_reset(self) -> None:
         """Read the pose to which the world was set, with all velocities zero.
 
@@ -284,7 +282,7 @@ class SimulatedArm(RobotArm):
         self._step.has_faults = False
         self.contact.reset()
         self.supervisor.look_again()
-        self._follower.begin(self._modes.generator)
+        self._modes.expect_command()
         self._sensors.read(self._cycles.seen * self.cycle_time)
         if self.contact.imperfections is not None:
             self.contact.imperfections.wind_up()
