@@ -125,7 +125,10 @@ class ArmParts:
         self.frames = ArmFrames(state)
         self.faults = SensorFaults(world, joints, hand)
         tool = state.doubles("F_T_EE")
-        watch = JointWatch(memory, CHAIN, tool, limits, thresholds, period)
+        has_hand = hand.endswith("_hand")
+        watch = JointWatch(
+            memory, CHAIN, tool, limits, thresholds, period, has_hand=has_hand
+        )
         log = CycleLog(state.motion(), 7)
         self.step = ArmStep(
             memory,
@@ -141,8 +144,7 @@ class ArmParts:
             log=log,
             simulator=simulator,
         )
-        self.supervisor = ArmSupervisor(state, thresholds, watch, log, memory.positions)
-        self.supervisor.has_hand = hand.endswith("_hand")
+        self.supervisor = ArmSupervisor(state, thresholds, watch, log)
         self.sensors = ArmSensors(
             joints,
             state,

@@ -9,16 +9,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from station.core.franka.franka_errors import ERROR_INDEX, ArmError
-from station.core.franka.franka_model import Frame
 from station.core.franka.franka_robot_state import RobotState
 from station.core.franka.franka_services import ArmRecord
 from station.hw.franka.arm.flags import AlertFlag
-from station.hw.franka.arm.franka_kinematics import frame_pose
-from station.hw.franka.arm.self_collision import clearance
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.simulated.cycle_log import CycleLog
 from station.hw.franka.simulated.joint_watch import JointWatch
-from station.memory.doubles import Doubles
 
 # Change for the worse after a recovery that makes a value an error again [rad or m];
 # for other units a share of the limit.
@@ -33,9 +29,6 @@ class ArmSupervisor(AlertFlag):
     its limit, becomes an error again only when it moves further out, so that the arm
     can be moved back.
 
-    The distances of links and end effector are computed only when the joints may have
-    turned far enough since the last computation to bring them too close.
-
     Control thread only.
 
     Args:
@@ -43,13 +36,11 @@ class ArmSupervisor(AlertFlag):
         thresholds: Thresholds that Franka does not publish.
         watch: Compares the readings with their limits in every cycle.
         cycle_log: The last cycles.
-        positions: Positions of the joints as they are [rad], shape (7,).
 
     Attributes:
         errors: The present errors with their causes; empty after a recovery.
         last_motion_errors: The errors that ended the last motion.
         log: The last cycles before the last error.
-        has_hand: Whether a hand is mounted.
         is_alert: Whether a reading had to be examined in the cycle before.
     """
 
@@ -59,11 +50,9 @@ class ArmSupervisor(AlertFlag):
         thresholds: SupervisorLimits,
         watch: JointWatch,
         cycle_log: CycleLog,
-        positions: Doubles,
     ) -> None:
         super().__init__()
         self._state = state
-        self._positions = positions
         self._thresholds = thresholds
         self._watch = watch
         self._cycle_log = cycle_log
@@ -72,7 +61,6 @@ class ArmSupervisor(AlertFlag):
         self.errors: list[ArmError] = []
         self.last_motion_errors: list[ArmError] = []
         self.log: list[ArmRecord] = []
-        self.has_hand = False
 
     def examine(
         self, *, is_quiet: bool, is_following: bool, is_recovering: bool
@@ -94,11 +82,11 @@ class ArmSupervisor(AlertFlag):
             self._known = {}
             return []
         # Noise has been added to the readings since the watch has compared them.
-        self._watch.find_violations(is_following)
+        self._watch.find_violations(is_following, 0.0)
         if is_recovering:
             self._accept()
             return []
-        found = self._new(self._find())
+        found = self._new(self._watch.violations.errors())
         self._bad_cycles = self._bad_cycles + 1 if found else 0
         return found if self._bad_cycles >= self._thresholds.debounce else []
 
@@ -151,13 +139,14 @@ class ArmSupervisor(AlertFlag):
         """Forget the present errors, and accept values that are out of range now."""
         self.clear()
         self._watch.room = 0.0
-        self._watch.find_violations(is_following=False)
+        self._watch.find_violations(is_following=False, reach=0.0)
         self._accept()
         self.is_alert = True
 
     def _accept(self) -> None:
         """Take what is out of range now for known."""
-        self._known = {(e.name, e.where): _excess(e) for e in self._find()}
+        found = self._watch.violations.errors()
+        self._known = {(e.name, e.where): _excess(e) for e in found}
 
     def look_again(self) -> None:
         """Compute all distances in the next cycle: the arm was set to a new pose."""
@@ -180,36 +169,6 @@ class ArmSupervisor(AlertFlag):
             if (key := (error.name, error.where)) not in known
             or _excess(error) > known[key] + _tolerance(error)
         ]
-
-    def _find(self) -> list[ArmError]:
-        """Return the errors of this cycle: joints, distances, then the rest."""
-        found = self._watch.violations.errors()
-        place = sum(error.where.startswith("joint") for error in found)
-        found[place:place] = self._find_too_close([*self._positions])
-        return found
-
-    def _find_too_close(self, q: Sequence[float]) -> list[ArmError]:
-        """Compute the distances between links and to walls if they may be too short."""
-        if self._watch.room > 0.0:
-            return []
-        limits, found = self._thresholds, []
-        nearest = clearance(q, has_hand=self.has_hand)
-        least = limits.self_collision_distance
-        room = nearest.distance - least
-        if room < 0.0:
-            name = "self_collision_avoidance_violation"
-            found.append(ArmError(name, nearest.links, nearest.distance, least, "m"))
-        position = frame_pose(Frame.END_EFFECTOR, q, self._state.F_T_EE)[12:15]
-        for axis, value, low, high in zip(
-            "xyz", position, limits.cartesian_lower, limits.cartesian_upper, strict=True
-        ):
-            room = min(room, value - low, high - value)
-            if not low <= value <= high:
-                name = "cartesian_position_limits_violation"
-                bound = low if value < low else high
-                found.append(ArmError(name, axis, value, bound, "m"))
-        self._watch.room = room
-        return found
 
 
 def _excess(error: ArmError) -> float:

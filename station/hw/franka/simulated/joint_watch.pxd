@@ -1,5 +1,6 @@
 cimport cython
 from station.core.numerics.arm_chain cimport place_links, twist_of, zero_jacobian
+from station.hw.franka.arm.capsules cimport LinkDistances
 from station.memory.functions cimport square_root
 from station.core.franka.joint_memory cimport JointMemory
 from station.core.numerics.rigid_motion cimport compose, rotation_between
@@ -33,10 +34,15 @@ cdef class JointWatch:
     cdef double translation
     cdef double rotation
     cdef double elbow
+    cdef LinkDistances distances
+    cdef double least_distance
+    cdef double[::1] walls
     cdef public double room
     cpdef bint check_readings(self, bint is_following)
     @cython.locals(i=Py_ssize_t, position=double, velocity=double, speed=double, torque=double, total=double, power=double, away=double, is_slow=bint, is_close=bint, violations=Violations)
-    cpdef double find_violations(self, bint is_following)
+    cpdef find_violations(self, bint is_following, double reach)
+    @cython.locals(axis=Py_ssize_t, distance=double, least=double, room=double, value=double, low=double, high=double)
+    cdef check_distances(self)
     cdef check_speed(self)
     @cython.locals(i=Py_ssize_t)
     cdef check_deviation(self)

@@ -14,6 +14,7 @@ from station.core.numerics.arm_chain import (
 )
 from station.core.numerics.rigid_motion import compose, rotation_between
 from station.hw.franka.arm.arm_limits import ArmLimits
+from station.hw.franka.arm.self_collision import link_distances
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.simulated.violations import (
     DEVIATION,
@@ -22,6 +23,8 @@ from station.hw.franka.simulated.violations import (
     MEASURED_TORQUE,
     MEASURED_VELOCITY,
     POWER,
+    SELF_COLLISION,
+    WALL,
     Violations,
 )
 from station.memory.doubles import Doubles, own, own_zeros, zeros
@@ -41,6 +44,7 @@ class JointWatch:
         limits: The arm's limits.
         thresholds: Thresholds that Franka does not publish.
         period: Duration of a cycle [s], > 0.
+        has_hand: Whether a hand is mounted.
 
     Attributes:
         violations: What was found in the last cycle.
@@ -56,6 +60,8 @@ class JointWatch:
         limits: ArmLimits,
         thresholds: SupervisorLimits,
         period: float,
+        *,
+        has_hand: bool,
     ) -> None:
         self.memory = memory
         self.size = memory.size
@@ -81,30 +87,31 @@ class JointWatch:
         self.speed = limits.translation.velocity * factor
         self.power = thresholds.power
         self.translation, self.rotation, self.elbow = thresholds.path_deviation
+        self.distances = link_distances(has_hand=has_hand)
+        self.least_distance = thresholds.self_collision_distance
+        self.walls = own([*thresholds.cartesian_lower, *thresholds.cartesian_upper])
         self.room = 0.0
         self.violations = Violations()
 
     def check_readings(self, is_following: bool) -> bool:  # noqa: FBT001 - a C function
-        """Compare all readings with their limits, and count down the room.
+        """Compare all readings of a cycle with their limits.
 
         Args:
             is_following: Whether the arm follows the desired motion.
 
         Returns:
-            Whether a limit is violated, or the room is used up.
+            Whether a limit is violated.
         """
-        speed = self.find_violations(is_following)
-        self.room -= speed * self.reach_in_a_cycle
-        return self.violations.count > 0 or not self.room > 0.0
+        self.find_violations(is_following, self.reach_in_a_cycle)
+        return self.violations.count > 0
 
-    def find_violations(self, is_following: bool) -> float:  # noqa: FBT001 - as above
+    def find_violations(self, is_following: bool, reach: float) -> None:  # noqa: FBT001
         """Compare all readings with their limits.
 
         Args:
             is_following: Whether the arm follows the desired motion.
-
-        Returns:
-            Sum of the speeds of all joints [rad/s].
+            reach: How far a joint of 1 rad/s may have moved any point of the arm since
+                the last call [m].
         """
         memory, violations = self.memory, self.violations
         q, dq, tau, q_d = memory.positions, memory.dtheta, memory.tau_J, memory.q_d
@@ -142,6 +149,10 @@ class JointWatch:
             or away > self.rotation
             or away > self.elbow
         )
+        # Distances take long to compute: only when they may have become too short.
+        self.room -= total * reach
+        if not self.room > 0.0:
+            self.check_distances()
         if not (is_slow and is_close):
             self.place(q, self.pose)
         if not is_slow:
@@ -150,13 +161,32 @@ class JointWatch:
             violations.add(POWER, 0, power, self.power)
         if not is_close:
             self.check_deviation()
-        return total
 
     def bend_velocity_limits(self) -> None:
         """Compute the velocity limits where the joints are."""
         for i in range(self.size):
             low, high = self.limits.velocity_range(i, self.memory.positions[i])
             self.slowest[i], self.fastest[i] = low - self.slack[i], high + self.slack[i]
+
+    def check_distances(self) -> None:
+        """Compare the distances of links and walls with their limits."""
+        self.place(self.memory.positions, self.pose)
+        distance, least = self.distances.measure(self.links), self.least_distance
+        room = distance - least
+        if room < 0.0:
+            pair = self.distances.closest
+            self.violations.add(SELF_COLLISION, pair, distance, least)
+        for axis in range(3):
+            value = self.pose[12 + axis]
+            low, high = self.walls[axis], self.walls[axis + 3]
+            if value - low < room:
+                room = value - low
+            if high - value < room:
+                room = high - value
+            if not low <= value <= high:
+                bound = low if value < low else high
+                self.violations.add(WALL, axis, value, bound)
+        self.room = room
 
     def check_speed(self) -> None:
         """Compare the speed of the end effector, which `place` has placed."""

@@ -4,6 +4,7 @@ A check compares numbers and leaves codes. Only here do codes become `ArmError`.
 """
 
 from station.core.franka.franka_errors import ArmError
+from station.hw.franka.arm.self_collision import LINKS_OF_PAIR
 from station.memory.doubles import zeros
 
 CAPACITY = 32
@@ -38,10 +39,12 @@ _COLUMNS = 4
     MEASURED_POSITION,
     MEASURED_VELOCITY,
     MEASURED_TORQUE,
+    SELF_COLLISION,
+    WALL,
     END_EFFECTOR_SPEED,
     POWER,
     DEVIATION,
-) = range(30)
+) = range(32)
 """Codes. `SOLVED` are joint motions that the arm computes from a Cartesian command."""
 
 _JOINTS = tuple(f"joint{number}" for number in range(1, 8))
@@ -50,7 +53,9 @@ _JOINT_MOTION = "joint_motion_generator"
 _CARTESIAN = "cartesian_motion_generator"
 _ELBOW_LIMIT = f"{_CARTESIAN}_elbow_limit_violation"
 # Name of the error, its unit, and the parts of the arm, of each code.
-_WORDS = (
+_WORDS: tuple[
+    tuple[str, str | tuple[str, ...], tuple[str, ...] | dict[int, str]], ...
+] = (
     ("joint_position_motion_generator_start_pose_invalid", "rad", _JOINTS),
     (f"{_JOINT_MOTION}_position_limits_violation", "rad", _JOINTS),
     (f"{_JOINT_MOTION}_velocity_limits_violation", "rad/s", _JOINTS),
@@ -78,6 +83,8 @@ _WORDS = (
     ("joint_position_limits_violation", "rad", _JOINTS),
     ("joint_velocity_violation", "rad/s", _JOINTS),
     ("tau_j_range_violation", "Nm", _JOINTS),
+    ("self_collision_avoidance_violation", "m", LINKS_OF_PAIR),
+    ("cartesian_position_limits_violation", "m", ("x", "y", "z")),
     ("cartesian_velocity_violation", "m/s", ("end effector",)),
     ("power_limit_violation", "W", ("",)),
     ("max_path_pose_deviation_violation", ("m", "rad", "rad"), _PATH),

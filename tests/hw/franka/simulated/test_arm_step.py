@@ -107,7 +107,7 @@ class Arm:
         tool = state.doubles("F_T_EE")
         thresholds = SupervisorLimits(0.0, 1.0, power=1e4)
         self.watch = part("joint_watch").JointWatch(
-            self.memory, CHAIN, tool, LIMITS, thresholds, PERIOD
+            self.memory, CHAIN, tool, LIMITS, thresholds, PERIOD, has_hand=False
         )
         self.watch.room = 1.0
         self.log = part("cycle_log").CycleLog(state.motion(), SIZE)

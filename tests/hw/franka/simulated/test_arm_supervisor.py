@@ -20,11 +20,11 @@ class Supervised:
     def __init__(self, state: RobotState, **limits: float) -> None:
         thresholds = SupervisorLimits(**limits)
         memory, tool = new_joint_memory(state), state.doubles("F_T_EE")
-        self.watch = JointWatch(memory, CHAIN, tool, PANDA_LIMITS, thresholds, 0.001)
-        log = CycleLog(state.motion(), 7)
-        self.supervisor = ArmSupervisor(
-            state, thresholds, self.watch, log, memory.positions
+        self.watch = JointWatch(
+            memory, CHAIN, tool, PANDA_LIMITS, thresholds, 0.001, has_hand=False
         )
+        log = CycleLog(state.motion(), 7)
+        self.supervisor = ArmSupervisor(state, thresholds, self.watch, log)
 
     def errors(self, *, is_recovering: bool = False) -> list[ArmError]:
         is_following = False

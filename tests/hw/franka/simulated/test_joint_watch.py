@@ -42,7 +42,9 @@ THRESHOLDS = SupervisorLimits(
 
 
 def watch_of(memory, watch_class=JointWatch):
-    return watch_class(memory, CHAIN, doubles(IDENTITY), LIMITS, THRESHOLDS, 0.001)
+    return watch_class(
+        memory, CHAIN, doubles(IDENTITY), LIMITS, THRESHOLDS, 0.001, has_hand=True
+    )
 
 
 def is_quiet(q, *, dq=(0.0,) * SIZE, q_d=None, is_following=False):
