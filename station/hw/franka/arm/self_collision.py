@@ -8,9 +8,10 @@ apart are left out.
 
 from collections.abc import Sequence
 
+from station.core.numerics.arm_chain import new_links, place_links
 from station.hw.franka.arm.capsules import LinkDistances
-from station.hw.franka.arm.franka_kinematics import DOF
-from station.memory.doubles import doubles, indices
+from station.hw.franka.arm.franka_kinematics import CHAIN, DOF
+from station.memory.doubles import doubles, indices, viewed
 
 _HAND = 8
 _EIGHTH_TURN = 0.5**0.5
@@ -92,3 +93,15 @@ def link_distances(*, has_hand: bool) -> LinkDistances:
     return LinkDistances(
         _SHAPES, _OWNERS, indices(index for pair in pairs for index in pair)
     )
+
+
+def clearance(q: Sequence[float], *, has_hand: bool) -> float:
+    """Return the distance between the closest two links [m].
+
+    Args:
+        q: Joint positions [rad], shape (7,).
+        has_hand: Whether a hand is mounted.
+    """
+    links = new_links(CHAIN)
+    place_links(CHAIN, viewed(q), links)
+    return link_distances(has_hand=has_hand).measure(links)

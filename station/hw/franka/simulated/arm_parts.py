@@ -21,8 +21,8 @@ from station.hw.franka.simulated.franka_dynamics import ArmLoad
 from station.hw.franka.simulated.inverse_kinematics import InverseKinematics
 from station.hw.franka.simulated.joint_motors import JointMotors
 from station.hw.franka.simulated.joint_watch import JointWatch
+from station.hw.franka.simulated.momentum_observer import MomentumObserver
 from station.hw.franka.simulated.motion_check import MotionCheck
-from station.hw.franka.simulated.observed_contact import ObservedContact
 from station.hw.franka.simulated.realism import Realism
 from station.hw.franka.simulated.sensor_faults import SensorFaults
 from station.hw.mujoco.world import World
@@ -158,7 +158,7 @@ class ArmParts:
         self.contact = (
             ContactEstimate(*seen)
             if realism is None
-            else ObservedContact(*seen, realism, memory, simulator)
+            else MomentumObserver(*seen, realism, memory, simulator)
         )
         if realism is not None:
             joint_motors.is_late = realism.commands_are_late

@@ -94,15 +94,15 @@ class SimulatedArm(RobotArm):
             contact=self.contact,
             supervisor=self.supervisor,
             read_closely=self._sensors.read,
-            imperfections=self.contact.imperfections,
+            observer=self.contact.observer,
             expect_load=self.contact.expect_load,
-            attend=self._attend_to_contact,
+            react=self._react_to_observer,
             supervise=self._supervise,
         )
         self.after_reset()
         # Preparations run in the order of their adding: friction acts before the arm.
-        if self.contact.imperfections is not None:
-            world.add_preparation(self.contact.imperfections)
+        if self.contact.observer is not None:
+            world.add_preparation(self.contact.observer)
         world.add_actor(self)
 
     @override
@@ -284,20 +284,20 @@ class SimulatedArm(RobotArm):
         self.supervisor.look_again()
         self._modes.expect_command()
         self._sensors.read(self._cycles.seen * self.cycle_time)
-        if self.contact.imperfections is not None:
-            self.contact.imperfections.wind_up()
+        if self.contact.observer is not None:
+            self.contact.observer.settle_elasticity()
         self.frames.invalidate()
         if state.robot_mode in (RobotMode.OTHER, RobotMode.GUIDING):
             state.robot_mode = RobotMode.IDLE
 
-    def _attend_to_contact(self, found: int) -> None:
-        """Look closer at a contact; now and then a command is lost."""
-        if self.contact.attend(found) and self.state.robot_mode is RobotMode.MOVE:
+    def _react_to_observer(self, found: int) -> None:
+        """Do what the observer asks for; now and then a command is lost."""
+        if self.contact.react_to(found) and self.state.robot_mode is RobotMode.MOVE:
             self._faults.drop()
             self._step.has_faults = True
 
     def _supervise(self, found: int) -> None:
-        """Look closer at contacts and readings.
+        """Bring the contacts up to date, and find errors in the readings.
 
         Args:
             found: What `ArmStep.after` has found.

@@ -2,8 +2,10 @@ cimport cython
 from station.hw.franka.arm.arm_reading cimport Cycles
 from station.hw.franka.arm.flags cimport AlertFlag, ContactFlag
 from station.hw.franka.simulated.arm_step cimport ArmStep
-from station.hw.franka.simulated.imperfections cimport Imperfections
+from station.hw.franka.simulated.friction_and_observer cimport FrictionAndObserver
 from station.hw.mujoco.world_step cimport WorldStep
+
+cdef int _TOUCHED, _ASKS
 
 cdef class SimulatedCycles(Cycles):
     cdef ArmStep step
@@ -13,11 +15,11 @@ cdef class SimulatedCycles(Cycles):
     cdef ContactFlag contact
     cdef AlertFlag supervisor
     cdef object read_closely
-    cdef Imperfections imperfections
+    cdef FrictionAndObserver observer
     cdef object expect_load
-    cdef object attend
+    cdef object react
     cdef object supervise
     cdef readonly long long cycle
     cdef readonly long long seen
-    @cython.locals(found=int, unusual=int, steps="long long", time=double)
+    @cython.locals(found=int, observed=int, steps="long long", time=double)
     cpdef read(self)
