@@ -17,4 +17,4 @@ cdef class Drives(Preparation):
     cdef Py_ssize_t size
     cdef double timestep
 
-    cpdef bint before(self)
+    cpdef prepare_step(self)

@@ -93,8 +93,8 @@ class Drives(Preparation):
         self.size = len(own["mode"])
         self.timestep = timestep
 
-    def before(self) -> bool:
-        """Write the motors' controls and damping; return that it was done."""
+    def prepare_step(self) -> None:
+        """Write the motors' controls and damping."""
         qvel, inertia, mode = self.qvel, self.inertia, self.mode
         place_dof, place_inertia = self.place_dof, self.place_inertia
         velocity_limit, desired = self.velocity_limit, self.desired_velocity
@@ -149,4 +149,3 @@ class Drives(Preparation):
             desired[i] = velocity
             control[place_control[i]] = effort
             damping[place_damping[i]] = -gain
-        return True

@@ -85,9 +85,6 @@ class JointDrives:
         own = {name: block[name] for name in _PARTS}
         self.preparation = kernel.Drives(joints.memory, joints.places, own, timestep)
 
-    def attend(self) -> None:
-        """Do nothing: every cycle of the drives is a usual one."""
-
     def after_reset(self) -> None:
         """Hold the pose to which the world was reset."""
         zeros = [0.0] * len(self.modes)

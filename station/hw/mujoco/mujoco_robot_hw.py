@@ -148,7 +148,7 @@ class MujocoRobotHW(RobotHW):
             root_params.set(ROBOT_DESCRIPTION, description.xml)
         if parameters.base_type == "planar":
             base = RollingBase(self.world, urdf)
-            self.world.add_preparation(CalledPreparation(base.before_step))
+            self.world.add_preparation(CalledPreparation(base.prepare_step))
         self._make_motors(description, transmissions)
         self._transmission_reports = [_report(info) for info in transmissions]
         pids = read_simulated_pids(hw_params, {n: urdf.joints[n] for n in self._names})

@@ -1,7 +1,7 @@
 """The simulated world: owns MuJoCo's model and data, and advances them in time."""
 
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Protocol
 
 import mujoco
@@ -16,11 +16,7 @@ from station.hw.mujoco.world_joints import (
     find_joint,
     joint_position_address,
 )
-from station.hw.mujoco.world_step import (
-    AttendedPreparation,
-    Preparation,
-    WorldStep,
-)
+from station.hw.mujoco.world_step import Preparation, WorldStep
 
 # MuJoCo's warnings of the whole process. Without a handler MuJoCo writes warnings to a
 # file in the current directory, and the control thread must do no I/O.
@@ -32,10 +28,7 @@ class WorldActor(Protocol):
 
     @property
     def preparation(self) -> Preparation:
-        """What writes the controls of a coming step that is a usual one."""
-
-    def attend(self) -> None:
-        """Write the controls of a coming step that is not a usual one."""
+        """The object that writes the controls of the coming step."""
 
     def after_reset(self) -> None:
         """Start again from the state of the world, which has been reset."""
@@ -85,7 +78,7 @@ class World:
             self._look,
             self._count_pushes,
         )
-        self.step = self.stepping.make
+        self.step = self.stepping.make_step
         self._start_qpos: list[float] = self.data.qpos.tolist()
         self._initial_qpos = self._start_qpos
         self.diverged_because: str | None = None
@@ -106,20 +99,15 @@ class World:
     def add_actor(self, actor: WorldActor) -> None:
         """Let `actor` act before every step, after those added before it."""
         self._actors.append(actor)
-        self._prepare(actor.preparation, actor.attend)
+        self.add_preparation(actor.preparation)
 
     def add_preparation(self, preparation: Preparation) -> None:
         """Prepare every step in this way, after what was added before it.
 
-        For what keeps no state of its own and knows no unusual step.
-
         Args:
-            preparation: Prepares the coming step, and returns True. Control thread.
+            preparation: Prepares the coming step. Control thread.
         """
-        self._prepare(preparation, _nothing)
-
-    def _prepare(self, preparation: Preparation, attend: Callable[[], None]) -> None:
-        self.stepping.preparations.append(AttendedPreparation(preparation, attend))
+        self.stepping.preparations.append(preparation)
 
     def joints(self, names: Sequence[str]) -> WorldJoints:
         """Return access to some joints, in the order of `names`.
@@ -239,10 +227,6 @@ class World:
         mujoco.mj_resetData(self.model, self.data)
         self.data.qpos[:] = self._initial_qpos
         mujoco.mj_forward(self.model, self.data)
-
-
-def _nothing() -> None:
-    """Attend to a step that is always a usual one."""
 
 
 def _report(thing: SceneObject, data: mujoco.MjData) -> SceneObjectReport:

@@ -7,15 +7,11 @@ cdef inline void call_with_two(size_t function, size_t first, size_t second) noe
     (<_OfTwo> function)(<void*> first, <void*> second)
 
 cdef class Preparation:
-    cpdef bint before(self)
+    cpdef prepare_step(self)
 
 cdef class CalledPreparation(Preparation):
     cdef object function
-    cpdef bint before(self)
-
-cdef class AttendedPreparation:
-    cdef Preparation preparation
-    cdef object attend
+    cpdef prepare_step(self)
 
 cdef class WorldStep:
     cdef object step
@@ -30,5 +26,5 @@ cdef class WorldStep:
     cdef public bint stands_still
     cdef public bint is_pushed
     cdef public bint is_braked
-    @cython.locals(one=AttendedPreparation)
-    cpdef make(self)
+    @cython.locals(one=Preparation)
+    cpdef make_step(self)

@@ -15,12 +15,8 @@ if not cython.compiled:
 class Preparation:
     """Something that is done before every step of a world."""
 
-    def before(self) -> bool:
-        """Prepare the coming step, as far as it is a usual one.
-
-        Returns:
-            Whether that was done. If not, nothing has changed.
-        """
+    def prepare_step(self) -> None:
+        """Prepare the coming step."""
         raise NotImplementedError
 
 
@@ -28,28 +24,15 @@ class CalledPreparation(Preparation):
     """A preparation that is a Python function.
 
     Args:
-        function: Prepares the coming step; returns what `Preparation.before` returns.
+        function: Prepares the coming step.
     """
 
-    def __init__(self, function: Callable[[], bool]) -> None:
+    def __init__(self, function: Callable[[], object]) -> None:
         self.function = function
 
-    def before(self) -> bool:
+    def prepare_step(self) -> None:
         """Call the function."""
-        return self.function()
-
-
-class AttendedPreparation:
-    """A preparation, and what is done before a step that is not a usual one.
-
-    Args:
-        preparation: Prepares a usual step.
-        attend: Prepares any other step.
-    """
-
-    def __init__(self, preparation: Preparation, attend: Callable[[], None]) -> None:
-        self.preparation = preparation
-        self.attend = attend
+        self.function()
 
 
 class WorldStep:
@@ -85,19 +68,18 @@ class WorldStep:
         self.look = look
         self.count_pushes = count_pushes
         self.count = 0
-        self.preparations: list[AttendedPreparation] = []
+        self.preparations: list[Preparation] = []
         self.stands_still = False
         self.is_pushed = False
         self.is_braked = False
 
-    def make(self) -> None:
+    def make_step(self) -> None:
         """Make one step."""
         self.count += 1
         if self.stands_still:
             return
         for one in self.preparations:
-            if not one.preparation.before():
-                one.attend()
+            one.prepare_step()
         if self.is_pushed:
             self.count_pushes()
         if cython.compiled and self.function:

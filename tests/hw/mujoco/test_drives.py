@@ -34,7 +34,7 @@ def act(module, world):
         {name: make(values) for name, values in part.items()}
         for make, part in zip((doubles, indices, doubles), world, strict=True)
     )
-    module.Drives(memory, places, own, 0.001).before()
+    module.Drives(memory, places, own, 0.001).prepare_step()
     return {name: repr(view.tolist()) for name, view in (memory | own).items()}
 
 

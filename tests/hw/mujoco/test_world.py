@@ -37,16 +37,11 @@ class RecordingActor:
 
     def __init__(self) -> None:
         self.calls: list[str] = []
-        self.preparation = CalledPreparation(self.before_step)
+        self.preparation = CalledPreparation(self.prepare_step)
 
-    def before_step(self) -> bool:
-        """Remember the step, and leave the first one to `attend`."""
-        self.calls.append("before_step")
-        return len(self.calls) > 1
-
-    def attend(self) -> None:
-        """Remember that a step was not a usual one."""
-        self.calls.append("attend")
+    def prepare_step(self) -> None:
+        """Remember the step."""
+        self.calls.append("prepare_step")
 
     def after_reset(self) -> None:
         """Remember the reset."""
@@ -136,7 +131,7 @@ def test_actors_act_once_per_step_and_hear_of_a_reset(world: World) -> None:
     world.step()
     world.step()
     world.reset()
-    assert actor.calls == ["before_step", "attend", "before_step", "after_reset"]
+    assert actor.calls == ["prepare_step", "prepare_step", "after_reset"]
 
 
 def test_reset_puts_joints_elsewhere_once(world: World) -> None:

@@ -17,8 +17,3 @@ VELOCITIES = 2
 """Generator of joint velocities."""
 CARTESIAN = 3
 """Generator of poses or twists of the end effector."""
-
-CONTACT = 1
-"""Result of `ArmStep.after`: a contact or a mechanical stop acts on a joint."""
-UNUSUAL = 2
-"""Result of `ArmStep.after`: the readings must be looked at closer."""

@@ -13,7 +13,7 @@ from station.hw.mujoco.world_step cimport Preparation
 
 cdef int _IDLE, _MOVE, _GUIDING, _RECOVERY
 cdef int _NO_MOTION, _POSITIONS, _CARTESIAN
-cdef int _CONTACT, _UNUSUAL
+cdef int _CONTACT, _VIOLATION
 
 cdef class ArmStep(Preparation):
     cdef readonly JointMemory memory
@@ -48,9 +48,9 @@ cdef class ArmStep(Preparation):
     cpdef bint receive_end_effector(self, double[::1] values, Py_ssize_t size)
     cpdef bint receive(self, double[::1] values, Py_ssize_t size, double[::1] place)
     @cython.locals(mode=double)
-    cpdef bint before(self)
+    cpdef prepare_step(self)
     @cython.locals(arrived=bint, may_settle=bint)
     cdef Py_ssize_t follow_command(self)
     cdef move(self, bint arrived, bint may_settle)
     @cython.locals(result=int, mode=double)
-    cpdef int after(self, double time)
+    cpdef int read_joints(self, double time)

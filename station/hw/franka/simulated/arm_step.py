@@ -33,6 +33,10 @@ if TYPE_CHECKING:
 
 LONGEST_SETTLING = 500
 """Cycles of the arm after which it counts as settled although it still trembles."""
+CONTACT = 1
+"""Result of `read_joints`: a contact or a mechanical stop acts on a joint."""
+VIOLATION = 2
+"""Result of `read_joints`: a reading violates a limit."""
 # Cycles of which the success rate tells the share that brought a command.
 _WINDOW = 100
 # Joint damping while a person guides the arm [Nm s/rad].
@@ -45,8 +49,8 @@ _RECOVERY = codes.RECOVERY
 _NO_MOTION = codes.NO_MOTION
 _POSITIONS = codes.POSITIONS
 _CARTESIAN = codes.CARTESIAN
-_CONTACT = codes.CONTACT
-_UNUSUAL = codes.UNUSUAL
+_CONTACT = CONTACT
+_VIOLATION = VIOLATION
 
 
 class ArmStep(Preparation):
@@ -212,8 +216,8 @@ class ArmStep(Preparation):
         self.is_fresh = True
         return True
 
-    def before(self) -> bool:
-        """Follow the command or hold, and set the motors' controls; return True."""
+    def prepare_step(self) -> None:
+        """Follow the command or hold, and set the motors' controls."""
         mode, motors = self.mode[0], self.motors
         if self.wants_torques and not motors.torques_act:
             self.wait_for_rest()
@@ -223,7 +227,7 @@ class ArmStep(Preparation):
             self.faults.count_step()
         if mode == _GUIDING:
             self.guide()
-            return True
+            return
         if mode == _RECOVERY:
             self.modes.advance_recovery()
         elif mode != _MOVE:
@@ -243,7 +247,6 @@ class ArmStep(Preparation):
         if self.has_faults:
             self.faults.finish_cycle()
             self.has_faults = self.faults.act
-        return True
 
     def wait_for_rest(self) -> None:
         """Let commanded torques act once the arm has come to rest."""
@@ -351,14 +354,14 @@ class ArmStep(Preparation):
             lost, most = float(self.lost_in_a_row), float(MOST_LOST_PACKETS - 1)
             self.violations.add(LOST_COMMANDS, 0, lost, most)
 
-    def after(self, time: float) -> int:
+    def read_joints(self, time: float) -> int:
         """Read the joints after a step, and compare the readings with their limits.
 
         Args:
             time: Time of the arm [s].
 
         Returns:
-            A sum of `CONTACT` and `UNUSUAL`; 0 when neither is the case.
+            A sum of `CONTACT` and `VIOLATION`; 0 when neither is the case.
         """
         self.time = time
         self.motors.sense()
@@ -367,7 +370,7 @@ class ArmStep(Preparation):
             result = _CONTACT
         is_supervised = mode == _MOVE or mode == _IDLE or mode == _RECOVERY
         if is_supervised and self.watch.check_readings(self.is_following):
-            result += _UNUSUAL
+            result += _VIOLATION
         return result
 
 

@@ -69,7 +69,7 @@ cdef class FrictionAndObserver(Preparation):
     @cython.locals(is_reliable=bint, i=Py_ssize_t, singular=double, reliable=double)
     cpdef bint factorise_jacobian(self)
     @cython.locals(i=Py_ssize_t, power=double, velocity=double, sliding=double, relative=double, most=double, bend=double, share=double, turn=double, lead=double)
-    cpdef bint before(self)
+    cpdef prepare_step(self)
     @cython.locals(i=Py_ssize_t, result=int, reach=double)
     cpdef int sense(self)
     @cython.locals(i=Py_ssize_t, drawn=Py_ssize_t, last=Py_ssize_t, rate=double, measured=double, error=double)

@@ -209,8 +209,8 @@ class FrictionAndObserver(Preparation):
             self.place[i] = self.memory.positions[i]
         return self.has_wrench and not is_reliable
 
-    def before(self) -> bool:
-        """Let the friction act in the coming step; return True."""
+    def prepare_step(self) -> None:
+        """Let the friction act in the coming step."""
         velocities, applied = self.simulator.velocities, self.simulator.applied
         level, slope, shift = self.level, self.slope, self.shift
         offset, static_friction = self.offset, self.static_friction
@@ -238,7 +238,6 @@ class FrictionAndObserver(Preparation):
             if bend < -most:
                 bend = -most
             applied[i] = -sliding - static_friction[i] * bend
-        return True
 
     def sense(self) -> int:
         """Disturb the readings of the last step, and bring the estimates up to date.

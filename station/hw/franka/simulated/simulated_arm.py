@@ -11,7 +11,7 @@ from station.core.franka.franka_model import Frame, FrankaModel
 from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.core.franka.franka_services import ArmRecord, CollisionBehavior
 from station.core.franka.model_sources import ModelSource
-from station.hw.franka.arm.arm_codes import POSITIONS, UNUSUAL, VELOCITIES
+from station.hw.franka.arm.arm_codes import POSITIONS, VELOCITIES
 from station.hw.franka.arm.arm_reading import Cycles
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.robot_arm import (
@@ -24,6 +24,7 @@ from station.hw.franka.arm.service_limits import ServiceLimits
 from station.hw.franka.simulated.arm_model import ArmModel
 from station.hw.franka.simulated.arm_modes import ArmModes
 from station.hw.franka.simulated.arm_parts import ArmParts
+from station.hw.franka.simulated.arm_step import VIOLATION
 from station.hw.franka.simulated.receivers import (
     EndEffectorReceiver,
     JointReceiver,
@@ -264,9 +265,6 @@ class SimulatedArm(RobotArm):
     def simulation(self) -> ArmSimulation | None:
         return self._controls
 
-    def attend(self) -> None:
-        """Do nothing."""
-
     def after_reset(self) -> None:
         """Read the pose to which the world was set, with all velocities zero.
 
@@ -300,7 +298,7 @@ class SimulatedArm(RobotArm):
         """Bring the contacts up to date, and find errors in the readings.
 
         Args:
-            found: What `ArmStep.after` has found.
+            found: What `ArmStep.read_joints` has found.
         """
         has_diverged = self._world.diverged_because is not None
         if has_diverged and self.state.robot_mode is not RobotMode.OTHER:
@@ -309,7 +307,7 @@ class SimulatedArm(RobotArm):
         mode = self.state.robot_mode
         if mode in _SUPERVISED:
             errors = errors + self.supervisor.examine(
-                is_quiet=not found & UNUSUAL,
+                is_quiet=not found & VIOLATION,
                 is_following=self._step.is_following,
                 is_recovering=mode is RobotMode.AUTOMATIC_ERROR_RECOVERY,
             )

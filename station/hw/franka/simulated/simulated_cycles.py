@@ -36,11 +36,11 @@ class SimulatedCycles(Cycles):
         contact: Estimates contacts; supervised while it is not quiet.
         supervisor: Keeps the errors; called while it is alert.
         read_closely: Reads the joints at a time [s] while a load or a fault acts;
-            returns what `ArmStep.after` returns.
+            returns what `ArmStep.read_joints` returns.
         observer: Disturbs the readings; None for an ideal arm.
         expect_load: Gives the observer the torques for a configured load.
         react: Does what the observer asks for, given what its `sense` has returned.
-        supervise: Finds contacts and errors, given what `ArmStep.after` has found.
+        supervise: Finds contacts and errors, given what `read_joints` has returned.
 
     Attributes:
         cycle: Number of the last cycle.
@@ -81,7 +81,7 @@ class SimulatedCycles(Cycles):
         world, step = self.world, self.step
         self.cycle += 1
         while world.count < self.cycle:
-            world.make()
+            world.make_step()
         steps = world.count
         if self.seen >= steps:
             return
@@ -90,7 +90,7 @@ class SimulatedCycles(Cycles):
         if step.has_load or step.has_faults:
             found = self.read_closely(time)
         else:
-            found = step.after(time)
+            found = step.read_joints(time)
             self.state.time = time
         if self.observer is not None:
             if step.has_load:

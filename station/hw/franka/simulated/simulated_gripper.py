@@ -102,9 +102,6 @@ class SimulatedGripper:
         self._set_servo(0.0, self._damping if is_damped else 0.0)
         self._motor.force = 2.0 * force
 
-    def attend(self) -> None:
-        """Do nothing: every cycle of the motor is a usual one."""
-
     def after_reset(self) -> None:
         """Hold the width of the beginning again."""
         self.hold(self._start_width)

@@ -11,17 +11,16 @@ from station.core.errors import InvalidCommandError
 from station.core.franka import Frame, RobotMode, RobotState
 from station.hw.franka.arm.arm_codes import (
     CARTESIAN,
-    CONTACT,
     IDLE,
     MOVE,
     NO_MOTION,
     POSITIONS,
-    UNUSUAL,
     VELOCITIES,
 )
 from station.hw.franka.arm.arm_limits import PANDA_LIMITS, MotionLimits
 from station.hw.franka.arm.franka_kinematics import CHAIN, frame_pose
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
+from station.hw.franka.simulated.arm_step import CONTACT, VIOLATION
 from station.memory.doubles import doubles, put, zeros
 from tests.both_modes import (
     arrays,
@@ -160,7 +159,7 @@ class Arm:
         """Send a command for the joints, and advance by a cycle."""
         self.step.command_joints(values)
         self.step.has_faults = self.faults.lost = is_lost
-        self.step.before()
+        self.step.prepare_step()
 
     def let_torques_act(self) -> None:
         self.step.wants_torques = self.motors.torques_act = True
@@ -171,7 +170,7 @@ class Arm:
         self.set_mode(MOVE, CARTESIAN)
         pose = self.state.doubles("O_T_EE_c")
         assert self.step.receive_end_effector(pose, 16)
-        self.step.before()
+        self.step.prepare_step()
         assert self.errors == []
 
     def everything(self) -> list[float]:
@@ -203,13 +202,13 @@ def moving() -> Arm:
 )
 def test_what_is_rare_is_left_to_other_parts(arm, flag, call):
     setattr(arm.step, flag, True)
-    assert arm.step.before()
+    arm.step.prepare_step()
     assert arm.calls == [call]
 
 
 def test_an_arm_that_recovers_is_moved_by_its_modes(arm):
     arm.state.robot_mode = RobotMode.AUTOMATIC_ERROR_RECOVERY
-    arm.step.before()
+    arm.step.prepare_step()
     assert arm.calls == ["recovery"]
 
 
@@ -217,20 +216,20 @@ def test_a_guided_arm_is_damped_where_it_is(arm):
     arm.state.robot_mode = RobotMode.GUIDING
     put(arm.names["theta"], START)
     put(arm.names["dtheta"], [0.1] * SIZE)
-    arm.step.before()
+    arm.step.prepare_step()
     assert list(arm.controls) == pytest.approx([-1.0] * 4 + [-0.1] * 3)
     assert list(arm.names["q_d"]) == START
 
 
 def test_an_idle_arm_is_held_by_its_impedance(arm):
     put(arm.names["q_d"], [0.1] * SIZE)
-    assert arm.step.before()
+    arm.step.prepare_step()
     assert list(arm.controls) == pytest.approx([60.0] * SIZE)
 
 
 def test_nothing_happens_before_the_first_command(moving):
     for _ in range(100):
-        moving.step.before()
+        moving.step.prepare_step()
     assert not moving.step.is_begun
     assert list(moving.names["q_d"]) == START
     assert moving.state.control_command_success_rate == 1.0
@@ -248,9 +247,9 @@ def test_missed_command_keeps_the_acceleration(moving):
 def test_twenty_commands_lost_in_a_row_end_the_motion(moving):
     moving.send([0.0] * SIZE)
     for _ in range(19):
-        moving.step.before()
+        moving.step.prepare_step()
     assert moving.errors == []
-    moving.step.before()
+    moving.step.prepare_step()
     (error,) = moving.errors
     assert (error.name, error.value) == ("communication_constraints_violation", 20.0)
 
@@ -265,10 +264,10 @@ def test_lost_torques_repeat_the_last_ones(moving):
     moving.set_mode(MOVE)
     moving.let_torques_act()
     moving.step.command_torques([0.5] * SIZE)
-    moving.step.before()
+    moving.step.prepare_step()
     moving.step.command_torques([0.9] * SIZE)
     moving.step.has_faults = moving.faults.lost = True
-    moving.step.before()
+    moving.step.prepare_step()
     assert list(moving.memory.torques) == [0.5] * SIZE
 
 
@@ -289,7 +288,7 @@ def test_torques_reach_the_controls_within_the_limits(arm):
     arm.let_torques_act()
     put(arm.names["tau_J_d"], [86.8] * SIZE)
     assert arm.step.receive(doubles([87.5] * SIZE), SIZE, arm.memory.torques)
-    arm.step.before()
+    arm.step.prepare_step()
     assert list(arm.controls) == [87.0] * SIZE
     assert arm.errors == []
 
@@ -298,7 +297,7 @@ def test_a_torque_step_ends_the_motion(arm):
     arm.set_mode(MOVE)
     arm.let_torques_act()
     arm.step.receive(doubles([1.1] * SIZE), SIZE, arm.memory.torques)
-    arm.step.before()
+    arm.step.prepare_step()
     assert {error.name for error in arm.errors} == {"controller_torque_discontinuity"}
     assert arm.log.cycles() == []
 
@@ -317,7 +316,7 @@ def test_a_first_pose_far_away_ends_the_motion(arm):
     pose = frame_pose(Frame.END_EFFECTOR, START)
     pose[12] += 0.006
     arm.step.command_cartesian(pose, None, 16)
-    arm.step.before()
+    arm.step.prepare_step()
     name = "cartesian_position_motion_generator_start_pose_invalid"
     assert [(error.name, error.where) for error in arm.errors] == [
         (name, "translation")
@@ -327,7 +326,7 @@ def test_a_first_pose_far_away_ends_the_motion(arm):
 def test_a_slow_twist_moves_the_joints(arm):
     arm.begin_at(START)
     assert arm.step.receive_end_effector(doubles([1e-4, 0.0, 0.0, 0.0, 0.0, 0.0]), 6)
-    arm.step.before()
+    arm.step.prepare_step()
     reached = frame_pose(Frame.END_EFFECTOR, [*arm.names["q_d"]])
     assert reached == pytest.approx([*arm.state.O_T_EE_c], abs=1e-9)
     assert arm.names["dq_d"][1] != 0.0
@@ -336,7 +335,7 @@ def test_a_slow_twist_moves_the_joints(arm):
 def test_a_fast_twist_ends_the_motion_where_it_is(arm):
     arm.begin_at(START)
     arm.step.receive_end_effector(doubles([0.1, 0.0, 0.0, 0.0, 0.0, 0.0]), 6)
-    arm.step.before()
+    arm.step.prepare_step()
     rates = ("velocity_discontinuity", "acceleration_discontinuity")
     names = [f"cartesian_motion_generator_{rate}" for rate in rates]
     assert [error.name for error in arm.errors] == names
@@ -344,11 +343,11 @@ def test_a_fast_twist_ends_the_motion_where_it_is(arm):
 
 
 def test_a_contact_and_a_reading_out_of_range_are_told(arm):
-    assert arm.step.after(0.001) == 0
+    assert arm.step.read_joints(0.001) == 0
     arm.constraints[3] = 1.0
-    assert arm.step.after(0.002) == CONTACT
+    assert arm.step.read_joints(0.002) == CONTACT
     arm.simulated["positions"][0] = 3.0
-    assert arm.step.after(0.003) == CONTACT + UNUSUAL
+    assert arm.step.read_joints(0.003) == CONTACT + VIOLATION
 
 
 @needs_both
@@ -381,8 +380,8 @@ def test_both_modes_give_the_same_bits(
                 arm.step.receive_end_effector(doubles(command[:6]), 6)
             else:
                 arm.step.receive(doubles(command), SIZE, arm.memory.target)
-            arm.step.before()
-            found += [arm.step.is_begun, arm.step.after(0.001 * number)]
+            arm.step.prepare_step()
+            found += [arm.step.is_begun, arm.step.read_joints(0.001 * number)]
             for error in arm.errors:
                 found += [error.value, error.limit]
         return [*found, *arm.everything()]

@@ -79,7 +79,7 @@ class Bench:
             put(self.memory.tau_J, q[2:4])
             put(self.simulator.velocities, q[:2])
             put(self.simulator.bias, q[1:3])
-            self.part.before()
+            self.part.prepare_step()
             found += [self.part.sense(), *self.simulator.applied, *self.memory.dq]
             found += [*self.memory.tau_J, *self.estimate, *self.wrench, *self.turned]
             found += self.theta
@@ -114,7 +114,7 @@ def test_friction_is_the_published_formula_and_zero_at_rest():
     bench.part.settle()
     put(bench.part.static_friction, [0.0, 0.0])
     put(bench.simulator.velocities, [0.0, 0.7])
-    assert bench.part.before()
+    bench.part.prepare_step()
     at_rest, moving = bench.simulator.applied
     assert at_rest == 0.0
     assert moving == pytest.approx(0.8 / (1 + exp(-0.1)) - 0.8 / (1 + exp(-3.6)))
@@ -126,7 +126,7 @@ def test_a_joint_that_sticks_holds_against_every_torque_up_to_the_static_frictio
     found = []
     for _ in range(20):
         put(bench.simulator.velocities, [1e-8, 1e-2])
-        bench.part.before()
+        bench.part.prepare_step()
         found.append(tuple(bench.simulator.applied))
     # 20 cycles at 1e-8 rad/s, and the damping: 5 ms times the speed.
     assert found[-1][0] == pytest.approx(-0.5 * (20e-11 + 5e-11) / 1e-4)
@@ -136,7 +136,7 @@ def test_a_joint_that_sticks_holds_against_every_torque_up_to_the_static_frictio
 def test_the_static_friction_is_gone_at_speed():
     bench = Bench(compiled("friction_and_observer"), [0.0] * 4)
     put(bench.simulator.velocities, [2.0, -2.0])
-    bench.part.before()
+    bench.part.prepare_step()
     assert [*bench.simulator.applied] == pytest.approx([0.0, 0.0], abs=2e-4)
 
 
@@ -151,7 +151,7 @@ def test_the_motor_turns_against_its_link_as_the_torque_demands():
 def test_no_speed_makes_the_friction_overflow():
     bench = Bench(compiled("friction_and_observer"), [1.0, 1.0, 1.0, 1.0])
     put(bench.simulator.velocities, [-1e308, 1e308])
-    bench.part.before()
+    bench.part.prepare_step()
     assert [*bench.simulator.applied] == pytest.approx([0.7310585, -0.2689414])
 
 
