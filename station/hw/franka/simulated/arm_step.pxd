@@ -51,6 +51,6 @@ cdef class ArmStep(Preparation):
     cpdef prepare_step(self)
     @cython.locals(arrived=bint, may_settle=bint)
     cdef Py_ssize_t follow_command(self)
-    cdef move(self, bint arrived, bint may_settle)
+    cdef advance_motion(self, bint arrived, bint may_settle)
     @cython.locals(result=int, mode=double)
     cpdef int read_joints(self, double time)

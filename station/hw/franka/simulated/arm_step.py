@@ -226,7 +226,7 @@ class ArmStep(Preparation):
         if self.has_faults:
             self.faults.count_step()
         if mode == _GUIDING:
-            self.guide()
+            self.apply_guiding()
             return
         if mode == _RECOVERY:
             self.modes.advance_recovery()
@@ -255,7 +255,7 @@ class ArmStep(Preparation):
             if self.modes.is_still() or self.settling > LONGEST_SETTLING:
                 self.actuators.engage_torques()
 
-    def guide(self) -> None:
+    def apply_guiding(self) -> None:
         """Let a person move the arm against some damping."""
         memory = self.memory
         self.motion.seed(memory.positions, memory.dtheta)
@@ -302,13 +302,13 @@ class ArmStep(Preparation):
                 copy_into(memory.torques, 0, memory.sent, self.size)
         if violations.count:
             return violations.count
-        self.move(arrived, may_settle)
+        self.advance_motion(arrived, may_settle)
         self.is_begun = True
         if violations.count == 0:
             self.log.note(self.time)
         return violations.count
 
-    def move(self, arrived: bool, may_settle: bool) -> None:  # noqa: FBT001
+    def advance_motion(self, arrived: bool, may_settle: bool) -> None:  # noqa: FBT001
         """Advance the desired motion if the command is within the limits.
 
         Args:

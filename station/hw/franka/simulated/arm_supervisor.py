@@ -148,7 +148,7 @@ class ArmSupervisor(AlertFlag):
         found = self._watch.violations.errors()
         self._known = {(e.name, e.where): _excess(e) for e in found}
 
-    def look_again(self) -> None:
+    def expect_new_pose(self) -> None:
         """Compute all distances in the next cycle: the arm was set to a new pose."""
         self._watch.room = 0.0
         self._known = {}

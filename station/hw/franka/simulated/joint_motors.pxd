@@ -25,6 +25,6 @@ cdef class JointMotors:
     cdef double[::1] late_ddq
     cpdef note_motion(self)
     cpdef apply_torques(self)
-    cpdef apply_impedance(self, bint tells)
+    cpdef apply_impedance(self, bint notes)
     cpdef sense(self)
     cpdef differentiate(self)

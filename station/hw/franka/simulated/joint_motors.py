@@ -32,7 +32,7 @@ class JointMotors:
         load_weight: Torques that carry a configured load [Nm], shape (n,).
         is_loaded: Whether one of them is not 0.
         is_late: Whether the motors act on commands one cycle later.
-        torques_act: Whether the motors follow commanded torques, no impedance.
+        torques_act: Whether the motors follow commanded torques instead of an impedance.
         is_cartesian: Whether the arm itself computes the torques, see `ArmMotors`.
     """
 
@@ -102,11 +102,11 @@ class JointMotors:
         else:
             copy_into(controls, 0, tau_d, self.size)
 
-    def apply_impedance(self, tells: bool) -> None:  # noqa: FBT001 - a C function
+    def apply_impedance(self, notes: bool) -> None:  # noqa: FBT001 - a C function
         """Let the motors follow the desired motion.
 
         Args:
-            tells: Whether to note as `tau_J_d` what the impedance asks for, within the
+            notes: Whether to note as `tau_J_d` what the impedance asks for, within the
                 limits.
         """
         memory = self.memory
@@ -126,10 +126,10 @@ class JointMotors:
         for i in range(self.size):
             acceleration, spring, damper = ddq_d[i], stiffness[i], damping[i]
             control = spring * q_d[i] + damper * dq_d[i] + bias[i] - compensation[i]
-            if acceleration != 0.0:  # an arm that holds looks at no inertia
+            if acceleration != 0.0:  # an arm that holds needs no inertia
                 control += inertia[diagonal[i]] * acceleration
             controls[i] = control + load[i]
-            if tells:
+            if notes:
                 tau = control - spring * q[i] - damper * dq[i]
                 limit = limits[i]
                 if limit < tau:
@@ -184,7 +184,7 @@ class JointMotors:
             memory.dq[:] = dtheta[:] = velocities
 
     def differentiate(self) -> None:
-        """Write the rates of the torques; only for whoever reads them."""
+        """Write the rates of the torques; few read them, so not in every cycle."""
         memory, period = self.memory, self.period
         tau, last, dtau = memory.tau_J, memory.last_tau_J, memory.dtau_J
         for i in range(self.size):

@@ -94,7 +94,7 @@ class SimulatedArm(RobotArm):
             period=world.timestep,
             contact=self.contact,
             supervisor=self.supervisor,
-            read_closely=self._sensors.read,
+            read_disturbed=self._sensors.read,
             observer=self.contact.observer,
             expect_load=self.contact.expect_load,
             react=self._react_to_observer,
@@ -279,7 +279,7 @@ class SimulatedArm(RobotArm):
         self._faults.clear()
         self._step.has_faults = False
         self.contact.reset()
-        self.supervisor.look_again()
+        self.supervisor.expect_new_pose()
         self._modes.expect_command()
         self._sensors.read(self._cycles.seen * self.cycle_time)
         if self.contact.observer is not None:

@@ -14,7 +14,7 @@ cdef class SimulatedCycles(Cycles):
     cdef double period
     cdef ContactFlag contact
     cdef AlertFlag supervisor
-    cdef object read_closely
+    cdef object read_disturbed
     cdef FrictionAndObserver observer
     cdef object expect_load
     cdef object react

@@ -35,7 +35,7 @@ class SimulatedCycles(Cycles):
         period: Duration of a cycle [s], > 0.
         contact: Estimates contacts; supervised while it is not quiet.
         supervisor: Keeps the errors; called while it is alert.
-        read_closely: Reads the joints at a time [s] while a load or a fault acts;
+        read_disturbed: Reads the joints at a time [s] while a load or a fault acts;
             returns what `ArmStep.read_joints` returns.
         observer: Disturbs the readings; None for an ideal arm.
         expect_load: Gives the observer the torques for a configured load.
@@ -56,7 +56,7 @@ class SimulatedCycles(Cycles):
         period: float,
         contact: ContactFlag,
         supervisor: AlertFlag,
-        read_closely: Callable[[float], int],
+        read_disturbed: Callable[[float], int],
         observer: FrictionAndObserver | None,
         expect_load: Callable[[], None],
         react: Callable[[int], None],
@@ -68,7 +68,7 @@ class SimulatedCycles(Cycles):
         self.period = period
         self.contact = contact
         self.supervisor = supervisor
-        self.read_closely = read_closely
+        self.read_disturbed = read_disturbed
         self.observer = observer
         self.expect_load = expect_load
         self.react = react
@@ -88,7 +88,7 @@ class SimulatedCycles(Cycles):
         self.seen = steps
         time = steps * self.period
         if step.has_load or step.has_faults:
-            found = self.read_closely(time)
+            found = self.read_disturbed(time)
         else:
             found = step.read_joints(time)
             self.state.time = time

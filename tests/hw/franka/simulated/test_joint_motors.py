@@ -45,7 +45,7 @@ class Bench:
         found = []
         for position in wanted:
             put(self.q_d, [position, 0.0])
-            self.motors.apply_impedance(tells=False)
+            self.motors.apply_impedance(notes=False)
             found.append(self.controls[0])
         return found
 
