@@ -204,7 +204,7 @@ class FrankaHW(RobotHW):
             self._real = RealRobot(self._parameters)
             self._arm = self._real.arm
         else:
-            from station.hw.franka.simulated.arm_placement import simulate_one
+            from station.hw.franka.simulated.franka_world import simulate_one
 
             told = self._parameters
             self.enter_world(simulate_one(told, root_params), told.arm_id)

@@ -18,4 +18,4 @@ cdef class JointDrives(Preparation):
     cdef Py_ssize_t size
     cdef double timestep
 
-    cpdef bint before(self)
+    cpdef prepare_step(self)

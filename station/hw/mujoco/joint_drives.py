@@ -142,8 +142,8 @@ class JointDrives(Preparation):
         self.place_damping = places["damping"]
         self.timestep = timestep
 
-    def before(self) -> bool:
-        """Write the motors' controls and damping; return that it was done."""
+    def prepare_step(self) -> None:
+        """Write the motors' controls and damping."""
         qvel, inertia, mode = self.qvel, self.inertia, self.mode
         place_dof, place_inertia = self.place_dof, self.place_inertia
         velocity_limit, desired = self.velocity_limit, self.desired
@@ -198,7 +198,6 @@ class JointDrives(Preparation):
             desired[i] = velocity
             control[place_control[i]] = effort
             damping[place_damping[i]] = -gain
-        return True
 
     def after_reset(self) -> None:
         """Hold the pose to which the world was reset."""

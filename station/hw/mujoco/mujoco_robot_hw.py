@@ -67,6 +67,7 @@ from station.hw.mujoco.simulated_motors import SimulatedMotors
 from station.hw.mujoco.simulated_pid import read_simulated_pids
 from station.hw.mujoco.world import World
 from station.hw.mujoco.world_joints import UnpoweredJoints
+from station.hw.mujoco.world_step import CalledPreparation
 from station.memory.doubles import put
 
 # Most steps of the world in one cycle, unless two cycles of the loop take more; further
@@ -149,7 +150,7 @@ class MujocoRobotHW(RobotHW):
             root_params.set(ROBOT_DESCRIPTION, description.xml)
         if parameters.base_type == "planar":
             base = RollingBase(self.world, urdf)
-            self.world.call_before_steps(base.before_step)
+            self.world.add_preparation(CalledPreparation(base.prepare_step))
         self._make_motors(description, transmissions)
         self._transmission_reports = [_report(info) for info in transmissions]
         pids = read_simulated_pids(hw_params, {n: urdf.joints[n] for n in self._names})

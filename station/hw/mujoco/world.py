@@ -1,7 +1,7 @@
 """The simulated world: owns MuJoCo's model and data, and advances them in time."""
 
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Protocol
 
 import mujoco
@@ -16,11 +16,7 @@ from station.hw.mujoco.world_joints import (
     find_joint,
     joint_position_address,
 )
-from station.hw.mujoco.world_step import (
-    GuardedPreparation,
-    Preparation,
-    WorldStep,
-)
+from station.hw.mujoco.world_step import Preparation, WorldStep
 
 # MuJoCo's warnings of the whole process. Without a handler MuJoCo writes warnings to a
 # file in the current directory, and the control thread must do no I/O.
@@ -32,10 +28,6 @@ class WorldActor(Protocol):
 
     def after_reset(self) -> None:
         """Start again from the state of the world, which has been reset."""
-
-
-def _do_nothing() -> None:
-    """Leave a step as it is."""
 
 
 class World:
@@ -100,38 +92,23 @@ class World:
         """Number of steps made since the world exists; a reset does not change it."""
         return self.stepping.count
 
-    def add_actor(
-        self,
-        actor: WorldActor,
-        preparation: Preparation,
-        fallback: Callable[[], object] = _do_nothing,
-    ) -> None:
+    def add_actor(self, actor: WorldActor, preparation: Preparation) -> None:
         """Let `actor` act before every step, after those added before it.
 
         Args:
             actor: Is told of a reset.
-            preparation: Writes the controls of a coming step in compiled code.
-            fallback: Writes them where `preparation` does not.
+            preparation: Writes the controls of the coming step.
         """
         self._actors.append(actor)
-        self.add_preparation(preparation, fallback)
+        self.add_preparation(preparation)
 
-    def add_preparation(
-        self, preparation: Preparation, fallback: Callable[[], object] = _do_nothing
-    ) -> None:
+    def add_preparation(self, preparation: Preparation) -> None:
         """Prepare every step in this way, after what was added before it.
 
-        For what keeps no state of its own. Control thread.
-
         Args:
-            preparation: Prepares the coming step in compiled code.
-            fallback: Prepares it where `preparation` does not.
+            preparation: Prepares the coming step. Control thread.
         """
-        self.stepping.preparations.append(GuardedPreparation(preparation, fallback))
-
-    def call_before_steps(self, function: Callable[[], object]) -> None:
-        """Call a function before every step, after what was added before it."""
-        self.add_preparation(Preparation(), function)
+        self.stepping.preparations.append(preparation)
 
     def joints(self, names: Sequence[str]) -> WorldJoints:
         """Return access to some joints, in the order of `names`.

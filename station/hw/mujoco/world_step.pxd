@@ -7,11 +7,11 @@ cdef inline void call_with_two(size_t function, size_t first, size_t second) noe
     (<_OfTwo> function)(<void*> first, <void*> second)
 
 cdef class Preparation:
-    cpdef bint before(self)
+    cpdef prepare_step(self)
 
-cdef class GuardedPreparation:
-    cdef Preparation preparation
-    cdef object fallback
+cdef class CalledPreparation(Preparation):
+    cdef object function
+    cpdef prepare_step(self)
 
 cdef class SpeedCheck:
     cdef double[::1] velocities
@@ -33,5 +33,5 @@ cdef class WorldStep:
     cdef public bint stands_still
     cdef public bint is_pushed
     cdef public bint is_braked
-    @cython.locals(one=GuardedPreparation)
+    @cython.locals(one=Preparation)
     cpdef make_step(self)

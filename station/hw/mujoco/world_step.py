@@ -15,30 +15,26 @@ if not cython.compiled:
 
 
 class Preparation:
-    """Something that is done before every step of a world; the base does nothing."""
+    """Something that is done before every step of a world."""
 
-    def before(self) -> bool:
-        """Prepare the coming step in compiled code.
-
-        Returns:
-            Whether that was done. If not, nothing has changed.
-        """
-        return False
+    def prepare_step(self) -> None:
+        """Prepare the coming step."""
+        raise NotImplementedError
 
 
-class GuardedPreparation:
-    """A preparation, and what is called where it does nothing.
+class CalledPreparation(Preparation):
+    """A preparation that is a Python function.
 
     Args:
-        preparation: Prepares a step.
-        fallback: Prepares a step that `preparation` has left.
+        function: Prepares the coming step.
     """
 
-    def __init__(
-        self, preparation: Preparation, fallback: Callable[[], object]
-    ) -> None:
-        self.preparation = preparation
-        self.fallback = fallback
+    def __init__(self, function: Callable[[], object]) -> None:
+        self.function = function
+
+    def prepare_step(self) -> None:
+        """Call the function."""
+        self.function()
 
 
 class SpeedCheck:
@@ -104,7 +100,7 @@ class WorldStep:
         self.brake = brake
         self.count_pushes = count_pushes
         self.count = 0
-        self.preparations: list[GuardedPreparation] = []
+        self.preparations: list[Preparation] = []
         self.stands_still = False
         self.is_pushed = False
         self.is_braked = False
@@ -115,8 +111,7 @@ class WorldStep:
         if self.stands_still:
             return
         for one in self.preparations:
-            if not one.preparation.before():
-                one.fallback()
+            one.prepare_step()
         if self.is_pushed:
             self.count_pushes()
         if cython.compiled and self.function:

@@ -153,7 +153,7 @@ def act(module, world):
     put(drives.effort_target, own["effort_target"])
     found = {}
     for step in range(2):  # the second one begins with a desired velocity
-        assert drives.before()
+        drives.prepare_step()
         found |= {f"{name} {step}": repr([*view]) for name, view in memory.items()}
     return found
 

@@ -38,14 +38,9 @@ class RecordingActor(Preparation):
     def __init__(self) -> None:
         self.calls: list[str] = []
 
-    def before(self) -> bool:
-        """Remember the step, and leave the first one to the fallback."""
-        self.calls.append("before")
-        return len(self.calls) > 1
-
-    def fall_back(self) -> None:
-        """Remember that the preparation has left a step."""
-        self.calls.append("fall_back")
+    def prepare_step(self) -> None:
+        """Remember the step."""
+        self.calls.append("prepare_step")
 
     def after_reset(self) -> None:
         """Remember the reset."""
@@ -131,11 +126,11 @@ def test_mimic_joint_has_no_motor(world: World) -> None:
 
 def test_actors_act_once_per_step_and_hear_of_a_reset(world: World) -> None:
     actor = RecordingActor()
-    world.add_actor(actor, actor, actor.fall_back)
+    world.add_actor(actor, actor)
     world.step()
     world.step()
     world.reset()
-    assert actor.calls == ["before", "fall_back", "before", "after_reset"]
+    assert actor.calls == ["prepare_step", "prepare_step", "after_reset"]
 
 
 def test_reset_puts_joints_elsewhere_once(world: World) -> None:

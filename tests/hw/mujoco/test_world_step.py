@@ -2,25 +2,8 @@
 
 import pytest
 
-from station.hw.mujoco.world_step import (
-    GuardedPreparation,
-    Preparation,
-    SpeedCheck,
-    WorldStep,
-)
+from station.hw.mujoco.world_step import CalledPreparation, SpeedCheck, WorldStep
 from station.memory.doubles import doubles
-
-
-class Prepared(Preparation):
-    """Notes that a step is prepared, and prepares it or not."""
-
-    def __init__(self, done):
-        self.done = done
-        self.is_able = True
-
-    def before(self):
-        self.done.append("prepare")
-        return self.is_able
 
 
 class World:
@@ -36,10 +19,8 @@ class World:
             lambda: self.done.append("brake"),
             lambda: self.done.append("count pushes"),
         )
-        self.preparation = Prepared(self.done)
-        fallback = lambda: self.done.append("fallback")  # noqa: E731
-        guarded = GuardedPreparation(self.preparation, fallback)
-        self.step.preparations.append(guarded)
+        prepare = CalledPreparation(lambda: self.done.append("prepare"))
+        self.step.preparations.append(prepare)
 
 
 @pytest.fixture
@@ -53,11 +34,10 @@ def test_a_step_is_prepared_and_made(world):
     assert world.step.count == 1
 
 
-def test_a_step_that_a_preparation_leaves_has_a_fallback(world):
-    world.preparation.is_able = False
+def test_pushes_are_counted_before_the_step(world):
     world.step.is_pushed = True
     world.step.make_step()
-    assert world.done == ["prepare", "fallback", "count pushes", "step"]
+    assert world.done == ["prepare", "count pushes", "step"]
 
 
 @pytest.mark.parametrize("speed", [1.1, -1.1, float("nan"), float("inf")])
@@ -79,12 +59,11 @@ def test_a_world_that_stands_still_counts_its_steps(world):
     assert (world.done, world.step.count) == ([], 1)
 
 
-def test_what_a_fallback_raises_reaches_the_caller(world):
+def test_what_a_preparation_raises_reaches_the_caller(world):
     def fail():
         raise RuntimeError("no motor")
 
-    preparation = GuardedPreparation(Preparation(), fail)
-    world.step.preparations.append(preparation)
+    world.step.preparations.append(CalledPreparation(fail))
     with pytest.raises(RuntimeError, match="no motor"):
         world.step.make_step()
     assert "step" not in world.done

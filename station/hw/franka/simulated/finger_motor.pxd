@@ -9,7 +9,7 @@ cdef class FingerMotor(Preparation):
     cdef public double target
     cdef public double place
     cdef public double force
-    cpdef bint before(self)
+    cpdef prepare_step(self)
 
 cdef class FingerSensor:
     cdef SimulatorMemory simulator

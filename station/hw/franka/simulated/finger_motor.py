@@ -29,12 +29,12 @@ class FingerMotor(Preparation):
         self.place = 0.0
         self.force = 0.0
 
-    def before(self) -> bool:
-        """Set the motor's control for the coming step; return that it was done."""
+    def prepare_step(self) -> None:
+        """Set the motor's control for the coming step."""
         simulator = self.simulator
         if self.stiffness == 0.0:
             simulator.controls[0] = self.force
-            return True
+            return
         way, step = self.target - self.place, self.step
         if way < -step:
             way = -step
@@ -47,7 +47,6 @@ class FingerMotor(Preparation):
             place = position + self.reach
         self.place = place
         simulator.controls[0] = self.stiffness * place
-        return True
 
 
 class FingerSensor:

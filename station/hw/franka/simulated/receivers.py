@@ -53,10 +53,7 @@ class StepReceiver(Receiver):
     def receive_pose(self, pose: Doubles) -> bool:
         """Return whether a pose was taken."""
         step = self.step
-        if step.generator != _CARTESIAN or not step.receive_end_effector(pose, _POSE):
-            return False
-        step.cartesian.has_elbow = False
-        return True
+        return step.generator == _CARTESIAN and step.receive_end_effector(pose, _POSE)
 
     def rests_at_pose(self) -> bool:
         """Return whether the end effector has come to rest at the last pose."""

@@ -18,14 +18,13 @@ from station.hw.franka.arm.robot_arm import (
     RobotArm,
 )
 from station.hw.franka.arm.service_limits import ServiceLimits
-from station.hw.franka.simulated.arm_drive import ArmDrive
 from station.hw.franka.simulated.arm_model import ArmModel
 from station.hw.franka.simulated.arm_modes import ArmModes
 from station.hw.franka.simulated.arm_parts import ArmParts
+from station.hw.franka.simulated.arm_step import VIOLATION
 from station.hw.franka.simulated.receivers import StepReceiver
 from station.hw.franka.simulated.simulated_arm_controls import SimulatedArmControls
 from station.hw.franka.simulated.simulated_cycles import SimulatedCycles
-from station.hw.franka.simulated.step_codes import UNUSUAL
 from station.hw.mujoco.world import World
 from station.memory.doubles import Storage
 
@@ -75,11 +74,10 @@ class SimulatedArm(RobotArm):
         self.motors, self.contact = parts.motors, parts.contact
         self.supervisor = parts.supervisor
         self._faults, self._sensors = parts.faults, parts.sensors
-        self._follower = parts.follower
-        self._motion, self._step = parts.cycle.motion, parts.cycle.step
-        self._memory = parts.cycle.memory
+        self._motion, self._memory = parts.motion, parts.memory
         self._modes = ArmModes(world, parts)
-        self._drive = ArmDrive(parts, self._modes)
+        self._step = parts.step
+        self._step.modes = self._modes
         self._controls = SimulatedArmControls(world, parts, self._modes, service_limits)
         self._cycles = SimulatedCycles(
             self._step,
@@ -88,17 +86,17 @@ class SimulatedArm(RobotArm):
             period=world.timestep,
             contact=self.contact,
             supervisor=self.supervisor,
-            read_closely=self._sensors.read,
-            imperfections=self.contact.imperfections,
+            read_disturbed=self._sensors.read,
+            observer=self.contact.observer,
             expect_load=self.contact.expect_load,
-            attend=self._attend_to_contact,
+            react=self._react_to_observer,
             supervise=self._supervise,
         )
         self.after_reset()
         # Preparations run in the order of their adding: friction acts before the arm.
-        if self.contact.imperfections is not None:
-            world.add_preparation(self.contact.imperfections)
-        world.add_actor(self, self._step, self._drive.attend)
+        if self.contact.observer is not None:
+            world.add_preparation(self.contact.observer)
+        world.add_actor(self, self._step)
 
     @override
     def read_once(self) -> RobotState:
@@ -133,7 +131,7 @@ class SimulatedArm(RobotArm):
 
     @override
     def is_at_rest(self) -> bool:
-        return self._drive.is_at_rest()
+        return self._modes.is_at_rest()
 
     @override
     def start_motion(
@@ -142,7 +140,6 @@ class SimulatedArm(RobotArm):
         motion_generator_mode: MotionGeneratorMode,
     ) -> None:
         self._modes.begin_motion(controller_mode, motion_generator_mode)
-        self._drive.begin_motion()
 
     @override
     def stop_motion(self) -> None:
@@ -153,19 +150,19 @@ class SimulatedArm(RobotArm):
     def command_joint_torques(self, tau: Storage) -> None:
         if self._modes.controller is not ControllerMode.EXTERNAL_CONTROLLER:
             raise self._modes.not_commandable("joint torques")
-        self._follower.command_torques(tau)
+        self._step.command_torques(tau)
 
     @override
     def command_joint_positions(self, q: Storage) -> None:
         if self._modes.generator is not MotionGeneratorMode.JOINT_POSITION:
             raise self._modes.not_commandable("joint positions")
-        self._follower.command_joints(q)
+        self._step.command_joints(q)
 
     @override
     def command_joint_velocities(self, dq: Storage) -> None:
         if self._modes.generator is not MotionGeneratorMode.JOINT_VELOCITY:
             raise self._modes.not_commandable("joint velocities")
-        self._follower.command_joints(dq)
+        self._step.command_joints(dq)
 
     @override
     def command_cartesian_pose(
@@ -173,7 +170,7 @@ class SimulatedArm(RobotArm):
     ) -> None:
         if self._modes.generator is not MotionGeneratorMode.CARTESIAN_POSITION:
             raise self._modes.not_commandable("Cartesian pose")
-        self._follower.command_cartesian(pose, elbow, 16)
+        self._step.command_cartesian(pose, elbow, 16)
 
     @override
     def command_cartesian_velocity(
@@ -181,7 +178,7 @@ class SimulatedArm(RobotArm):
     ) -> None:
         if self._modes.generator is not MotionGeneratorMode.CARTESIAN_VELOCITY:
             raise self._modes.not_commandable("Cartesian velocity")
-        self._follower.command_cartesian(twist, elbow, 6)
+        self._step.command_cartesian(twist, elbow, 6)
 
     @override
     def set_joint_impedance(self, stiffness: Sequence[float]) -> None:
@@ -264,26 +261,26 @@ class SimulatedArm(RobotArm):
         self._faults.clear()
         self._step.has_faults = False
         self.contact.reset()
-        self.supervisor.look_again()
-        self._follower.begin(self._modes.generator)
+        self.supervisor.expect_new_pose()
+        self._modes.expect_command()
         self._sensors.read(self._cycles.seen * self.cycle_time)
-        if self.contact.imperfections is not None:
-            self.contact.imperfections.wind_up()
+        if self.contact.observer is not None:
+            self.contact.observer.settle_elasticity()
         self.frames.invalidate()
         if state.robot_mode in (RobotMode.OTHER, RobotMode.GUIDING):
             state.robot_mode = RobotMode.IDLE
 
-    def _attend_to_contact(self, found: int) -> None:
-        """Look closer at a contact; now and then a command is lost."""
-        if self.contact.attend(found) and self.state.robot_mode is RobotMode.MOVE:
+    def _react_to_observer(self, found: int) -> None:
+        """Do what the observer asks for; now and then a command is lost."""
+        if self.contact.react_to(found) and self.state.robot_mode is RobotMode.MOVE:
             self._faults.drop()
             self._step.has_faults = True
 
     def _supervise(self, found: int) -> None:
-        """Look closer at contacts and readings.
+        """Bring the contacts up to date, and find errors in the readings.
 
         Args:
-            found: What `ArmStep.after` has found.
+            found: What `ArmStep.read_joints` has found.
         """
         has_diverged = self._world.diverged_because is not None
         if has_diverged and self.state.robot_mode is not RobotMode.OTHER:
@@ -292,7 +289,7 @@ class SimulatedArm(RobotArm):
         mode = self.state.robot_mode
         if mode in _SUPERVISED:
             errors = errors + self.supervisor.examine(
-                is_quiet=not found & UNUSUAL,
+                is_quiet=not found & VIOLATION,
                 is_following=self._step.is_following,
                 is_recovering=mode is RobotMode.AUTOMATIC_ERROR_RECOVERY,
             )

@@ -1,7 +1,9 @@
 cimport cython
 from station.hw.franka.simulated.arm_step cimport ArmStep
-from station.hw.franka.simulated.imperfections cimport Imperfections
+from station.hw.franka.simulated.friction_and_observer cimport FrictionAndObserver
 from station.hw.mujoco.world_step cimport WorldStep
+
+cdef int _TOUCHED, _ASKS
 
 cdef class ContactFlag:
     cdef public bint is_quiet
@@ -16,12 +18,12 @@ cdef class SimulatedCycles:
     cdef double period
     cdef ContactFlag contact
     cdef AlertFlag supervisor
-    cdef object read_closely
-    cdef Imperfections imperfections
+    cdef object read_disturbed
+    cdef FrictionAndObserver observer
     cdef object expect_load
-    cdef object attend
+    cdef object react
     cdef object supervise
     cdef readonly long long cycle
     cdef readonly long long seen
-    @cython.locals(found=int, unusual=int, steps="long long", time=double)
+    @cython.locals(found=int, observed=int, steps="long long", time=double)
     cpdef read(self)

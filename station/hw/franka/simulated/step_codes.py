@@ -1,4 +1,4 @@
-"""Numbers that the parts of a simulated arm's cycle share."""
+"""Numbers of the kinds of motion that a simulated arm follows, for compiled code."""
 
 NO_MOTION = 0
 """Generator of an arm whose motion commands torques alone, or nothing."""
@@ -8,8 +8,3 @@ VELOCITIES = 2
 """Generator of joint velocities."""
 CARTESIAN = 3
 """Generator of poses or twists of the end effector."""
-
-CONTACT = 1
-"""Result of `ArmStep.after`: a contact or a mechanical stop acts on a joint."""
-UNUSUAL = 2
-"""Result of `ArmStep.after`: the readings must be looked at closer."""

@@ -8,19 +8,17 @@ import numpy as np
 from typing_extensions import override
 
 from station.core.franka.franka_errors import ArmError
-from station.core.franka.franka_model import Frame
 from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.core.franka.franka_services import CollisionBehavior
+from station.core.franka.joint_memory import JointMemory
 from station.hw.franka.arm.arm_limits import ArmLimits
 from station.hw.franka.arm.collision_behavior import NEAR
-from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
-from station.hw.franka.simulated.arm_cycle import ArmCycle
+from station.hw.franka.arm.franka_kinematics import CHAIN
 from station.hw.franka.simulated.contact_estimate import SINGULAR, ContactEstimate
-from station.hw.franka.simulated.imperfections import (
+from station.hw.franka.simulated.friction_and_observer import (
     LOST,
-    MOVED,
-    TOUCHED,
-    Imperfections,
+    WEAK,
+    FrictionAndObserver,
 )
 from station.hw.franka.simulated.realism import Realism
 from station.hw.mujoco.simulator_memory import SimulatorMemory
@@ -47,7 +45,7 @@ _LASTING = 0.2
 0.05 s in which a collision is found, short beside a motion, in which errors change."""
 
 
-class ObservedContact(ContactEstimate):
+class MomentumObserver(ContactEstimate):
     """Keeps external torques and contact levels up to date as an observer finds them.
 
     Control thread only.
@@ -58,12 +56,12 @@ class ObservedContact(ContactEstimate):
         limits: The arm's limits.
         load_torques: As for `ContactEstimate`.
         realism: What disturbs the arm.
-        cycle: The arithmetic of the arm's cycle.
+        memory: State of the joints.
         simulator: The simulator's memory of the joints.
 
     Attributes:
-        imperfections: Let the joints' friction act, disturb the readings, and estimate
-            what acts from outside; `attend` does what they find.
+        observer: Lets the joints' friction act, disturbs the readings, and estimates
+            the torques that act from outside.
     """
 
     def __init__(
@@ -73,13 +71,16 @@ class ObservedContact(ContactEstimate):
         limits: ArmLimits,
         load_torques: Callable[[], list[float] | None],
         realism: Realism,
-        cycle: ArmCycle,
+        memory: JointMemory,
         simulator: SimulatorMemory,
     ) -> None:
         super().__init__(joints, state, limits, load_torques)
-        self.imperfections: Imperfections = Imperfections(
-            cycle.memory,
+        self.observer: FrictionAndObserver = FrictionAndObserver(
+            memory,
             simulator,
+            chain=CHAIN,
+            tool=state.doubles("F_T_EE"),
+            stiffness_frame=state.doubles("EE_T_K"),
             noise=_random_numbers(realism.seed),
             estimate=state.doubles("tau_ext_hat_filtered"),
             theta=state.doubles("theta"),
@@ -87,8 +88,7 @@ class ObservedContact(ContactEstimate):
             turned=state.doubles("K_F_ext_hat_K"),
             period=joints.timestep,
         )
-        _set(self.imperfections, realism, joints.timestep)
-        self._positions = cycle.memory.positions
+        _set(self.observer, realism, joints.timestep)
         self._torque_error = realism.torque_error
         self._dice = random.Random(realism.seed)
         self._losses = realism.losses
@@ -114,14 +114,12 @@ class ObservedContact(ContactEstimate):
             *behavior.lower_torque_thresholds_acceleration,
             *behavior.lower_force_thresholds_acceleration,
         )
-        put(self.imperfections.lower, map(min, nominal, accelerating))
+        put(self.observer.lower, map(min, nominal, accelerating))
 
     @override
-    def attend(self, found: int) -> bool:
-        if found & MOVED:
-            self.renew()
-        if found & TOUCHED:
-            self.is_quiet = False
+    def react_to(self, found: int) -> bool:
+        if found & WEAK:
+            self._find_weak_directions()
         if found & LOST:
             self._draw_loss()
             return True
@@ -147,7 +145,7 @@ class ObservedContact(ContactEstimate):
 
     @override
     def expect_load(self) -> None:
-        put(self.imperfections.expected, self._load_torques() or [0.0] * 7)
+        put(self.observer.expected, self._load_torques() or [0.0] * 7)
 
     @override
     def recover(self) -> None:
@@ -156,7 +154,7 @@ class ObservedContact(ContactEstimate):
 
     @override
     def reset(self) -> None:
-        self.imperfections.rest()
+        self.observer.rest()
         self._settled_at = 0.0
         self.renew()
         self._dice.seed(self._seed)
@@ -165,41 +163,38 @@ class ObservedContact(ContactEstimate):
 
     @override
     def _update_wrench(self) -> None:
-        """Nothing is left to do: the kernel computes the wrench in every cycle."""
+        """Nothing is left to do: `FrictionAndObserver` has computed the wrench."""
 
     @override
     def renew(self) -> None:
-        state, kernel = self._state, self.imperfections
-        positions = list(self._positions)
-        frames = (state.F_T_EE, state.EE_T_K)
-        put(kernel.pose, frame_pose(Frame.STIFFNESS, positions, *frames))
-        put(kernel.jacobian, zero_jacobian(Frame.STIFFNESS, positions, *frames))
-        if kernel.renew(SINGULAR, _RELIABLE):
+        if self.observer.renew_jacobian():
             self._find_weak_directions()
 
     def _find_weak_directions(self) -> None:
-        """Tell the kernel in which directions errors of the torques look like forces.
+        """Find the directions in which errors of the torques look like forces.
 
         An error along one direction of the joints looks like a wrench of the error over
         the singular value. Only what exceeds that at `_RELIABLE` is in doubt, so that
         the wrench has no step there.
         """
-        kernel = self.imperfections
-        jacobian = np.reshape(kernel.jacobian, (7, 6))
+        observer = self.observer
+        jacobian = np.reshape(observer.jacobian, (7, 6))
         squares, directions = np.linalg.eigh(jacobian.T @ jacobian)
         weak = int(np.searchsorted(squares, _RELIABLE * _RELIABLE))
         values, directions = np.sqrt(squares[:weak]), directions[:, :weak]
         shares = jacobian @ directions / squares[:weak]  # (7, weak)
-        put(kernel.directions[: 6 * weak], directions.T.ravel())
-        put(kernel.shares[: 7 * weak], shares.T.ravel())
-        put(kernel.doubt[:weak], self._torque_error * (1.0 / values - 1.0 / _RELIABLE))
-        kernel.weak = weak
+        put(observer.directions[: 6 * weak], directions.T.ravel())
+        put(observer.shares[: 7 * weak], shares.T.ravel())
+        put(
+            observer.doubt[:weak], self._torque_error * (1.0 / values - 1.0 / _RELIABLE)
+        )
+        observer.weak = weak
 
     def _draw_loss(self) -> None:
         """Draw after how many cycles the next command is lost."""
         if self._losses > 0.0:
             wait = self._dice.expovariate(self._losses)
-            self.imperfections.cycles_to_loss = 1 + round(wait)
+            self.observer.cycles_to_loss = 1 + round(wait)
 
 
 def _random_numbers(seed: int) -> Doubles:
@@ -207,19 +202,20 @@ def _random_numbers(seed: int) -> Doubles:
     return doubles(dice.gauss(0.0, 1.0) for _ in range(_NUMBERS))
 
 
-def _set(kernel: Imperfections, realism: Realism, period: float) -> None:
-    put(kernel.level, realism.friction_level)
-    put(kernel.slope, realism.friction_slope)
-    put(kernel.shift, realism.friction_shift)
-    kernel.stribeck_velocity = realism.stribeck_velocity
-    kernel.presliding = realism.presliding
-    put(kernel.static_friction, realism.static_friction)
-    put(kernel.compliance, [1.0 / stiffness for stiffness in realism.joint_stiffness])
-    put(kernel.torque_noise, realism.torque_noise)
-    put(kernel.torque_bias, realism.torque_bias)
-    put(kernel.velocity_noise, realism.velocity_noise)
-    put(kernel.model_error, realism.model_error)
-    kernel.reach = _REACH
-    kernel.lasting_gain = period / (period + _LASTING)
-    kernel.gain = period / (period + 1.0 / (2.0 * pi * realism.observer_frequency))
-    kernel.settle()
+def _set(observer: FrictionAndObserver, realism: Realism, period: float) -> None:
+    put(observer.level, realism.friction_level)
+    put(observer.slope, realism.friction_slope)
+    put(observer.shift, realism.friction_shift)
+    observer.stribeck_velocity = realism.stribeck_velocity
+    observer.presliding = realism.presliding
+    put(observer.static_friction, realism.static_friction)
+    put(observer.compliance, [1.0 / stiffness for stiffness in realism.joint_stiffness])
+    put(observer.torque_noise, realism.torque_noise)
+    put(observer.torque_bias, realism.torque_bias)
+    put(observer.velocity_noise, realism.velocity_noise)
+    put(observer.model_error, realism.model_error)
+    observer.reach = _REACH
+    observer.singular, observer.reliable = SINGULAR, _RELIABLE
+    observer.lasting_gain = period / (period + _LASTING)
+    observer.gain = period / (period + 1.0 / (2.0 * pi * realism.observer_frequency))
+    observer.settle()

@@ -194,7 +194,7 @@ def energy_of(simulation: FrankaWorld) -> float:
     the stiffness static friction / presliding.
     """
     contact = simulation.arms["panda"].contact
-    bends = zip(TYPICAL.static_friction, contact.imperfections.bristle, strict=True)
+    bends = zip(TYPICAL.static_friction, contact.observer.bristle, strict=True)
     springs = sum(0.5 * TYPICAL.presliding * torque * z * z for torque, z in bends)
     return kinetic_energy(simulation) + springs
 
@@ -341,7 +341,7 @@ def test_a_blow_near_a_singular_pose_is_noticed_as_soon_as_elsewhere(
             simulation.world.reset(dict(zip(NAMES, q, strict=True)))
         for _ in range(1000):
             arm.read_once()
-        assert bool(arm.contact.imperfections.weak) is (q is not None)
+        assert bool(arm.contact.observer.weak) is (q is not None)
         simulation.world.push(Push("panda_hand", (0.0, 0.0, -force)), 100)
         cycles = 0
         while not any((*arm.state.joint_collision, *arm.state.cartesian_collision)):

@@ -2,7 +2,7 @@
 
     sliding:   tau_f = level / (1 + exp(-slope (dq + shift))) - its value at dq = 0
     sticking:  tau_s = k (z + T dq),  |tau_s|, |k z| <= static / (1 + (dq / v_s)^2)
-    winding:   theta = q + compliance tau_J
+    bending:   theta = q + compliance tau_J
     observer:  r' = gain (tau_J - M ddq - (1 + error) bias - expected - r)
     wrench:    J J^T F = J r, without the part of what lasts that errors explain
 
@@ -20,14 +20,16 @@ the wrench there as far as errors explain it, and what is sudden shows in full.
 """
 
 from station.core.franka.joint_memory import JointMemory
+from station.core.numerics.arm_chain import new_links, place_links, zero_jacobian
+from station.core.numerics.rigid_motion import compose
 from station.core.numerics.wrench_equation import WrenchEquation
 from station.hw.mujoco.simulator_memory import SimulatorMemory
 from station.hw.mujoco.world_step import Preparation
-from station.memory.doubles import Doubles, zeros
+from station.memory.doubles import Doubles, own, zeros
 from station.memory.functions import exponential
 
-MOVED = 1
-"""A joint is too far away from where the Jacobian was computed."""
+WEAK = 1
+"""The Jacobian was computed anew, and small torques make a large wrench at it."""
 TOUCHED = 2
 """A torque or a component of the wrench is above its lower threshold."""
 LOST = 4
@@ -36,18 +38,21 @@ LOST = 4
 _LARGEST_POWER = 700.0  # the exponential of more is no finite number
 # T above [s], damping over stiffness: half of the critical damping, or more.
 _RELAXATION = 0.005
-_MOVED = MOVED
+_WEAK = WEAK
 _TOUCHED = TOUCHED
 _LOST = LOST
 
 
-class Imperfections(Preparation):
+class FrictionAndObserver(Preparation):
     """Disturbs n joints, and estimates what acts on them from outside.
 
     Args:
         memory: State of the joints; the velocities and torques are disturbed.
         simulator: The simulator's memory of the joints, which follow one another from
             a fixed base.
+        chain: The arm's chain of n joints, see `arm_chain`.
+        tool: End effector in the flange frame, 16 numbers; kept.
+        stiffness_frame: Stiffness frame in the end effector frame; kept.
         noise: Random numbers of mean 0 and variance 1, used over and over.
         estimate: Where the estimated external torques go [Nm], shape (n,).
         theta: Where the positions of the motors go [rad], shape (n,).
@@ -74,6 +79,8 @@ class Imperfections(Preparation):
         place: Positions for which Jacobian and pose were computed [rad], shape (n,).
         reach: How far a joint may be from there [rad].
         gain: Share of the difference by which the estimate moves in a cycle, 0 to 1.
+        singular: Smallest singular value of a Jacobian that gives a wrench.
+        reliable: Singular value above which no direction is weak.
         has_wrench: Whether the Jacobian is far enough from singular.
         weak: In how many directions small torques make a large wrench, 0 to 6.
         directions: Those directions, unit wrenches one after another, shape (36,).
@@ -88,6 +95,9 @@ class Imperfections(Preparation):
         memory: JointMemory,
         simulator: SimulatorMemory,
         *,
+        chain: Doubles,
+        tool: Doubles,
+        stiffness_frame: Doubles,
         noise: Doubles,
         estimate: Doubles,
         theta: Doubles,
@@ -98,6 +108,11 @@ class Imperfections(Preparation):
         size = self.size = memory.size
         self.memory = memory
         self.simulator = simulator
+        self.chain = own(chain)
+        self.tool = tool
+        self.stiffness_frame = stiffness_frame
+        self.links = new_links(chain)
+        self.flange = self.links[16 * size :]
         self.noise = noise
         self.estimate = estimate
         self.theta = theta
@@ -125,6 +140,8 @@ class Imperfections(Preparation):
         self.place = zeros(size)
         self.reach = 0.0
         self.gain = 1.0
+        self.singular = 0.0
+        self.reliable = 0.0
         self.has_wrench = False
         self.weak = 0
         self.directions = zeros(36)
@@ -160,18 +177,27 @@ class Imperfections(Preparation):
             self.wrench[i] = 0.0
             self.turned[i] = 0.0
 
-    def renew(self, singular: float, reliable: float) -> bool:
-        """Take over Jacobian and pose, which somebody has computed for `positions`.
+    def renew_jacobian(self) -> bool:
+        """Compute Jacobian and pose of the stiffness frame where the joints are.
 
-        Args:
-            singular: Smallest singular value of a Jacobian that gives a wrench.
-            reliable: Singular value above which no direction is weak.
+        Returns:
+            See `factorise_jacobian`.
+        """
+        place_links(self.chain, self.memory.positions, self.links)
+        compose(self.flange, self.tool, self.pose)
+        compose(self.pose, self.stiffness_frame, self.pose)
+        zero_jacobian(self.links, self.pose, self.jacobian)
+        return self.factorise_jacobian()
+
+    def factorise_jacobian(self) -> bool:
+        """Find out for which wrenches the Jacobian is good.
 
         Returns:
             Whether the weak directions are to be found: there is a wrench, and at least
             one direction is weak. Until then there are none.
         """
         equation, jacobian = self.equation, self.jacobian
+        singular, reliable = self.singular, self.reliable
         self.weak = 0
         self.has_wrench = equation.factorise(jacobian, -singular * singular)
         is_reliable = self.has_wrench and equation.factorise(
@@ -183,8 +209,8 @@ class Imperfections(Preparation):
             self.place[i] = self.memory.positions[i]
         return self.has_wrench and not is_reliable
 
-    def before(self) -> bool:
-        """Let the friction act in the coming step; return True."""
+    def prepare_step(self) -> None:
+        """Let the friction act in the coming step."""
         velocities, applied = self.simulator.velocities, self.simulator.applied
         level, slope, shift = self.level, self.slope, self.shift
         offset, static_friction = self.offset, self.static_friction
@@ -212,24 +238,24 @@ class Imperfections(Preparation):
             if bend < -most:
                 bend = -most
             applied[i] = -sliding - static_friction[i] * bend
-        return True
 
     def sense(self) -> int:
         """Disturb the readings of the last step, and bring the estimates up to date.
 
         Returns:
-            A sum of `MOVED`, `TOUCHED` and `LOST`, 0 in a usual cycle.
+            A sum of `WEAK`, `TOUCHED` and `LOST`; mostly 0.
         """
         self.disturb()
         self.observe()
-        result = 0
+        self.compute_wrench()
+        result = _TOUCHED if self.is_touched() else 0
         positions, place, reach = self.memory.positions, self.place, self.reach
         for i in range(self.size):
             if abs(positions[i] - place[i]) > reach:
-                result = _MOVED
-        self.compute_wrench()
-        if self.is_touched():
-            result += _TOUCHED
+                # From the next cycle on.
+                if self.renew_jacobian():
+                    result += _WEAK
+                break
         if self.cycles_to_loss > 0:
             self.cycles_to_loss -= 1
             if self.cycles_to_loss == 0:
@@ -237,7 +263,7 @@ class Imperfections(Preparation):
         return result
 
     def disturb(self) -> None:
-        """Add noise and bias to velocities and torques, and wind the motors up."""
+        """Add noise and bias to velocities and torques, and let the joints bend."""
         memory, noise = self.memory, self.noise
         dq, dtheta, tau = memory.dq, memory.dtheta, memory.tau_J
         velocity, change = self.velocity, self.change
@@ -259,7 +285,7 @@ class Imperfections(Preparation):
             theta[i] = positions[i] + compliance[i] * error
         self.drawn = drawn
 
-    def wind_up(self) -> None:
+    def settle_elasticity(self) -> None:
         """Turn the motors against the links as the torques between them demand."""
         memory, theta, compliance = self.memory, self.theta, self.compliance
         positions, tau = memory.positions, memory.tau_J

@@ -2,7 +2,7 @@
 
 from station.core.parameters import Parameters
 from station.hw.franka.franka_parameters import read_parameters
-from station.hw.franka.simulated.arm_placement import placement_of, simulate_one
+from station.hw.franka.simulated.franka_world import placement_of, simulate_one
 
 
 def test_arm_stands_where_the_parameters_say():
