@@ -1,4 +1,3 @@
-from station.hw.franka.arm.arm_reading cimport FingerReading
 from station.hw.mujoco.simulator_memory cimport SimulatorMemory
 from station.hw.mujoco.world_step cimport Preparation
 
@@ -10,9 +9,9 @@ cdef class FingerMotor(Preparation):
     cdef public double target
     cdef public double place
     cdef public double force
-    cpdef bint before(self)
+    cpdef prepare_step(self)
 
-cdef class FingerSensor(FingerReading):
+cdef class FingerSensor:
     cdef SimulatorMemory simulator
     cdef double[::1] positions
     cdef double[::1] velocities

@@ -16,15 +16,15 @@ cdef class JointMotors:
     cdef double[::1] drag
     cdef public bint is_loaded
     cdef public bint is_late
-    cdef public bint are_commands
+    cdef public bint torques_act
+    cdef public bint is_cartesian
     cdef bint is_new
     cdef double[::1] late_torques
     cdef double[::1] late_q
     cdef double[::1] late_dq
     cdef double[::1] late_ddq
-    cpdef begin(self)
     cpdef note_motion(self)
     cpdef apply_torques(self)
-    cpdef apply_impedance(self, bint tells)
+    cpdef apply_impedance(self, bint notes)
     cpdef sense(self)
     cpdef differentiate(self)
