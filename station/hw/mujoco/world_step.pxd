@@ -15,16 +15,11 @@ cdef class CalledPreparation(Preparation):
 
 cdef class WorldStep:
     cdef object step
-    cdef size_t function
-    cdef size_t model
-    cdef size_t data
+    cdef size_t function, model, data
     cdef SpeedCheck speeds
-    cdef object look
-    cdef object count_pushes
+    cdef object look, count_pushes
     cdef readonly long long count
     cdef readonly list preparations
-    cdef public bint stands_still
-    cdef public bint is_pushed
-    cdef public bint is_braked
+    cdef public bint stands_still, is_pushed, is_braked
     @cython.locals(one=Preparation)
     cpdef make_step(self)
