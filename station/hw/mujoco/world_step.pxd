@@ -22,16 +22,11 @@ cdef class SpeedCheck:
 
 cdef class WorldStep:
     cdef object step
-    cdef size_t function
-    cdef size_t model
-    cdef size_t data
+    cdef size_t function, model, data
     cdef SpeedCheck speeds
-    cdef object brake
-    cdef object count_pushes
+    cdef object brake, count_pushes
     cdef readonly long long count
     cdef readonly list preparations
-    cdef public bint stands_still
-    cdef public bint is_pushed
-    cdef public bint is_braked
+    cdef public bint stands_still, is_pushed, is_braked
     @cython.locals(one=Preparation)
     cpdef make_step(self)

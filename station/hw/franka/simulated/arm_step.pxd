@@ -27,23 +27,14 @@ cdef class ArmStep(Preparation):
     cdef JointWatch watch
     cdef CycleLog log
     cdef SimulatorMemory simulator
-    cdef object state
-    cdef object actuators
-    cdef object load
-    cdef object faults
+    cdef object state, actuators, load, faults
     cdef public object modes
     cdef public int generator
-    cdef public bint wants_torques
-    cdef public bint has_load
-    cdef public bint has_faults
-    cdef public bint is_following
-    cdef readonly bint is_fresh
-    cdef readonly bint is_begun
-    cdef readonly bint is_lossy
+    cdef public bint wants_torques, has_load, has_faults, is_following
+    cdef readonly bint is_fresh, is_begun, is_lossy
     cdef readonly long long cycle
     cdef readonly double time
-    cdef Py_ssize_t lost_in_a_row
-    cdef Py_ssize_t settling
+    cdef Py_ssize_t lost_in_a_row, settling
     cdef object losses
     cpdef bint receive_end_effector(self, double[::1] values, Py_ssize_t size)
     cpdef bint receive(self, double[::1] values, Py_ssize_t size, double[::1] place)

@@ -22,11 +22,8 @@ cdef class CartesianStep:
     cdef readonly double[::1] command
     cdef public Py_ssize_t size
     cdef readonly double[::1] elbow_command
-    cdef public bint has_elbow
-    cdef public bint is_settled
-    cdef readonly double[::1] next_pose
-    cdef readonly double[::1] next_twist
-    cdef readonly double[::1] next_elbow
+    cdef public bint has_elbow, is_settled
+    cdef readonly double[::1] next_pose, next_twist, next_elbow
 
     cpdef begin_motion(self)
     cpdef Py_ssize_t follow_command(self, bint is_first, bint may_settle)

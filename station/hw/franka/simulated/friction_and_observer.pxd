@@ -15,49 +15,20 @@ cdef class FrictionAndObserver(Preparation):
     cdef JointMemory memory
     cdef SimulatorMemory simulator
     cdef WrenchEquation equation
-    cdef double[::1] chain
-    cdef double[::1] tool
-    cdef double[::1] stiffness_frame
-    cdef double[::1] links
-    cdef double[::1] flange
-    cdef double[::1] noise
-    cdef double[::1] estimate
-    cdef double[::1] theta
-    cdef double[::1] wrench
-    cdef double[::1] turned
-    cdef double period
-    cdef double rate
-    cdef readonly double[::1] level
-    cdef readonly double[::1] slope
-    cdef readonly double[::1] shift
+    cdef double[::1] chain, tool, stiffness_frame, links, flange, noise, estimate, theta
+    cdef double[::1] wrench, turned
+    cdef double period, rate
+    cdef readonly double[::1] level, slope, shift
     cdef double[::1] offset
-    cdef readonly double[::1] static_friction
-    cdef readonly double[::1] compliance
-    cdef readonly double[::1] bristle
-    cdef public double stribeck_velocity
-    cdef public double presliding
-    cdef readonly double[::1] torque_noise
-    cdef readonly double[::1] torque_bias
-    cdef readonly double[::1] velocity_noise
-    cdef readonly double[::1] model_error
-    cdef readonly double[::1] expected
-    cdef readonly double[::1] lower
-    cdef readonly double[::1] jacobian
-    cdef readonly double[::1] pose
-    cdef readonly double[::1] place
-    cdef double[::1] velocity
-    cdef double[::1] change
-    cdef double[::1] momentum
-    cdef public double reach
-    cdef public double gain
-    cdef public double singular
-    cdef public double reliable
+    cdef readonly double[::1] static_friction, compliance, bristle
+    cdef public double stribeck_velocity, presliding
+    cdef readonly double[::1] torque_noise, torque_bias, velocity_noise, model_error
+    cdef readonly double[::1] expected, lower, jacobian, pose, place
+    cdef double[::1] velocity, change, momentum
+    cdef public double reach, gain, singular, reliable
     cdef readonly bint has_wrench
     cdef public Py_ssize_t weak
-    cdef readonly double[::1] directions
-    cdef readonly double[::1] shares
-    cdef readonly double[::1] doubt
-    cdef readonly double[::1] lasting
+    cdef readonly double[::1] directions, shares, doubt, lasting
     cdef public double lasting_gain
     cdef double following
     cdef Py_ssize_t drawn

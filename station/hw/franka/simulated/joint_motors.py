@@ -32,7 +32,7 @@ class JointMotors:
         load_weight: Torques that carry a configured load [Nm], shape (n,).
         is_loaded: Whether one of them is not 0.
         is_late: Whether the motors act on commands one cycle later.
-        torques_act: Whether the motors follow commanded torques instead of an impedance.
+        torques_act: Whether the motors follow commanded torques.
         is_cartesian: Whether the arm itself computes the torques, see `ArmMotors`.
     """
 

@@ -14,26 +14,9 @@ cdef class JointWatch:
     cdef JointMemory memory
     cdef object limits
     cdef bint has_curves
-    cdef double[::1] chain
-    cdef double[::1] tool
-    cdef double[::1] links
-    cdef double[::1] flange
-    cdef double[::1] pose
-    cdef double[::1] desired
-    cdef double[::1] jacobian
-    cdef double[::1] twist
-    cdef double[::1] lower
-    cdef double[::1] upper
-    cdef double[::1] slack
-    cdef double[::1] slowest
-    cdef double[::1] fastest
-    cdef double[::1] torque
-    cdef double reach_in_a_cycle
-    cdef double speed
-    cdef double power
-    cdef double translation
-    cdef double rotation
-    cdef double elbow
+    cdef double[::1] chain, tool, links, flange, pose, desired, jacobian, twist, lower
+    cdef double[::1] upper, slack, slowest, fastest, torque
+    cdef double reach_in_a_cycle, speed, power, translation, rotation, elbow
     cdef LinkDistances distances
     cdef double least_distance
     cdef double[::1] walls

@@ -11,18 +11,9 @@ cdef class MotionCheck:
     cdef JointMemory memory
     cdef object limits
     cdef bint has_curves
-    cdef double[::1] lower
-    cdef double[::1] upper
-    cdef double[::1] slowest
-    cdef double[::1] fastest
-    cdef double[::1] acceleration
-    cdef double[::1] jerk
-    cdef double[::1] translation
-    cdef double[::1] rotation
-    cdef double[::1] elbow
-    cdef double[::1] reached
-    cdef double torque_step
-    cdef double period
+    cdef double[::1] lower, upper, slowest, fastest, acceleration, jerk, translation
+    cdef double[::1] rotation, elbow, reached
+    cdef double torque_step, period
     @cython.locals(i=Py_ssize_t, away=double)
     cpdef Py_ssize_t check_start(self)
     @cython.locals(i=Py_ssize_t, period=double)

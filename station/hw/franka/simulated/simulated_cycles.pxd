@@ -20,10 +20,7 @@ cdef class SimulatedCycles:
     cdef AlertFlag supervisor
     cdef object read_disturbed
     cdef FrictionAndObserver observer
-    cdef object expect_load
-    cdef object react
-    cdef object supervise
-    cdef readonly long long cycle
-    cdef readonly long long seen
+    cdef object expect_load, react, supervise
+    cdef readonly long long cycle, seen
     @cython.locals(found=int, observed=int, steps="long long", time=double)
     cpdef read(self)
