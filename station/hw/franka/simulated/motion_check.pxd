@@ -22,7 +22,7 @@ cdef class MotionCheck:
     cpdef Py_ssize_t check_velocities(self)
     @cython.locals(i=Py_ssize_t, period=double, position=double, velocity=double, acceleration=double, jerk=double, most=double, violations=Violations)
     cdef Py_ssize_t check_joints(self, double[::1] q, double[::1] dq, int code)
-    @cython.locals(i=Py_ssize_t, largest=double, step=double, other=double)
+    @cython.locals(i=Py_ssize_t, lowest=double, largest=double, step=double)
     cpdef Py_ssize_t check_torques(self)
     cpdef Py_ssize_t check_twist(self, double[::1] twist, double[::1] last, double[::1] last_rate)
     @cython.locals(i=Py_ssize_t, period=double, velocity=double, rate=double, change=double, speed=double, acceleration=double, jerk=double)

@@ -150,13 +150,13 @@ class MotionCheck:
         commanded before.
         """
         memory, largest = self.memory, self.torque_step
+        lowest = -largest
         tau, last, sent = memory.torques, memory.tau_J_d, memory.sent
         for i in range(self.size):
-            step = abs(tau[i] - last[i])
-            if step > largest:
-                other = abs(tau[i] - sent[i])
-                if other < step:
-                    step = other
+            step = tau[i] - last[i]
+            # Without the call of `abs` where this is interpreted.
+            if not lowest <= step <= largest:
+                step = min(abs(step), abs(tau[i] - sent[i]))
                 if step > largest:
                     rate = self.limits.torque_rate
                     self.violations.add(TORQUE_RATE, i, step / self.period, rate)
