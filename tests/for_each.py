@@ -32,7 +32,7 @@ def for_each(names, cases, ids=str):
                 values = [case] if len(parts) == 1 else case
                 try:
                     test(**dict(zip(parts, values, strict=True)), **fixtures)
-                except (Exception, Failed) as error:  # noqa: BLE001 - it is told
+                except (Exception, Failed, SystemExit) as error:  # noqa: BLE001 - it is told
                     found.append(f"{ids(case)}: {type(error).__name__}: {error}")
             assert not found, _listed(found, len(cases))
 
