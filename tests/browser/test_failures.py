@@ -3,7 +3,8 @@
 import pytest
 
 from tests.browser.conftest import logged_in
-from tests.browser.workspace_page import wait_until, without_scene
+from tests.browser.workspace_page import without_scene
+from tests.waiting import wait_until
 
 pytestmark = pytest.mark.slow
 NOT_STOPPED = "NOT stopped by this page. Press the emergency stop."

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.browser.workspace_page import CONTROLLER, WorkspacePage, wait_until
+from tests.browser.workspace_page import CONTROLLER, WorkspacePage
+from tests.waiting import wait_until
 
 pytestmark = pytest.mark.slow
 

@@ -3,14 +3,13 @@
 One file of each package; all of them are loaded and run in `tests/app`.
 """
 
-import time
-
 import pytest
 
 from station.client import StationClient
 from station.controllers import CONTROLLERS
 from tests.app.test_ros_yaml import FILES, FOLDER, robot_for
 from tests.system.station_process import StationProcess
+from tests.waiting import wait_until
 
 ONE_OF_EACH = {file.parent: file for file in FILES}.values()
 
@@ -36,8 +35,7 @@ def test_every_controller_starts_and_runs(client):
         assert loaded.type in CONTROLLERS
         client.switch_controllers(start=[loaded.name])
         cycle = client.status().cycle
-        while client.status().cycle < cycle + 20:
-            time.sleep(0.02)
+        assert wait_until(lambda c=cycle: client.status().cycle >= c + 20)
         running = client.controller(loaded.name)
         assert (running.state, running.fault) == ("running", None)
         client.switch_controllers(stop=[loaded.name])
