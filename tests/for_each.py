@@ -14,27 +14,30 @@ def for_each(names, cases, ids=str):
 
     Args:
         names: Parameters of the test that a case fills, as `parametrize` has them.
-        cases: The cases, at least one; tuples if there are several names.
+        cases: The cases, at least one; tuples if there are several names. A function
+            is asked for them when the test runs.
         ids: Returns how a case is called.
     """
     parts = [name.strip() for name in names.split(",")]
-    cases = list(cases)
-    if not cases:
-        raise ValueError(f"no case of {names}")
+
+    def listed():
+        found = list(cases() if callable(cases) else cases)
+        assert found, f"there is no case of {names}"
+        return found
 
     def decorate(test):
         wanted = inspect.signature(test)
 
         @functools.wraps(test)
         def run(**fixtures):
-            found = []
-            for case in cases:
+            found, all_cases = [], listed()
+            for case in all_cases:
                 values = [case] if len(parts) == 1 else case
                 try:
                     test(**dict(zip(parts, values, strict=True)), **fixtures)
                 except (Exception, Failed, SystemExit) as error:  # noqa: BLE001 - it is told
                     found.append(f"{ids(case)}: {type(error).__name__}: {error}")
-            assert not found, _listed(found, len(cases))
+            assert not found, _listed(found, len(all_cases))
 
         rest = [wanted.parameters[n] for n in wanted.parameters if n not in parts]
         run.__signature__ = wanted.replace(parameters=rest)

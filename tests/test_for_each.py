@@ -42,6 +42,11 @@ def test_fixtures_are_there_beside_the_cases(part, tmp_path):
     assert part in "abc"
 
 
-def test_no_cases_are_a_mistake():
-    with pytest.raises(ValueError, match="no case of name"):
-        for_each("name", [])
+@pytest.mark.parametrize("cases", [[], list], ids=["none", "none when asked"])
+def test_no_cases_are_a_mistake(cases):
+    @for_each("name", cases)
+    def check(name):
+        pytest.fail(name)
+
+    with pytest.raises(AssertionError, match="there is no case of name"):
+        check()
