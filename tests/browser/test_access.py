@@ -5,8 +5,7 @@ from pathlib import Path
 import axe_core_python
 import pytest
 
-from tests.browser.workspace_page import CONTROLLER, position
-from tests.waiting import wait_until
+from tests.browser.workspace_page import CONTROLLER, position, wait_until
 
 pytestmark = pytest.mark.slow
 

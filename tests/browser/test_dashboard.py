@@ -1,11 +1,12 @@
 """The dashboard in a real browser, at a real station."""
 
+import time
+
 import pytest
 
 from station.wire import Fault
 from tests.browser.conftest import keep_screenshot
 from tests.browser.viser_page import ViserPage
-from tests.waiting import wait_until
 
 pytestmark = pytest.mark.slow
 
@@ -18,6 +19,14 @@ TRIANGLES = "() => window.__viserTestpoints.rendererInfo.render.triangles"
 def _position(client, joint):
     joints = client.joint_states()
     return joints.position[joints.name.index(joint)]
+
+
+def _wait_until(holds, seconds=15.0):
+    """Poll `holds` until it is true; whoever calls asserts the outcome."""
+    deadline = time.monotonic() + seconds
+    while not holds() and time.monotonic() < deadline:
+        time.sleep(0.05)
+    return holds()
 
 
 def _state(client, name):
@@ -87,12 +96,12 @@ def test_a_link_is_pulled_with_the_pointer(page, scene, idle):
     page.mouse.down()
     for step in range(1, 8):
         page.mouse.move(x + 12 * step, y - 4 * step)
-    pulled = wait_until(lambda: pushes() and "200" in pushes()[0])
+    pulled = _wait_until(lambda: pushes() and "200" in pushes()[0])
     keep_screenshot(page, "dashboard_pull.png")
     page.mouse.up()
     assert pulled
     panda = idle.robot("panda")
-    assert wait_until(lambda: max(map(abs, panda.state().O_F_ext_hat_K)) < 10.0)
+    assert _wait_until(lambda: max(map(abs, panda.state().O_F_ext_hat_K)) < 10.0)
     _press(page, "Push")
 
 
@@ -131,19 +140,19 @@ def test_a_controller_is_started_by_clicking_and_a_slider_moves_the_joint(
     viser_page.open_tab("Controllers")
     viser_page.select("Controller", CONTROLLER)
     viser_page.click("Start")
-    assert wait_until(lambda: _state(idle, CONTROLLER) == "running")
+    assert _wait_until(lambda: _state(idle, CONTROLLER) == "running")
     viser_page.open_tab("Operate")
     viser_page.frame.get_by_text(f"Sliders command {CONTROLLER}").wait_for()
     assert _position(idle, "panda_joint1") == pytest.approx(before, abs=2e-3)
     viser_page.drag_slider("joint1 [rad]", 0.62)
-    assert wait_until(lambda: _position(idle, "panda_joint1") > before + 0.4)
+    assert _wait_until(lambda: _position(idle, "panda_joint1") > before + 0.4)
     keep_screenshot(page, "dashboard_operate.png")
     viser_page.open_tab("Tune")
     viser_page.frame.get_by_text("p [Nm/rad]").wait_for()
     command = idle.controller_state(CONTROLLER).desired
     told = command[0] + 0.1
     idle.command(CONTROLLER, [told, *command[1:]])
-    assert wait_until(lambda: abs(_position(idle, "panda_joint1") - told) < 0.01)
+    assert _wait_until(lambda: abs(_position(idle, "panda_joint1") - told) < 0.01)
     keep_screenshot(page, "dashboard_tune.png")
 
 
@@ -154,7 +163,7 @@ def test_a_gain_slider_changes_the_gain(viser_page, idle):
     viser_page.open_tab("Tune")
     viser_page.frame.get_by_text("p [Nm/rad]").wait_for()
     viser_page.drag_slider("p [Nm/rad]", 0.15)
-    assert wait_until(lambda: idle.gains(CONTROLLER).values[name] < before)
+    assert _wait_until(lambda: idle.gains(CONTROLLER).values[name] < before)
     idle.set_gains(CONTROLLER, {name: before})
 
 
@@ -193,10 +202,10 @@ def test_stop_stops_and_is_released_in_two_steps(page, viser_page, idle, way):
     else:
         viser_page.open_tab("Controllers")
         page.keyboard.press(" ")
-    assert wait_until(lambda: idle.status().stop_state == "stopped")
+    assert _wait_until(lambda: idle.status().stop_state == "stopped")
     page.get_by_role("button", name="Release stop").click()
     page.get_by_role("button", name="Allow motion").click()
-    assert wait_until(lambda: idle.status().stop_state == "armed")
+    assert _wait_until(lambda: idle.status().stop_state == "armed")
     assert _state(idle, CONTROLLER) != "running"
 
 
@@ -208,11 +217,11 @@ def test_an_arm_that_stopped_itself_is_recovered_by_clicking(page, viser_page, i
     viser_page.frame.get_by_text("panda stopped itself: ").wait_for()
     keep_screenshot(page, "dashboard_reflex.png")
     viser_page.click("Recover panda")
-    assert wait_until(lambda: panda.errors().robot_mode == "idle")
+    assert _wait_until(lambda: panda.errors().robot_mode == "idle")
     recover.wait_for(state="detached")
     panda.user_stop(pressed=True)
     viser_page.click("Release the user stop of panda")
-    assert wait_until(lambda: panda.errors().robot_mode == "idle")
+    assert _wait_until(lambda: panda.errors().robot_mode == "idle")
 
 
 def test_typing_a_space_does_not_stop(page, viser_page, idle):

@@ -3,8 +3,7 @@
 import pytest
 
 from tests.browser.conftest import logged_in
-from tests.browser.workspace_page import without_scene
-from tests.waiting import wait_until
+from tests.browser.workspace_page import wait_until, without_scene
 
 pytestmark = pytest.mark.slow
 NOT_STOPPED = "NOT stopped by this page. Press the emergency stop."

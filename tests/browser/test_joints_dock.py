@@ -4,8 +4,7 @@ import math
 
 import pytest
 
-from tests.browser.workspace_page import CONTROLLER, position
-from tests.waiting import wait_until
+from tests.browser.workspace_page import CONTROLLER, position, wait_until
 
 pytestmark = pytest.mark.slow
 

@@ -4,8 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.browser.workspace_page import CONTROLLER, WorkspacePage
-from tests.waiting import wait_until
+from tests.browser.workspace_page import CONTROLLER, WorkspacePage, wait_until
 
 pytestmark = pytest.mark.slow
 

@@ -6,8 +6,12 @@ import pytest
 
 from station.client import StationClient
 from tests.browser.conftest import run_station
-from tests.browser.workspace_page import WorkspacePage, position, without_scene
-from tests.waiting import wait_until
+from tests.browser.workspace_page import (
+    WorkspacePage,
+    position,
+    wait_until,
+    without_scene,
+)
 
 pytestmark = pytest.mark.slow
 

@@ -10,8 +10,12 @@ from pathlib import Path
 import pytest
 
 from tests.browser.conftest import run_station
-from tests.browser.workspace_page import CONTROLLER, WorkspacePage, position
-from tests.waiting import wait_until
+from tests.browser.workspace_page import (
+    CONTROLLER,
+    WorkspacePage,
+    position,
+    wait_until,
+)
 
 pytestmark = pytest.mark.slow
 

@@ -2,8 +2,7 @@
 
 import pytest
 
-from tests.browser.workspace_page import CONTROLLER, OTHER
-from tests.waiting import wait_until
+from tests.browser.workspace_page import CONTROLLER, OTHER, wait_until
 
 pytestmark = pytest.mark.slow
 

@@ -7,8 +7,7 @@ import yaml
 
 from station.ui.load_examples import example_parameters
 from tests.browser.conftest import run_station
-from tests.browser.workspace_page import position
-from tests.waiting import wait_until
+from tests.browser.workspace_page import position, wait_until
 
 pytestmark = pytest.mark.slow
 

@@ -8,9 +8,9 @@ from tests.browser.workspace_page import (
     OTHER,
     WorkspacePage,
     position,
+    wait_until,
     without_scene,
 )
-from tests.waiting import wait_until
 
 pytestmark = pytest.mark.slow
 

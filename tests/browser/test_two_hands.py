@@ -7,7 +7,7 @@ import yaml
 
 from station.client import StationClient
 from tests.browser.conftest import run_station
-from tests.waiting import wait_until
+from tests.browser.workspace_page import wait_until
 
 pytestmark = pytest.mark.slow
 

@@ -13,8 +13,7 @@ import pytest
 
 from tests.browser.conftest import keep_screenshot, logged_in, run_station
 from tests.browser.viser_page import SceneNodes, SceneWords, ViserPage
-from tests.browser.workspace_page import CONTROLLER, WorkspacePage, position
-from tests.waiting import wait_until
+from tests.browser.workspace_page import CONTROLLER, WorkspacePage, position, wait_until
 
 pytestmark = pytest.mark.slow
 

@@ -3,8 +3,7 @@
 import pytest
 
 from station.client import ApiError
-from tests.browser.workspace_page import CONTROLLER, OTHER, position
-from tests.waiting import wait_until
+from tests.browser.workspace_page import CONTROLLER, OTHER, position, wait_until
 
 pytestmark = pytest.mark.slow
 

@@ -1,5 +1,7 @@
 """Find and use the docks of the workspace with Playwright, as a person would."""
 
+from tests.waiting import wait_until as wait_until
+
 CONTROLLER = "effort_group_position_controller"
 """The controller that the page starts first."""
 OTHER = "position_group_controller"
