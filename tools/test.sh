@@ -23,10 +23,13 @@ patiently() {
     "$python" -m pytest -m "$marks" --last-failed --last-failed-no-failures none "$@"
 }
 
-# To read all tests takes as long as to run these: only their files are read.
-files_of_alone() {
-    echo tests/ui
-    grep -rl --include='test_*.py' --exclude-dir=ui 'mark\.alone' tests
+# To read all tests takes every worker ten seconds: for a mark that few have, only the
+# files are read that have it. tests/conftest.py marks folders as a whole.
+files_with() {
+    mark=$1
+    shift
+    echo "$@"
+    grep -rl --include='test_*.py' "mark\.$mark" tests
 }
 
 # Each worker and each station imports some thousand modules: Python keeps what it has
@@ -41,13 +44,14 @@ fi
 
 case $which in
 quick)
-    patiently "not slow and not alone" auto "$@"
-    # They wait for most of their time: two at once leave each other the processor.
+    # Tests that run alone wait most of the time: two leave each other the processor.
     if [ $# -gt 0 ]; then
+        patiently "not slow and not alone" auto "$@"
         patiently "alone and not slow" 2 --dist loadfile "$@"
     else
+        patiently "not slow and not alone" auto tests --ignore tests/browser --ignore tests/system
         # shellcheck disable=SC2046 - one word for each file
-        patiently "alone and not slow" 2 --dist loadfile $(files_of_alone)
+        patiently "alone and not slow" 2 --dist loadfile $(files_with alone tests/ui)
     fi
     if [ -n "${STATION_COMPILED:-}" ]; then
         say "once more, interpreted: what reaches compiled modules"
@@ -59,6 +63,8 @@ quick)
 slow)
     # A file is run by one worker: its stations and pages are started once. One worker
     # more than processors takes longer: browsers draw in software.
+    # shellcheck disable=SC2046
+    [ $# -gt 0 ] || set -- $(files_with slow tests/browser tests/system)
     patiently slow auto --dist loadfile --no-loadscope-reorder "$@"
     ;;
 *) say "quick or slow, not $which" && exit 2 ;;
