@@ -1,12 +1,14 @@
-"""Print what the default Panda does, second by second, while a controller moves it.
+"""Print what the default Panda does, second by second, while each controller moves it.
 
-Run `python -m tests.system.minute_of_a_controller NAME SECONDS`. Time passes by hand,
-so two runs print the same if their arithmetic is the same. The first line says which
-kernel computes it; then comes, for each second, a digest of all numbers that the cycles
-have left behind, and where the joints are [rad].
+Run `python -m tests.system.motion_of_controllers SECONDS`. Time passes by hand, so two
+runs print the same if their arithmetic is the same. The output is a JSON object. Its
+`mode` says whether it was computed compiled. By the name of each default controller it
+has the `seconds`, each a digest of all numbers that the cycles have left behind with
+the positions of the joints [rad], and the `end`.
 """
 
 import hashlib
+import json
 import sys
 from math import cos, pi, sin
 
@@ -80,14 +82,13 @@ class Mover:
         return {"trajectory": {"joint_names": JOINTS, "points": points}}
 
 
-def main(name, seconds):
-    """Print the lines."""
-    sys.stdout.write(f"{status().mode}\n")
+def move(name, seconds):
+    """Return what happens in each second, and what the robot does at the end."""
     station = compose(load_config(), ManualClock()).station
     station.loop.step(1, 1.0 / CYCLES)
     station.switch_controllers(SwitchRequest(start=[name]))
     mover = Mover(station, name)
-    records = station.snapshots
+    records, found = station.snapshots, []
     for second in range(seconds):
         digest = hashlib.sha256()
         for part in range(0, CYCLES, SENT):
@@ -97,10 +98,16 @@ def main(name, seconds):
                 at = cycle % records.capacity * records.width
                 digest.update(records.memory[at : at + records.width])
         joints = " ".join(value.hex() for value in station.latest().position)
-        sys.stdout.write(f"{digest.hexdigest()} {joints}\n")
+        found.append(f"{digest.hexdigest()} {joints}")
     states = {status.name: status.state.value for status in station.controllers()}
-    sys.stdout.write(f"{station.latest().mode} {states[name]}\n")
+    return {"seconds": found, "end": f"{station.latest().mode} {states[name]}"}
+
+
+def main(seconds):
+    """Print what all controllers of the default configuration do."""
+    moved = {name: move(name, seconds) for name in load_config().controllers}
+    json.dump({"mode": status().mode, "controllers": moved}, sys.stdout)
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], int(sys.argv[2]))
+    main(int(sys.argv[1]))
