@@ -53,7 +53,7 @@ def random_pairs(seed: int, limits: ArmLimits) -> Iterator[tuple[Pose, Pose]]:
         begin, end = generator.uniform(lower, upper, (2, 7))
         shares = np.linspace(0.0, 1.0, 40)
         ways = [(begin + share * (end - begin)).tolist() for share in shares]
-        if all(clearance(q, has_hand=True).distance > CLEARANCE for q in ways):
+        if all(clearance(q, has_hand=True) > CLEARANCE for q in ways):
             yield begin, end
 
 

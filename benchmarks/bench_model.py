@@ -33,10 +33,10 @@ from station.core.franka import (
 )
 from station.hw.franka.arm.arm_limits import PANDA_LIMITS
 from station.hw.franka.arm.franka_kinematics import CHAIN
-from station.hw.franka.arm.supervisor_limits import SupervisorLimits
-from station.hw.franka.simulated.arm_cycle import ArmCycle
+from station.hw.franka.simulated.arm_parts import new_cartesian_step, new_joint_memory
+from station.hw.franka.simulated.desired_motion import DesiredMotion
 from station.hw.franka.simulated.inverse_kinematics import InverseKinematics
-from station.hw.mujoco.simulator_memory import SimulatorMemory
+from station.hw.franka.simulated.motion_check import MotionCheck
 from station.memory.doubles import put, zeros
 
 STEPS = 2000
@@ -106,8 +106,16 @@ def _of_hand(controller: CartesianJogController) -> Iterator[Row]:
     """
     generator, lookahead = controller.generator, controller.lookahead
     state = controller.handle.get_robot_state().copy()
-    arm = ArmCycle(state, PANDA_LIMITS, SupervisorLimits(), SimulatorMemory(7), PERIOD)
-    hand, follow = arm.cartesian, arm.motion.follow_positions
+    memory, limits = new_joint_memory(state), PANDA_LIMITS
+    check = MotionCheck(memory, limits, PERIOD)
+    hand = new_cartesian_step(state, memory, check, PERIOD)
+    follow = DesiredMotion(
+        memory,
+        lower=limits.lower,
+        upper=limits.upper,
+        deceleration=limits.acceleration,
+        period=PERIOD,
+    ).follow_positions
     q_d, tool = state.doubles("q_d"), state.doubles("F_T_EE")
     kinematics = InverseKinematics(CHAIN, q_d, tool, zeros(16), zeros(7))
     state.O_T_EE_c = generator.pose
@@ -131,9 +139,9 @@ def _of_hand(controller: CartesianJogController) -> Iterator[Row]:
         asked = perf_counter()
         kinematics.advance(q_d[2])
         known = perf_counter()
-        solved = hand.follow()
+        violations = hand.follow_command(False, True)  # noqa: FBT003 - C functions
         end = perf_counter()
-        if not solved:
+        if violations:
             raise RuntimeError(f"the arm does not follow in step {number}")
         follow()
         advances.append((moved - begin) * 1e6)

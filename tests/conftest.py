@@ -8,6 +8,7 @@ import hypothesis
 import pytest
 
 from station.compiled import status
+from tests.compiled_reach import reaches_compiled
 from tests.thread_guard import leaked_threads
 
 TESTS = Path(__file__).parent
@@ -22,8 +23,23 @@ def pytest_report_header() -> str:
     return f"control cycle: {status().text()}"
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the option for the second, interpreted run."""
+    parser.addoption(
+        "--reaching-compiled",
+        action="store_true",
+        help="run only tests that reach compiled modules",
+    )
+
+
+def pytest_collection_modifyitems(
+    config: pytest.Config, items: list[pytest.Item]
+) -> None:
     """Mark tests by their folder: a browser and whole processes are never quick."""
+    if config.getoption("--reaching-compiled"):
+        others = [item for item in items if not _reaches_compiled(item)]
+        items[:] = [item for item in items if _reaches_compiled(item)]
+        config.hook.pytest_deselected(items=others)
     for item in items:
         folder = item.path.relative_to(TESTS).parts[0]
         if folder == "browser":
@@ -32,6 +48,11 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.slow)
         if folder in {"browser", "system", "ui"}:
             item.add_marker(pytest.mark.alone)
+
+
+def _reaches_compiled(item: pytest.Item) -> bool:
+    assert isinstance(item, pytest.Function)
+    return reaches_compiled(item.module.__name__)
 
 
 @pytest.fixture(autouse=True, scope="session")

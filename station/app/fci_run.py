@@ -26,7 +26,7 @@ from station.hw.franka.fci.server.robot_session import ModelLibrary
 from station.hw.franka.fci.wire.robot_protocol import FR3, PANDA, RobotProtocol
 from station.hw.franka.franka_parameters import FrankaParameters, read_parameters
 from station.hw.franka.hand.hand_services import HandServices
-from station.hw.franka.simulated.arm_placement import simulate_one
+from station.hw.franka.simulated.franka_world import simulate_one
 
 ROBOT_TYPE = "franka_hw/FrankaHW"
 

@@ -41,8 +41,10 @@ def find_robot(robot_type: str) -> type[RobotHW]:
         MissingExtraError: An extra of this distribution is not installed.
         RobotTypeError: The type is unknown, cannot be imported, or is not a `RobotHW`.
     """
-    installed = {entry.name: entry.value for entry in entry_points(group=ENTRY_POINTS)}
-    known = {**installed, **HARDWARE}
+    known = dict(HARDWARE)
+    if robot_type not in known:  # looking at what is installed takes long
+        installed = entry_points(group=ENTRY_POINTS)
+        known = {**{entry.name: entry.value for entry in installed}, **known}
     target = known.get(robot_type, robot_type)
     if ":" not in target:
         raise RobotTypeError(

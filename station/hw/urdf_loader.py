@@ -1,5 +1,7 @@
 """Read the URDF of a robot that is to be simulated."""
 
+from functools import lru_cache
+
 from station.core.description.robot_files import RobotFiles
 from station.core.description.urdf import Joint, JointType, Urdf
 from station.core.description.urdf_parser import parse_urdf
@@ -14,6 +16,8 @@ _SIMULATED = (
 )
 
 
+# An arm asks for its description nine times while it is built.
+@lru_cache(maxsize=8)
 def load_urdf(files: RobotFiles) -> Urdf:
     """Read a robot description and check that the robot can be simulated.
 

@@ -4,6 +4,7 @@ Requests are made up from the document itself, sound ones and broken ones.
 """
 
 from datetime import timedelta
+from functools import cache
 
 import httpx
 import pytest
@@ -20,6 +21,7 @@ from station.api.app import create_app
 from station.api.auth import Authenticator
 from station.core.control.switching import SwitchRequest
 from tests.api.conftest import OPERATOR, URL, VIEWER, AppTransport
+from tests.for_each import for_each
 from tests.franka_station import make_franka_station
 
 pytestmark = pytest.mark.slow
@@ -43,16 +45,20 @@ def make_app():
     return create_app(station, Authenticator(OPERATOR, VIEWER))
 
 
-OPERATIONS = {
-    operation.label: operation
-    for operation in (
-        found.ok()
-        for found in schemathesis.openapi.from_asgi(
-            "/api/v1/openapi.json", make_app(), headers=HOST
-        ).get_all_operations()
+@cache
+def operations():
+    """Return what can be asked of the app, by method and path."""
+    document = schemathesis.openapi.from_asgi(
+        "/api/v1/openapi.json", make_app(), headers=HOST
     )
-    if "/streams/" not in operation.label
-}
+    found = (one.ok() for one in document.get_all_operations())
+    return {one.label: one for one in found if "/streams/" not in one.label}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def read_document():
+    """Read the document once; the thread that reads it stays."""
+    operations()
 
 
 def send_made_up_requests(name, known, checks):
@@ -66,7 +72,7 @@ def send_made_up_requests(name, known, checks):
         phases=[Phase.generate],
         suppress_health_check=list(HealthCheck),
     )
-    @given(case=OPERATIONS[name].as_strategy())
+    @given(case=operations()[name].as_strategy())
     def send(case):
         for parameter in case.path_parameters.keys() & known.keys():
             case.path_parameters[parameter] = known[parameter]
@@ -82,11 +88,11 @@ def send_made_up_requests(name, known, checks):
         send()
 
 
-@pytest.mark.parametrize("name", sorted(OPERATIONS.keys() - {STOP}))
+@for_each("name", lambda: sorted(operations().keys() - {STOP}))
 def test_every_operation_refuses_malformed_requests(name):
     send_made_up_requests(name, {}, [*PROMISED, negative_data_rejection])
 
 
-@pytest.mark.parametrize("name", OPERATIONS)
+@for_each("name", operations)
 def test_every_answer_about_existing_things_is_documented(name):
     send_made_up_requests(name, KNOWN, PROMISED)

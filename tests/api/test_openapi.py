@@ -6,20 +6,17 @@ import threading
 from importlib import import_module
 from pkgutil import iter_modules
 
-import pytest
 from jsonschema import Draft202012Validator
 
 from station import wire
-from station.api.app import create_app
-from station.api.auth import Authenticator
-from tests.api.spring import make_station
+from tests.api.openapi_document import document, operations
+from tests.for_each import for_each
 
-DOCUMENT = create_app(make_station(), Authenticator()).openapi()
+DOCUMENT = document()
 SCHEMAS = DOCUMENT["components"]["schemas"]
 OPERATIONS = [
-    (f"{method.upper()} {path}", operation)
-    for path, methods in DOCUMENT["paths"].items()
-    for method, operation in methods.items()
+    (f"{method} {path}", operation)
+    for (method, path), operation in operations().items()
 ]
 
 
@@ -31,7 +28,7 @@ def test_document_is_openapi_3_1_and_all_its_references_exist():
     assert {part.partition('"')[0] for part in parts} <= set(schemas)
 
 
-@pytest.mark.parametrize(("name", "operation"), OPERATIONS)
+@for_each("name, operation", OPERATIONS, ids=lambda case: case[0])
 def test_every_operation_documents_its_purpose_and_its_errors(name, operation):
     assert operation["tags"]
     assert operation["description"]

@@ -3,7 +3,6 @@
 import os
 import subprocess
 import sys
-import time
 
 import pytest
 
@@ -11,6 +10,7 @@ from station.app.dashboard_file import DashboardRecord
 from station.app.station_watch import StationWatch
 from station.local.private_files import process_start
 from station.ui.station_follower import StationAccess
+from tests.waiting import wait_until
 
 ACCESS = StationAccess("http://127.0.0.1:8000", "secret", "")
 PROGRAM = """
@@ -70,12 +70,7 @@ def start():
 
 
 def ends(pid):
-    deadline = time.monotonic() + 20.0
-    while process_start(pid):
-        if time.monotonic() > deadline:
-            return False
-        time.sleep(0.02)
-    return True
+    return wait_until(lambda: not process_start(pid))
 
 
 def test_a_dashboard_that_starts_ends_with_its_station(start):

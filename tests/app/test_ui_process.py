@@ -5,7 +5,6 @@ import signal
 import socket
 import subprocess
 import sys
-import time
 from dataclasses import replace
 
 import pytest
@@ -19,6 +18,7 @@ from station.app.ui_process import (
     find_orphan,
     free_port,
 )
+from tests.waiting import wait_until
 
 OPTIONS = UiOptions("http://127.0.0.1:8000", "secret", "127.0.0.1", 8080)
 STUCK = (
@@ -31,13 +31,6 @@ STUCK = (
 
 def process(program: str, options: UiOptions = OPTIONS) -> UiProcess:
     return UiProcess(options, [sys.executable, "-c", program])
-
-
-def wait_until(condition, timeout=20.0) -> None:
-    deadline = time.monotonic() + timeout
-    while not condition():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
 
 
 def test_free_port_is_the_one_asked_for_or_any():
@@ -86,7 +79,7 @@ def test_terminate_ends_it():
 def test_stuck_process_is_killed(capfd):
     ui = process(STUCK)
     ui.start()
-    wait_until(lambda: "up" in capfd.readouterr().out)
+    assert wait_until(lambda: "up" in capfd.readouterr().out)
 
     ui.terminate()
     ui.finish(0.05)
@@ -113,7 +106,7 @@ def test_it_answers_when_its_page_does():
 
     ui.start()
     try:
-        wait_until(ui.answers)
+        assert wait_until(ui.answers)
     finally:
         ui.kill()
         ui.finish(20.0)

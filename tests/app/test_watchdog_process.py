@@ -13,6 +13,7 @@ from station.app.watchdog_client import WatchdogError, stop_through_watchdog
 from station.app.watchdog_process import WatchdogProcess
 from station.core.loop.heartbeat import LoopLife, Phase
 from tests.app.watchdog.bench import OPERATOR, VIEWER
+from tests.waiting import wait_until
 
 
 @pytest.fixture
@@ -83,16 +84,9 @@ def test_a_suspended_watchdog_looks_no_more_until_it_goes_on(watchdog):
     assert watchdog.age(time.monotonic()) < 0.0  # it starts
     assert ready(watchdog.url) == 200
     os.kill(watchdog.pid, signal.SIGSTOP)
-    wait_until(lambda: watchdog.age(time.monotonic()) > 0.5)
+    assert wait_until(lambda: watchdog.age(time.monotonic()) > 0.5)
     os.kill(watchdog.pid, signal.SIGCONT)
-    wait_until(lambda: watchdog.age(time.monotonic()) < 0.3)
-
-
-def wait_until(holds):
-    deadline = time.monotonic() + 20.0
-    while not holds():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
+    assert wait_until(lambda: watchdog.age(time.monotonic()) < 0.3)
 
 
 def test_a_long_status_is_cut_off(watchdog):

@@ -1,6 +1,6 @@
 """Find and use the docks of the workspace with Playwright, as a person would."""
 
-import time
+from tests.waiting import wait_until as wait_until
 
 CONTROLLER = "effort_group_position_controller"
 """The controller that the page starts first."""
@@ -46,14 +46,6 @@ def position(client, joint):
     """Return the measured position of a joint [rad]."""
     joints = client.joint_states()
     return joints.position[joints.name.index(joint)]
-
-
-def wait_until(holds, seconds=10.0):
-    """Poll `holds` until it is true; whoever calls asserts the outcome."""
-    deadline = time.monotonic() + seconds
-    while not holds() and time.monotonic() < deadline:
-        time.sleep(0.05)
-    return holds()
 
 
 def without_scene(context):

@@ -2,13 +2,12 @@
 
 import importlib
 
-import pytest
-
 from station.controllers import CONTROLLERS
 from station.core.control.controller import ControllerBase
+from tests.for_each import for_each
 
 
-@pytest.mark.parametrize("controller_type", CONTROLLERS)
+@for_each("controller_type", CONTROLLERS)
 def test_every_type_names_a_controller_class(controller_type):
     module, name = CONTROLLERS[controller_type].split(":")
     controller_class = getattr(importlib.import_module(module), name)

@@ -9,11 +9,12 @@ import pytest
 
 import station.core
 from station.core import public
+from tests.for_each import for_each
 
 PAGE = Path(__file__).parents[2] / "docs" / "python.md"
 
 
-@pytest.mark.parametrize("name", station.core.__all__)
+@for_each("name", station.core.__all__)
 def test_every_name_can_be_imported(name):
     thing = getattr(station.core, name)
 

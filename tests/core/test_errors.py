@@ -4,6 +4,7 @@ import pytest
 
 from station.core import errors
 from station.core.errors import suggest
+from tests.for_each import for_each
 
 LEAVES = [
     value
@@ -12,8 +13,8 @@ LEAVES = [
 ]
 
 
-@pytest.mark.parametrize(
-    ("error", "builtin"),
+@for_each(
+    "error, builtin",
     [
         (errors.ResourceNotFoundError, KeyError),
         (errors.ParameterError, ValueError),
@@ -37,7 +38,7 @@ def test_a_conflict_is_a_refused_switch():
     assert issubclass(errors.ResourceConflictError, errors.SwitchRefusedError)
 
 
-@pytest.mark.parametrize("error", LEAVES)
+@for_each("error", LEAVES)
 def test_the_message_is_shown_as_written(error):
     assert str(error("it's 'x'")) == "it's 'x'"
 
@@ -48,7 +49,7 @@ def test_every_leaf_has_a_code_of_its_own():
     assert len(set(codes)) == len(codes)
 
 
-@pytest.mark.parametrize("error", LEAVES)
+@for_each("error", LEAVES)
 def test_the_tree_in_the_documentation_is_complete(error):
     assert error.__name__ in errors.__doc__
 

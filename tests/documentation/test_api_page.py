@@ -2,10 +2,6 @@
 
 import re
 
-import pytest
-
-from station.api.app import create_app
-from station.api.auth import Authenticator
 from station.api.routes.problems import MEANINGS
 from station.api.streams import broadcaster
 from station.api.streams.topics import (
@@ -16,17 +12,12 @@ from station.api.streams.topics import (
 )
 from station.wire import FrankaState, protocol
 from station.wire.protocol import PREFIX
-from tests.api.spring import make_station
+from tests.api.openapi_document import operations
 from tests.documentation.shell_examples import ROOT, commands, curl_request
+from tests.for_each import for_each
 
 PAGE = ROOT / "docs" / "api.md"
-OPERATIONS = {
-    (method.upper(), path.removeprefix(PREFIX)): operation
-    for path, methods in create_app(make_station(), Authenticator())
-    .openapi()["paths"]
-    .items()
-    for method, operation in methods.items()
-}
+OPERATIONS = [(method, path.removeprefix(PREFIX)) for method, path in operations()]
 
 
 def rows(header: str) -> list[list[str]]:
@@ -42,15 +33,12 @@ def test_routes_are_those_of_the_api():
     assert sorted(listed) == sorted(OPERATIONS)
 
 
-@pytest.mark.parametrize(
-    ("method", "route", "access"), [row[:3] for row in rows("Method")]
-)
+@for_each("method, route, access", [row[:3] for row in rows("Method")])
 def test_access_is_what_the_route_asks_for(http, method, route, access):
     url = PREFIX + re.sub(r"\{\w+\}", "x", route)
 
     anonymous = http.request(method, url)
-    http.headers["Authorization"] = "Bearer viewer-token"
-    viewer = http.request(method, url)
+    viewer = http.request(method, url, headers={"Authorization": "Bearer viewer-token"})
 
     assert (anonymous.status_code == 401) == (access != "-")
     assert (viewer.status_code == 403) == (access == "operator")

@@ -3,15 +3,14 @@
 import re
 import runpy
 
-import pytest
-
 from tests.documentation.shell_examples import PAGES, ROOT
+from tests.for_each import for_each
 
 FOLDER = ROOT / "benchmarks"
 SCRIPTS = sorted(FOLDER.glob("bench_*.py"))
 
 
-@pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
+@for_each("script", SCRIPTS, ids=lambda path: path.stem)
 def test_benchmark_finds_all_that_it_imports(script, monkeypatch):
     monkeypatch.syspath_prepend(str(FOLDER))
 
@@ -21,7 +20,7 @@ def test_benchmark_finds_all_that_it_imports(script, monkeypatch):
     assert f"benchmarks/{script.name}" in found["__doc__"]
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@for_each("page", PAGES, ids=lambda page: page.name)
 def test_benchmarks_that_a_page_names_exist(page):
     named = set(re.findall(r"bench_\w+\.py", page.read_text()))
 

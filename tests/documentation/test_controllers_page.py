@@ -2,18 +2,18 @@
 
 import re
 from dataclasses import dataclass, field
+from functools import cache
 
 import pytest
 
-from station.api.app import create_app
-from station.api.auth import Authenticator
 from station.controllers import CONTROLLERS
 from station.core.control.controller_factory import COMMON_PARAMETERS
 from station.core.control.switching import SwitchRequest
 from station.core.parameters import Parameters
+from tests.api.openapi_document import operations
 from tests.conformance.benches import JOINTS, bench_for
 from tests.documentation.shell_examples import ROOT
-from tests.two_joint_station import make_station
+from tests.for_each import for_each
 
 PAGE = (ROOT / "docs" / "controllers.md").read_text()
 GETTERS = ("get_float", "get_int", "get_bool", "get_str", "get_str_list")
@@ -72,9 +72,14 @@ class Reading:
     defaults: dict[str, list[object]] = field(default_factory=dict)
 
 
-@pytest.fixture(params=CONTROLLERS)
-def reading(request, monkeypatch):
-    """Load each controller and note every parameter of its own that it reads."""
+@cache
+def reading_of(controller_type: str) -> Reading:
+    """Load a controller and note every parameter of its own that it reads."""
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        return load_and_note(controller_type, monkeypatch)
+
+
+def load_and_note(controller_type: str, monkeypatch: pytest.MonkeyPatch) -> Reading:
     asked: dict[str, list[object]] = {}
 
     def note(view, key, *defaults):
@@ -101,7 +106,7 @@ def reading(request, monkeypatch):
         return has(view, key)
 
     monkeypatch.setattr(Parameters, "has", looked_at)
-    bench = bench_for(request.param)
+    bench = bench_for(controller_type)
     (status,) = bench.manager.list_controllers()
     return Reading(bench, status, bench.manager.get_controller("it"), asked)
 
@@ -129,14 +134,18 @@ def test_every_group_of_parameters_is_used():
     assert told | told_at_run_time == used
 
 
-def test_the_interface_is_the_one_that_is_claimed(reading):
+@for_each("controller_type", CONTROLLERS)
+def test_the_interface_is_the_one_that_is_claimed(controller_type):
+    reading = reading_of(controller_type)
     claims = reading.status.claimed_resources
     told = [cell.strip("`") for cell in TYPES[reading.status.type][1].split(", ")]
 
     assert [c.hardware_interface.rpartition("::")[2] for c in claims] == told
 
 
-def test_what_it_takes_is_told(reading):
+@for_each("controller_type", CONTROLLERS)
+def test_what_it_takes_is_told(controller_type):
+    reading = reading_of(controller_type)
     controller = reading.controller
     ports = {
         "set-points": controller.set_points,
@@ -148,7 +157,9 @@ def test_what_it_takes_is_told(reading):
     assert TYPES[reading.status.type][2] == (", ".join(takes) or "nothing")
 
 
-def test_what_it_publishes_is_told(reading):
+@for_each("controller_type", CONTROLLERS)
+def test_what_it_publishes_is_told(controller_type):
+    reading = reading_of(controller_type)
     topics = {
         SENSORS.get(topic, f"`{topic}`")
         for topic in published_by(reading.bench, reading.controller)
@@ -169,29 +180,33 @@ def test_the_resources_that_stand_for_topics_and_actions_exist():
     cells = [row[1] for row in table("Topics, services and actions of the originals")]
     told = re.findall(r"`([A-Z]+) ([^`?]+)", " ".join(cells))
     routes = {(verb, path.replace("…", "/controllers/{name}")) for verb, path in told}
-    paths = create_app(make_station(), Authenticator()).openapi()["paths"]
     known = {
-        (verb.upper(), path.removeprefix("/api/v1").replace("{goal_id}", "{id}"))
-        for path, verbs in paths.items()
-        for verb in verbs
+        (verb, path.removeprefix("/api/v1").replace("{goal_id}", "{id}"))
+        for verb, path in operations()
     }
 
     assert len(routes) >= 8
     assert routes <= known
 
 
-def test_every_parameter_that_is_read_is_told_and_no_other(reading):
+@for_each("controller_type", CONTROLLERS)
+def test_every_parameter_that_is_read_is_told_and_no_other(controller_type):
+    reading = reading_of(controller_type)
     assert set(reading.defaults) == set(documented(reading.status.type))
 
 
-def test_every_parameter_that_is_read_is_declared_and_no_other(reading):
+@for_each("controller_type", CONTROLLERS)
+def test_every_parameter_that_is_read_is_declared_and_no_other(controller_type):
+    reading = reading_of(controller_type)
     declared = reading.controller.declared_parameters()
     names = {one.name for one in (*COMMON_PARAMETERS, *declared)}
 
     assert set(reading.defaults) == names | {"type"}
 
 
-def test_the_declarations_say_what_the_page_says(reading):
+@for_each("controller_type", CONTROLLERS)
+def test_the_declarations_say_what_the_page_says(controller_type):
+    reading = reading_of(controller_type)
     groups = groups_of(TYPES[reading.status.type][4])
     rows = {
         name: row
@@ -210,7 +225,9 @@ def test_the_declarations_say_what_the_page_says(reading):
             assert meaning.startswith(one.description), one.name
 
 
-def test_defaults_are_told(reading):
+@for_each("controller_type", CONTROLLERS)
+def test_defaults_are_told(controller_type):
+    reading = reading_of(controller_type)
     told = documented(reading.status.type)
     for key, defaults in reading.defaults.items():
         for default in defaults:
@@ -226,7 +243,9 @@ def test_defaults_are_told(reading):
                 assert number or " " in told[key], key
 
 
-def test_run_time_parameters_and_their_ranges_are_told(reading):
+@for_each("controller_type", CONTROLLERS)
+def test_run_time_parameters_and_their_ranges_are_told(controller_type):
+    reading = reading_of(controller_type)
     groups = groups_of(TYPES[reading.status.type][4])
     told = {
         name: row[1]
@@ -245,6 +264,6 @@ def test_run_time_parameters_and_their_ranges_are_told(reading):
     } == told
 
 
-@pytest.mark.parametrize("name", ["state_publish_rate", "action_monitor_rate"])
+@for_each("name", ["state_publish_rate", "action_monitor_rate"])
 def test_parameters_without_effect_are_told(name):
     assert f"`{name}`" in PAGE

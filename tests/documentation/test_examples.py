@@ -27,6 +27,7 @@ from station.trials.setup import Setup
 from station.trials.trial import Trial, TrialResult
 from tests.api.spring import make_station
 from tests.documentation.shell_examples import PAGES, ROOT, commands, curl_request
+from tests.for_each import for_each
 
 OPERATOR = "operator-token"
 TRIED = [
@@ -39,7 +40,7 @@ ENDLESS = {"run", "ui", "doctor"}
 LASTING = {"--follow", "take"}
 """Words that let other verbs last until Ctrl-C."""
 VERBS = [
-    pytest.param(command.words[1:], id=command.text)
+    command
     for page in PAGES
     for command in commands(page)
     if command.words[0] == "station"
@@ -156,9 +157,9 @@ def send(words: list[str]) -> httpx.Response:
     )
 
 
-@pytest.mark.parametrize("words", VERBS)
-def test_the_command_line_understands_the_example(words):
-    assert parse(normalise(words)).run
+@for_each("command", VERBS, ids=lambda command: command.text)
+def test_the_command_line_understands_the_example(command):
+    assert parse(normalise(command.words[1:])).run
 
 
 @pytest.mark.slow

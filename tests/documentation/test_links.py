@@ -2,9 +2,8 @@
 
 import re
 
-import pytest
-
 from tests.documentation.shell_examples import PAGES, ROOT, blocks
+from tests.for_each import for_each
 
 _LINK = re.compile(r"\]\(([^)\s]+)\)")
 _PATH = re.compile(
@@ -20,7 +19,7 @@ def anchors(text: str) -> set[str]:
     return {heading.strip().replace(" ", "-") for heading in plain}
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@for_each("page", PAGES, ids=lambda page: page.name)
 def test_links_lead_to_files_and_headings(page):
     for target in _LINK.findall(page.read_text()):
         if target.startswith("https://"):
@@ -31,14 +30,14 @@ def test_links_lead_to_files_and_headings(page):
         assert not anchor or anchor in anchors(found.read_text()), target
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@for_each("page", PAGES, ids=lambda page: page.name)
 def test_paths_of_the_project_exist(page):
     for groups in _PATH.findall(page.read_text()):
         path = "".join(groups)
         assert (ROOT / path).exists(), f"{page.name} names {path}"
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@for_each("page", PAGES, ids=lambda page: page.name)
 def test_make_has_the_targets_that_are_named(page):
     targets = set(re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(), re.M))
     text = page.read_text()
@@ -48,6 +47,6 @@ def test_make_has_the_targets_that_are_named(page):
     assert set(inline + named) <= targets
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@for_each("page", PAGES, ids=lambda page: page.name)
 def test_every_block_is_closed(page):
     assert page.read_text().count("\n```") % 2 == 0

@@ -28,12 +28,13 @@ def folder(tmp_path):
     return tmp_path
 
 
-@pytest.mark.parametrize("number", range(len(EXAMPLES)))
-def test_the_example_passes(number, folder):
-    (folder / "test_example.py").write_text(EXAMPLES[number])
+def test_the_examples_pass(folder):
+    names = [f"test_example_{number}" for number in range(len(EXAMPLES))]
+    for name, example in zip(names, EXAMPLES, strict=True):
+        (folder / f"{name}.py").write_text(example)
 
     result = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "."],
+        [sys.executable, "-m", "pytest", "-q", "-rA", "-p", "no:cacheprovider", "."],
         cwd=folder,
         env={**os.environ, "PYTHONPATH": os.pathsep.join([str(folder), str(ROOT)])},
         capture_output=True,
@@ -42,7 +43,8 @@ def test_the_example_passes(number, folder):
     )
 
     assert result.returncode == 0, result.stdout
-    assert " passed" in result.stdout
+    passed = set(re.findall(r"^PASSED (\w+)\.py", result.stdout, re.MULTILINE))
+    assert passed == set(names), result.stdout
 
 
 def test_every_example_but_two_is_a_suite():

@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from station.compiled import SWITCH, status
-from station.hw.mujoco.speed_check import SpeedCheck
+from station.hw.mujoco.world_step import SpeedCheck
 from station.memory import functions
 from tests.both_modes import needs_both
 

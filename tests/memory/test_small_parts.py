@@ -70,7 +70,7 @@ def test_the_times_of_the_last_cycles_are_kept_part_by_part():
 
 def test_speeds_within_their_limits_hold_and_a_nan_does_not():
     speeds, shares = doubles([1.0, 0.1]), doubles([0.5, 0.5])
-    check = interpreted("speed_check").SpeedCheck(speeds, shares)
+    check = interpreted("world_step").SpeedCheck(speeds, shares)
     assert check.holds()
     speeds[1] = 2.1
     assert not check.holds()
@@ -88,7 +88,7 @@ def test_fingers_go_to_their_target_step_by_step_and_not_too_far_ahead():
     motor.place, motor.target = 0.02, 0.04
     places = []
     for _ in range(3):
-        motor.before()
+        motor.prepare_step()
         places.append(motor.place)
     assert places == pytest.approx([0.03, 0.035, 0.035])
     assert memory["controls"][0] == pytest.approx(3.5)
@@ -141,7 +141,7 @@ def test_both_modes_give_the_same_bits(values, target, step):
         )
         motor.stiffness, motor.reach = 5000.0, values[1]
         motor.place, motor.step, motor.target = values[2], step, target
-        motor.before()
+        motor.prepare_step()
         return [motor.place, memory["controls"][0]]
 
     def at_once(module):
@@ -156,5 +156,5 @@ def test_both_modes_give_the_same_bits(values, target, step):
     assert_same("finite_check", finite)
     assert_same("command_gate", blocks)
     assert_same("durations", durations)
-    assert_same("speed_check", speeds)
+    assert_same("world_step", speeds)
     assert_same("finger_motor", fingers)

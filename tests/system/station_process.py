@@ -9,6 +9,8 @@ import time
 from collections.abc import Mapping
 from pathlib import Path
 
+from tests.waiting import wait_until
+
 ROOT = Path(__file__).parents[2]
 PATIENCE = 90.0
 """How long a loaded machine may take to start a station [s]."""
@@ -61,13 +63,14 @@ class StationProcess:
 
     def told(self, number: int) -> dict[str, str]:
         """Wait for the line `number`, from 0, and return what it says."""
-        deadline = time.monotonic() + PATIENCE
-        while len(lines := self._out.read_text().splitlines(keepends=True)) <= number:
-            assert self.process.poll() is None, self.errors
-            assert time.monotonic() < deadline, "the station does not start"
-            time.sleep(0.02)
-        assert lines[number].endswith("\n")
-        return json.loads(lines[number])
+
+        def lines():
+            return self._out.read_text().splitlines(keepends=True)
+
+        self._wait_for(lambda: len(lines()) > number, "the station does not start")
+        line = lines()[number]
+        assert line.endswith("\n")
+        return json.loads(line)
 
     def access(self) -> dict[str, str]:
         """Wait for the API and return what the runtime file says."""
@@ -85,15 +88,27 @@ class StationProcess:
         Args:
             part: `ui` for the dashboard, `watchdog` for the watchdog.
         """
-        deadline = time.monotonic() + PATIENCE
-        while True:
+
+        def found():
             for pid in self.children():
                 words = Path(f"/proc/{pid}/cmdline").read_text().split("\0")
                 if part in words or f"station.app.{part}" in words:
                     return pid
-            assert self.process.poll() is None, self.errors
-            assert time.monotonic() < deadline, f"there is no {part}"
-            time.sleep(0.005)
+            return None
+
+        return self._wait_for(found, f"there is no {part}")
+
+    def _wait_for(self, holds, otherwise):
+        """Wait until something holds; fail when it ends before, or it takes long."""
+
+        def answer():
+            found = holds()
+            assert found or self.process.poll() is None, self.errors
+            return found
+
+        found = wait_until(answer, PATIENCE)
+        assert found, otherwise
+        return found
 
     def end(self, number: signal.Signals) -> float:
         """Send a signal and wait; return how long the process took to end [s]."""
@@ -135,9 +150,4 @@ def is_alive(pid: int) -> bool:
 
 def wait_for_end(pid: int, timeout: float) -> bool:
     """Return whether a process ends within `timeout` [s]."""
-    deadline = time.monotonic() + timeout
-    while is_alive(pid):
-        if time.monotonic() > deadline:
-            return False
-        time.sleep(0.02)
-    return True
+    return wait_until(lambda: not is_alive(pid), timeout)

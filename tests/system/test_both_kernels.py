@@ -1,5 +1,6 @@
-"""A minute of each default controller is the same, interpreted and compiled."""
+"""Each default controller moves the arm alike, interpreted and compiled."""
 
+import json
 import os
 import subprocess
 import sys
@@ -8,36 +9,47 @@ import pytest
 
 from station.compiled import SWITCH, find_misfit
 from station.config import load_config
+from tests.for_each import for_each
 from tests.system.station_process import ROOT
 
-pytestmark = pytest.mark.slow
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(find_misfit() is not None, reason=str(find_misfit())),
+]
 
-MINUTE = 60
-PROGRAM = "tests.system.minute_of_a_controller"
-
-
-def lines_of(controller, mode):
-    result = subprocess.run(
-        [sys.executable, "-m", PROGRAM, controller, str(MINUTE)],
-        cwd=ROOT,
-        env={**os.environ, SWITCH: mode},
-        stdout=subprocess.PIPE,
-        text=True,
-        check=True,
-    )
-    return result.stdout.splitlines()
+SECONDS = 20
+"""Of station time: four periods of the set-points, seven goals."""
 
 
-@pytest.mark.skipif(find_misfit() is not None, reason=str(find_misfit()))
-@pytest.mark.parametrize("controller", [*load_config().controllers])
-def test_a_minute_is_the_same_in_every_bit(controller):
-    (mode, *compiled, end), (other_mode, *interpreted, other_end) = (
-        lines_of(controller, which) for which in ("1", "0")
-    )
+@pytest.fixture(scope="module")
+def modes():
+    """Return what all controllers do, compiled and interpreted."""
+    command = [sys.executable, "-m", "tests.system.motion_of_controllers", str(SECONDS)]
+    return [
+        json.loads(
+            subprocess.run(
+                command,
+                cwd=ROOT,
+                env={**os.environ, SWITCH: mode},
+                stdout=subprocess.PIPE,
+                check=True,
+            ).stdout
+        )
+        for mode in ("1", "0")
+    ]
 
-    assert (mode, other_mode) == ("compiled", "interpreted")
-    # Nothing was stopped: a whole minute of motion is compared.
-    assert {end, other_end} <= {"move running", "idle running"}
-    assert len(compiled) == len(interpreted) == MINUTE
-    pairs = enumerate(zip(compiled, interpreted, strict=True))
-    assert [second for second, (one, other) in pairs if one != other] == []
+
+def test_both_modes_have_run(modes):
+    assert [one["mode"] for one in modes] == ["compiled", "interpreted"]
+
+
+@for_each("controller", [*load_config().controllers])
+def test_a_motion_is_the_same_in_every_bit(controller, modes):
+    compiled, interpreted = (one["controllers"][controller] for one in modes)
+
+    # Nothing was stopped: the whole motion is compared.
+    assert {compiled["end"], interpreted["end"]} <= {"move running", "idle running"}
+    assert len(compiled["seconds"]) == len(interpreted["seconds"]) == SECONDS
+    pairs = zip(compiled["seconds"], interpreted["seconds"], strict=True)
+    differing = [n for n, (one, other) in enumerate(pairs) if one != other]
+    assert differing == []

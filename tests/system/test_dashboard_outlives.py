@@ -7,6 +7,7 @@ import httpx
 import pytest
 
 from tests.system.station_process import StationProcess, is_alive, wait_for_end
+from tests.waiting import wait_until
 
 RECONNECTED = 3.0
 """What is promised, from the answer of the new station's API on [s]."""
@@ -48,9 +49,9 @@ def log_in(browser, station):
 def wait_until_live(browser, url, timeout):
     """Wait until the dashboard shows live data; return how long that took [s]."""
     began = time.monotonic()
-    while browser.get(f"{url}/state").json().get("link") != "live":
-        assert time.monotonic() - began < timeout
-        time.sleep(0.02)
+    assert wait_until(
+        lambda: browser.get(f"{url}/state").json().get("link") == "live", timeout
+    )
     return time.monotonic() - began
 
 
@@ -94,10 +95,9 @@ def test_stop_button_works_while_the_interpreter_of_the_station_is_stopped(
 
     assert answer.status_code == 200, answer.text
     assert answer.json()["state"] == "stopped"
-    deadline = time.monotonic() + 30.0
-    while browser.get(f"{url}/state").json()["stop_state"] != "stopped":
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
+    assert wait_until(
+        lambda: browser.get(f"{url}/state").json()["stop_state"] == "stopped"
+    )
 
 
 @pytest.mark.slow

@@ -5,7 +5,6 @@ import os
 import signal
 import socket
 import threading
-import time
 from pathlib import Path
 
 import pytest
@@ -13,6 +12,7 @@ import pytest
 from station.client import ApiError, StationClient
 from tests.system import hung_controllers
 from tests.system.station_process import StationProcess, is_alive
+from tests.waiting import wait_until
 
 SLOW = f"{hung_controllers.__name__}:NeverLoadedController"
 SOON = 3.0
@@ -116,10 +116,7 @@ def test_request_that_never_comes_back_does_not_hold_the_end_up(start, tmp_path)
 
     thread = threading.Thread(target=load)
     thread.start()
-    deadline = time.monotonic() + 20.0
-    while not mark.exists():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
+    assert wait_until(mark.exists)
     duration = station.end(signal.SIGINT)
     thread.join(60.0)
 

@@ -3,7 +3,6 @@
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -12,6 +11,7 @@ from station.client import StationClient
 from station.compiled import find_misfit, missing_tool
 from tests.system.checkout import copy_checkout
 from tests.system.station_process import StationProcess
+from tests.waiting import wait_until
 
 needs_extensions = pytest.mark.skipif(
     find_misfit() is not None, reason=str(find_misfit())
@@ -53,18 +53,11 @@ class Checkout:
 
     def wait_for_extensions(self) -> None:
         """Wait until extensions that fit are there."""
-        deadline = time.monotonic() + BUILD_PATIENCE
-        while True:
-            result = subprocess.run(
-                [sys.executable, "-c", IS_COMPILED],
-                cwd=self.root,
-                stderr=subprocess.PIPE,
-                check=False,
-            )
-            if result.returncode == 0:
-                return
-            assert time.monotonic() < deadline, result.stderr
-            time.sleep(0.5)
+        assert wait_until(self._is_compiled, BUILD_PATIENCE, pause=0.5)
+
+    def _is_compiled(self) -> bool:
+        command = [sys.executable, "-c", IS_COMPILED]
+        return subprocess.run(command, cwd=self.root, check=False).returncode == 0
 
     def clean_up(self) -> None:
         """End whatever is left of the stations."""

@@ -1,7 +1,6 @@
 """Two stations of one user, side by side in the same folders, each recording."""
 
 import signal
-import time
 
 import numpy as np
 import pytest
@@ -10,6 +9,7 @@ from station.client import ApiError, StationClient
 from station.records.mcap_recovery import recover_file
 from station.records.recording_reader import read_trajectory
 from tests.system.station_process import PATIENCE, StationProcess
+from tests.waiting import wait_until
 
 pytestmark = pytest.mark.slow
 
@@ -38,10 +38,7 @@ def start(tmp_path):
 
 
 def _wait(what, condition):
-    deadline = time.monotonic() + PATIENCE
-    while not condition():
-        assert time.monotonic() < deadline, f"{what} does not come"
-        time.sleep(0.05)
+    assert wait_until(condition, PATIENCE), f"{what} does not come"
 
 
 def test_one_is_killed_and_started_again_and_both_files_are_whole(start, tmp_path):

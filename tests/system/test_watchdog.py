@@ -14,6 +14,7 @@ from station.client import StationClient
 from tests.app.mass_hw import TYPE
 from tests.system import hung_controllers, watched_hw
 from tests.system.station_process import StationProcess, is_alive, wait_for_end
+from tests.waiting import wait_until
 
 MODULE = hung_controllers.__name__
 SOON = 0.2
@@ -61,15 +62,6 @@ def ask(url, method, path, token=None, body=None):
     return answer.status, content, time.monotonic() - began
 
 
-def wait_until(condition, timeout=30.0):
-    """Wait for a condition; return how long it took [s]."""
-    began = time.monotonic()
-    while not condition():
-        assert time.monotonic() - began < timeout
-        time.sleep(0.005)
-    return time.monotonic() - began
-
-
 def watchdog_ready(access):
     return ask(access["watchdog_url"], "GET", "/ready")[0] == 200
 
@@ -80,7 +72,7 @@ def start_hung(station, access):
     path = "/api/v1/controllers/switch"
     status, answer, _ = ask(access["url"], "POST", path, access["token"], switch)
     assert status == 200, answer
-    wait_until(lambda: not watchdog_ready(access))
+    assert wait_until(lambda: not watchdog_ready(access))
     assert station.process.poll() is None
 
 
@@ -93,7 +85,7 @@ def test_a_stop_is_latched_through_the_watchdog_of_a_hung_station(
 ):
     station = start(kind)
     access = station.access()
-    wait_until(lambda: watchdog_ready(access))
+    assert wait_until(lambda: watchdog_ready(access))
     start_hung(station, access)
 
     status, answer, duration = ask(
@@ -116,7 +108,7 @@ def test_a_stop_is_latched_through_the_watchdog_of_a_hung_station(
 def test_the_command_line_stops_a_station_whose_interpreter_is_held(start):
     station = start("LockedController")
     access = station.access()
-    wait_until(lambda: watchdog_ready(access))
+    assert wait_until(lambda: watchdog_ready(access))
     start_hung(station, access)
 
     outcome = station.command("stop", "--reason", "smoke")
@@ -129,14 +121,14 @@ def test_the_command_line_stops_a_station_whose_interpreter_is_held(start):
 def test_the_incident_names_the_line_that_hangs(start):
     station = start("DeepController")
     access = station.access()
-    wait_until(lambda: watchdog_ready(access))
+    assert wait_until(lambda: watchdog_ready(access))
     start_hung(station, access)
 
     def stacks():
         url = access["watchdog_url"]
         return ask(url, "GET", "/incident", access["token"])[1]["stacks"]
 
-    wait_until(stacks)
+    assert wait_until(stacks)
 
     assert any("hung_controllers.py" in line for line in stacks())
 
@@ -145,10 +137,10 @@ def test_the_incident_names_the_line_that_hangs(start):
 def test_a_loop_that_comes_back_sees_the_stop_before_it_writes(start):
     station = start("DeepController", seconds=2.0, after=0.2)
     access = station.access()
-    wait_until(lambda: watchdog_ready(access))
+    assert wait_until(lambda: watchdog_ready(access))
     start_hung(station, access)
     ask(access["watchdog_url"], "POST", "/stop", access["token"], '{"reason": "smoke"}')
-    wait_until(lambda: watchdog_ready(access))
+    assert wait_until(lambda: watchdog_ready(access))
 
     _, stop, _ = ask(access["url"], "GET", "/api/v1/stop", access["token"])
     _, joints, _ = ask(access["url"], "GET", "/api/v1/joint_states", access["token"])
@@ -164,7 +156,7 @@ def test_a_loop_that_comes_back_sees_the_stop_before_it_writes(start):
 def test_a_stop_through_the_watchdog_of_a_sound_station_is_carried_out(start):
     station = start()
     access = station.access()
-    wait_until(lambda: watchdog_ready(access))
+    assert wait_until(lambda: watchdog_ready(access))
 
     status, answer, _ = ask(access["watchdog_url"], "POST", "/stop", access["token"])
     _, stop, _ = ask(access["url"], "GET", "/api/v1/stop", access["token"])
@@ -177,11 +169,11 @@ def test_a_stop_through_the_watchdog_of_a_sound_station_is_carried_out(start):
 def test_a_standstill_makes_a_real_arm_hold_and_latches_the_stop(start, tmp_path):
     station = start("DeepController", robot=watched_hw.TYPE, seconds=1.0, after=0.2)
     access = station.access()
-    wait_until(lambda: watchdog_ready(access))
+    assert wait_until(lambda: watchdog_ready(access))
     start_hung(station, access)
 
-    wait_until((tmp_path / "held").exists)
-    wait_until(lambda: watchdog_ready(access))
+    assert wait_until((tmp_path / "held").exists)
+    assert wait_until(lambda: watchdog_ready(access))
     _, stop, _ = ask(access["url"], "GET", "/api/v1/stop", access["token"])
     incident = ask(access["watchdog_url"], "GET", "/incident", access["token"])[1]
 
@@ -198,7 +190,7 @@ def test_a_standstill_makes_a_real_arm_hold_and_latches_the_stop(start, tmp_path
 def test_a_station_that_does_not_come_back_is_ended(start, kind, code):
     station = start(kind, end_after=1.0)
     access = station.access()
-    wait_until(lambda: watchdog_ready(access))
+    assert wait_until(lambda: watchdog_ready(access))
     start_hung(station, access)
 
     station.process.wait(30.0)
@@ -212,7 +204,7 @@ def test_a_station_that_does_not_come_back_is_ended(start, kind, code):
 def test_a_killed_station_leaves_no_watchdog(start):
     station = start()
     access = station.access()
-    wait_until(lambda: watchdog_ready(access))
+    assert wait_until(lambda: watchdog_ready(access))
     watchdog = station.child("watchdog")
 
     station.end(signal.SIGKILL)
@@ -224,12 +216,12 @@ def test_a_killed_station_leaves_no_watchdog(start):
 def test_a_watchdog_that_dies_is_told_and_started_again(start):
     station = start()
     access = station.access()
-    wait_until(lambda: watchdog_ready(access))
+    assert wait_until(lambda: watchdog_ready(access))
     watchdog = station.child("watchdog")
 
     os.kill(watchdog, signal.SIGKILL)
-    wait_until(lambda: not is_alive(watchdog))
-    wait_until(lambda: watchdog_ready(access))
+    assert wait_until(lambda: not is_alive(watchdog))
+    assert wait_until(lambda: watchdog_ready(access))
 
     assert "The watchdog ended (exit code -9). It is started again." in station.errors
     assert not is_alive(watchdog)
@@ -239,7 +231,7 @@ def test_a_watchdog_that_dies_is_told_and_started_again(start):
 def test_the_watchdog_is_small(start):
     station = start()
     access = station.access()
-    wait_until(lambda: watchdog_ready(access))
+    assert wait_until(lambda: watchdog_ready(access))
     watchdog = station.child("watchdog")
     lines = Path(f"/proc/{watchdog}/status").read_text().splitlines()
 
@@ -252,7 +244,7 @@ def test_the_watchdog_is_small(start):
 def test_an_orderly_end_leaves_nothing_behind(start, tmp_path):
     station = start()
     access = station.access()
-    wait_until(lambda: watchdog_ready(access))
+    assert wait_until(lambda: watchdog_ready(access))
     watchdog = station.child("watchdog")
 
     duration = station.end(signal.SIGINT)
@@ -287,7 +279,7 @@ def test_a_stop_takes_effect_at_the_smallest_real_time_factor(tmp_path, paused):
 def test_a_start_that_hangs_says_what_it_waits_for_and_can_be_interrupted(start):
     station = start("NeverLoadedController")
 
-    wait_until(lambda: "Loading the controller 'hung'" in station.errors)
+    assert wait_until(lambda: "Loading the controller 'hung'" in station.errors)
     duration = station.end(signal.SIGINT)
 
     assert "The station still starts" in station.errors

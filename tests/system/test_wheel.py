@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from station.compiled import find_misfit
-from tests.system.checkout import copy_checkout
+from tests.system.checkout import compile_only, copy_checkout
 
 NO_COMPILER = {"PATH": "/nonexistent", "CC": "", "STATION_COMPILED": ""}
 SHOW = (
@@ -59,7 +59,8 @@ def run_unpacked(wheel, folder):
 
 @pytest.mark.skipif(find_misfit() is not None, reason=str(find_misfit()))
 def test_a_wheel_carries_extensions_that_run(tmp_path):
-    root = copy_checkout(tmp_path / "checkout", keep_extensions=True)
+    root = copy_checkout(tmp_path / "checkout", keep_extensions=False)
+    compile_only("memory", root)
     wheel = build(root, "wheel", tmp_path / "dist", STATION_COMPILED="1")
     folder = tmp_path / "installed"
 

@@ -2,7 +2,6 @@
 
 import asyncio
 import threading
-import time
 
 import msgspec
 import viser
@@ -13,6 +12,7 @@ from station.ui.dashboard import Dashboard
 from station.ui.robot_model import load_robot
 from station.ui.viser_door import SECRET_HEADER, open_viser
 from tests.ui.fake_station import OPERATOR, FakeStation
+from tests.waiting import wait_until
 
 CAMERA = {
     "type": "ViewerCameraMessage",
@@ -83,10 +83,7 @@ class Bench:
 
     def wait(self, holds, seconds=8.0):
         """Poll until `holds` is true; return its last answer."""
-        deadline = time.monotonic() + seconds
-        while not holds() and time.monotonic() < deadline:
-            time.sleep(0.01)
-        return holds()
+        return wait_until(holds, seconds)
 
     def _send(self, message):
         self._socket.send(msgspec.msgpack.encode(message))

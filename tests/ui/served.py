@@ -1,9 +1,10 @@
 """Serve an ASGI application on a free port for the length of a test."""
 
 import threading
-import time
 
 import uvicorn
+
+from tests.waiting import wait_until
 
 
 class Served:
@@ -19,8 +20,7 @@ class Served:
 
     def __enter__(self):
         self._thread.start()
-        while not self._server.started:
-            time.sleep(0.002)
+        assert wait_until(lambda: self._server.started, pause=0.002)
         port = self._server.servers[0].sockets[0].getsockname()[1]
         self.url = f"http://127.0.0.1:{port}"
         return self

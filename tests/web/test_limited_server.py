@@ -17,6 +17,7 @@ from station.web.limited_server import (
     Phase,
     connection_share,
 )
+from tests.waiting import wait_until
 
 LARGE = 32 * 1024 * 1024
 
@@ -50,8 +51,7 @@ class Serving:
 
     def __enter__(self):
         self._thread.start()
-        while not self.server.started:
-            time.sleep(0.002)
+        assert wait_until(lambda: self.server.started, pause=0.002)
         return self
 
     def __exit__(self, *_):
@@ -61,20 +61,13 @@ class Serving:
     def wait_until_alone(self):
         """Wait until the server has a connection no more, after it had one."""
         connections = self.server.server_state.connections
-        deadline = time.monotonic() + 10.0
-        while not connections and time.monotonic() < deadline:
-            time.sleep(0.002)
-        while connections and time.monotonic() < deadline:
-            time.sleep(0.002)
-        assert not connections
+        wait_until(lambda: connections, 10.0, pause=0.002)
+        assert wait_until(lambda: not connections, 10.0, pause=0.002)
 
     def wait_for(self, count):
         """Wait until the server has that many connections."""
         connections = self.server.server_state.connections
-        deadline = time.monotonic() + 10.0
-        while len(connections) < count:
-            assert time.monotonic() < deadline
-            time.sleep(0.002)
+        assert wait_until(lambda: len(connections) >= count, 10.0, pause=0.002)
 
     def connect(self, sent=b""):
         """Return a connection on which that was sent."""

@@ -142,11 +142,16 @@ class EntryPointLoader(ControllerLoader):
     def __init__(self, group: str = "station.controllers") -> None:
         super().__init__()
         self._group = group
-        self._table = self._read()
+        self._read: TableLoader | None = None
 
-    def _read(self) -> TableLoader:
-        found: list[EntryPoint] = list(entry_points(group=self._group))
-        return TableLoader([(entry.name, entry.value) for entry in found])
+    @property
+    def _table(self) -> TableLoader:
+        # Read when it is asked for: it takes longer than all else that a manager needs,
+        # and the station's own controllers are found before.
+        if self._read is None:
+            found: list[EntryPoint] = list(entry_points(group=self._group))
+            self._read = TableLoader([(entry.name, entry.value) for entry in found])
+        return self._read
 
     @override
     def declared_types(self) -> list[str]:
@@ -162,8 +167,9 @@ class EntryPointLoader(ControllerLoader):
 
     @override
     def reload(self) -> None:
-        self._table.reload()
-        self._table = self._read()
+        if self._read is not None:
+            self._read.reload()
+            self._read = None
 
 
 class ClassLoader(ControllerLoader):

@@ -1,9 +1,13 @@
-cimport cython
 from station.memory.vectors cimport copy_into
 from station.memory.functions cimport square_root
-from station.core.franka.joint_memory cimport JointMemory
 
-cpdef double filtered(double value, double previous, double gain) noexcept
+cpdef void low_pass(
+    double[::1] values,
+    double[::1] last,
+    double gain,
+    double[::1] result,
+    Py_ssize_t size,
+) noexcept
 cpdef double limited(
     double velocity,
     double last_velocity,
@@ -20,7 +24,10 @@ cpdef void limit_steps(
 ) noexcept
 
 cdef class CommandRates:
-    cdef JointMemory memory
+    cdef double[::1] tau_J_d
+    cdef double[::1] q_d
+    cdef double[::1] dq_d
+    cdef double[::1] ddq_d
     cdef readonly Py_ssize_t size
     cdef double[::1] positions
     cdef double[::1] velocities
@@ -29,8 +36,8 @@ cdef class CommandRates:
     cdef double[::1] acceleration
     cdef double[::1] jerk
     cdef double[::1] stopping
-    cdef double[::1] slope
-    cdef double[::1] torque_step
+    cdef double torque_step
+    cdef bint passes_first
     cdef double[::1] lower
     cdef double[::1] upper
     cdef double approach_gain
@@ -44,8 +51,8 @@ cdef class CommandRates:
     cdef public bint has_goals
     cdef public bint passes_next
     cdef public double[::1] result
+    cpdef begin_motion(self, double gain, bint is_limiting)
     cpdef note_goals(self)
     cpdef filter_torques(self)
     cpdef filter_velocities(self)
-    @cython.locals(passes=bint)
     cpdef filter_positions(self)

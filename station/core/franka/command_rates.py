@@ -6,21 +6,29 @@ limitRate; src/control_loop.cpp, convertMotion and ControlLoop::spinControl.
 
 from collections.abc import Iterable
 
-from station.core.franka.joint_memory import JointMemory
-from station.memory.doubles import Doubles, own, own_zeros
+from station.memory.doubles import Doubles, Storage, own, own_zeros
 from station.memory.functions import square_root
 from station.memory.vectors import copy_into
 
 
-def filtered(value: float, previous: float, gain: float) -> float:
-    """Return the first-order low-pass of a command.
+def low_pass(
+    values: Doubles, last: Doubles, gain: float, result: Storage, size: int
+) -> None:
+    """Write the first-order low-pass of commands.
 
     Args:
-        value: The new command.
-        previous: The filter's last output.
-        gain: Share of the new command, 0 to 1.
+        values: The new commands, shape (>= size,).
+        last: The filter's last output, shape (>= size,).
+        gain: Share of the new commands, 0 to 1; 1 is off.
+        result: Where the output goes, shape (>= size,).
+        size: How many there are.
     """
-    return gain * value + (1.0 - gain) * previous
+    rest = 1.0 - gain
+    if gain < 1.0:
+        for i in range(size):
+            result[i] = gain * values[i] + rest * last[i]
+    else:
+        copy_into(result, 0, values[:size], size)
 
 
 def limited(
@@ -68,7 +76,7 @@ def limited(
     return last_velocity + wanted * period
 
 
-def limit_steps(values: Doubles, last: Doubles, largest: float) -> None:
+def limit_steps(values: Storage, last: Doubles, largest: float) -> None:
     """Replace values by the nearest ones that are at most a step from the last ones.
 
     Args:
@@ -90,19 +98,25 @@ class CommandRates:
     """Filters and limits the commands of n joints, one kind per cycle.
 
     Args:
-        memory: State of the joints; the desired values in it are the last commands.
+        tau_J_d: Desired torques of the last cycle [Nm], shape (n,); as the next three,
+            the commands that a new one is compared with.
+        q_d: Desired positions [rad].
+        dq_d: Desired velocities [rad/s].
+        ddq_d: Desired accelerations [rad/s^2].
         positions: Commanded positions within the joint limits [rad], shape (n,).
         velocities: Commanded velocities [rad/s].
         efforts: Commanded torques [Nm].
         velocity: Largest speeds [rad/s], shape (n,).
         acceleration: Largest accelerations [rad/s^2].
         jerk: Largest jerks [rad/s^3].
-        torque_rate: Largest rates of torques [Nm/s].
+        torque_rate: Largest rate of torques [Nm/s].
         lower: Lowest positions of goals [rad].
         upper: Highest positions of goals [rad].
         braking_share: Share of the acceleration with which a joint approaches its goal.
         approach_gain: Velocity per distance near the goal [1/s].
         period: Duration of a cycle, > 0 [s].
+        passes_first: Whether the low-pass lets the first positions of a motion pass
+            unchanged.
 
     Attributes:
         gain: Share of a new command in the low-pass; 1 is off.
@@ -117,41 +131,45 @@ class CommandRates:
 
     def __init__(
         self,
-        memory: JointMemory,
         *,
+        tau_J_d: Doubles,  # noqa: N803 - libfranka's name
+        q_d: Doubles,
+        dq_d: Doubles,
+        ddq_d: Doubles,
         positions: Doubles,
         velocities: Doubles,
         efforts: Doubles,
         velocity: Iterable[float],
         acceleration: Iterable[float],
         jerk: Iterable[float],
-        torque_rate: Iterable[float],
+        torque_rate: float,
         lower: Iterable[float],
         upper: Iterable[float],
         braking_share: float,
         approach_gain: float,
         period: float,
+        passes_first: bool = False,
     ) -> None:
-        size = memory.size
-        self.memory = memory
-        self.size = size
+        self.size = size = len(positions)
+        self.tau_J_d = tau_J_d
+        self.q_d = q_d
+        self.dq_d = dq_d
+        self.ddq_d = ddq_d
         self.positions = positions
         self.velocities = velocities
         self.efforts = efforts
         self.velocity = own(velocity)
         self.acceleration = own(acceleration)
         self.jerk = own(jerk)
-        # What the approach of a goal takes of each joint.
+        # Twice the deceleration of an approach: v^2 = 2 a s.
         self.stopping = own([
             2.0 * braking_share * value for value in self.acceleration
         ])
-        self.slope = own([
-            j / a for j, a in zip(self.jerk, self.acceleration, strict=True)
-        ])
-        self.torque_step = own([rate * period for rate in torque_rate])
+        self.torque_step = torque_rate * period
         self.lower = own(lower)
         self.upper = own(upper)
         self.approach_gain = approach_gain
+        self.passes_first = passes_first
         self.period = period
         self.gain = 1.0
         self.is_limiting = False
@@ -163,92 +181,79 @@ class CommandRates:
         self.passes_next = False
         self.result = own_zeros(size)
 
+    def begin_motion(self, gain: float, is_limiting: bool) -> None:  # noqa: FBT001 - C
+        """Forget all previous commands.
+
+        Args:
+            gain: Share of a new command in the low-pass; 1 is off.
+            is_limiting: Whether the rates are limited.
+        """
+        self.gain = gain
+        self.is_limiting = is_limiting
+        self.has_goals = False
+        self.passes_next = self.passes_first
+        self.note_goals()
+
     def note_goals(self) -> None:
         """Note the commanded positions, which joint limits may change, as goals.
 
         With rate limits the arm approaches a goal so that it can stop there.
         """
-        if not self.is_limiting:
-            return
-        copy_into(self.goals, 0, self.positions, self.size)
+        if self.is_limiting:
+            copy_into(self.goals, 0, self.positions, self.size)
 
     def filter_torques(self) -> None:
         """Compute the torques to send."""
-        tau = self.efforts
-        last, result, gain = self.memory.tau_J_d, self.result, self.gain
-        rest = 1.0 - gain
-        steps, is_limiting = self.torque_step, self.is_limiting
-        for i in range(self.size):
-            value, previous = tau[i], last[i]
-            if gain < 1.0:
-                value = gain * value + rest * previous
-            if is_limiting:
-                step = steps[i]
-                change = value - previous
-                if step < change:
-                    change = step
-                if change < -step:
-                    change = -step
-                value = previous + change
-            result[i] = value
+        last, result = self.tau_J_d, self.result
+        low_pass(self.efforts, last, self.gain, result, self.size)
+        if self.is_limiting:
+            limit_steps(result, last, self.torque_step)
 
     def filter_velocities(self) -> None:
         """Compute the velocities to send."""
-        memory, result, dq = self.memory, self.result, self.velocities
-        dq_d, ddq_d, gain, period = memory.dq_d, memory.ddq_d, self.gain, self.period
+        result, period = self.result, self.period
+        dq_d, ddq_d = self.dq_d, self.ddq_d
+        low_pass(self.velocities, dq_d, self.gain, result, self.size)
+        if not self.is_limiting:
+            return
         accelerations, jerks = self.acceleration, self.jerk
         lowest, highest = self.lowest, self.highest
         for i in range(self.size):
-            value = dq[i]
-            if gain < 1.0:
-                value = filtered(value, dq_d[i], gain)
-            if self.is_limiting:
-                value = limited(
-                    value,
-                    dq_d[i],
-                    ddq_d[i],
-                    accelerations[i],
-                    jerks[i],
-                    lowest[i],
-                    highest[i],
-                    period,
-                )
-            result[i] = value
+            result[i] = limited(
+                result[i],
+                dq_d[i],
+                ddq_d[i],
+                accelerations[i],
+                jerks[i],
+                lowest[i],
+                highest[i],
+                period,
+            )
 
     def filter_positions(self) -> None:
         """Compute the positions to send, towards the noted goals."""
-        memory, result, gain = self.memory, self.result, self.gain
-        passes = self.passes_next
+        result, period = self.result, self.period
+        q_d, dq_d, ddq_d = self.q_d, self.dq_d, self.ddq_d
+        gain = 1.0 if self.passes_next else self.gain
         self.passes_next = False
-        q = self.positions
-        q_d, dq_d, ddq_d, period = memory.q_d, memory.dq_d, memory.ddq_d, self.period
-        if passes:
-            gain = 1.0
-        rest = 1.0 - gain
+        low_pass(self.positions, q_d, gain, result, self.size)
         if not self.is_limiting:
-            for i in range(self.size):
-                value = q[i]
-                if gain < 1.0:
-                    value = gain * value + rest * q_d[i]
-                result[i] = value
             return
         goals, last_goals = self.goals, self.last_goals
         lower, upper, has_goals = self.lower, self.upper, self.has_goals
         self.has_goals = True
         speeds, accelerations, jerks = self.velocity, self.acceleration, self.jerk
         lows, highs = self.lowest, self.highest
-        stopping, slopes, approach = self.stopping, self.slope, self.approach_gain
+        stopping, approach = self.stopping, self.approach_gain
         for i in range(self.size):
-            last, goal, acceleration = q_d[i], goals[i], accelerations[i]
+            last, goal = q_d[i], goals[i]
             if upper[i] < goal:
                 goal = upper[i]
             if goal < lower[i]:
                 goal = lower[i]
             last_goal = last_goals[i] if has_goals else goal
             last_goals[i] = goal
-            position, velocity, last_acceleration = q[i], dq_d[i], ddq_d[i]
-            if gain < 1.0:
-                position = gain * position + rest * last
+            position, velocity, last_acceleration = result[i], dq_d[i], ddq_d[i]
             if (
                 position == last
                 and goal == last
@@ -276,24 +281,14 @@ class CommandRates:
                 position = high
             if position < low:
                 position = low
-            # As `limited`, written out: a call costs more than all of it.
-            jerk = jerks[i]
-            change = (position - last) / period
-            change = ((change - velocity) / period - last_acceleration) / period
-            if jerk < change:
-                change = jerk
-            if change < -jerk:
-                change = -jerk
-            wanted = last_acceleration + change * period
-            slope = slopes[i]
-            high = slope * (highs[i] - velocity)
-            if acceleration < high:
-                high = acceleration
-            low = slope * (lows[i] - velocity)
-            if low < -acceleration:
-                low = -acceleration
-            if high < wanted:
-                wanted = high
-            if wanted < low:
-                wanted = low
-            result[i] = last + (velocity + wanted * period) * period
+            velocity = limited(
+                (position - last) / period,
+                velocity,
+                last_acceleration,
+                accelerations[i],
+                jerks[i],
+                lows[i],
+                highs[i],
+                period,
+            )
+            result[i] = last + velocity * period

@@ -22,7 +22,7 @@ class FrankaStateHandle(ResourceHandle):
         name: `<arm_id>_robot`.
         state: The arm's live state.
         refresh: Brings the derived fields of `state` up to date; cheap if they are.
-        pose: Writes `O_T_EE` in a quicker way; None if there is none.
+        pose: Writes `O_T_EE` alone, without a refresh; None if nothing does.
     """
 
     def __init__(

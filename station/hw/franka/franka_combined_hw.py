@@ -25,9 +25,12 @@ from station.hw.franka.arm.control_mode import (
 )
 from station.hw.franka.franka_hw import FrankaHW
 from station.hw.franka.franka_parameters import read_parameters
-from station.hw.franka.simulated.arm_placement import placement_of
-from station.hw.franka.simulated.combined_description import combine_descriptions
-from station.hw.franka.simulated.franka_world import FrankaWorld, simulate
+from station.hw.franka.simulated.franka_world import (
+    FrankaWorld,
+    combine_descriptions,
+    placement_of,
+    simulate,
+)
 from station.hw.mujoco.scene import read_scene
 from station.hw.robot_loader import create_robot
 

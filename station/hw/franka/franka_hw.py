@@ -17,15 +17,26 @@ Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, FrankaHW; differs:
 
 import logging
 from collections.abc import Sequence
-from math import inf
+from math import degrees, inf
 from typing import TYPE_CHECKING
 
 from typing_extensions import override
 
 from station.core.description.robot_description import ROBOT_DESCRIPTION
-from station.core.description.urdf import Urdf
-from station.core.errors import ParameterError, SwitchRefusedError
-from station.core.franka import FrankaServicesInterface
+from station.core.description.urdf import Joint, Urdf
+from station.core.errors import (
+    HardwareInterfaceError,
+    ParameterError,
+    SwitchRefusedError,
+)
+from station.core.franka import (
+    FrankaModel,
+    FrankaModelHandle,
+    FrankaModelInterface,
+    FrankaServicesInterface,
+    FrankaStateHandle,
+    FrankaStateInterface,
+)
 from station.core.franka.franka_robot_state import MODE, RobotMode, RobotState
 from station.core.hardware.robot_hw import (
     ControllerInfo,
@@ -36,30 +47,29 @@ from station.core.hardware.robot_hw import (
 )
 from station.core.hardware.robot_report import ClampReport, JointLimitsReport
 from station.core.parameters import Parameters
-from station.hw.franka.arm.arm_description import load_arm_description
-from station.hw.franka.arm.arm_names import find_prefix, joint_names
-from station.hw.franka.arm.arm_reading import ArmReading
+from station.hw.franka.arm.arm_description import (
+    find_prefix,
+    joint_names,
+    load_arm_description,
+)
 from station.hw.franka.arm.control_mode import (
     ControlMode,
     control_mode_of,
     find_conflicts,
     is_supported,
 )
-from station.hw.franka.arm.loop_period import arm_cycles_of
-from station.hw.franka.arm.robot_arm import RobotArm, cycles_of
-from station.hw.franka.arm.sensor_check import SensorCheck
-from station.hw.franka.commands.arm_interfaces import model_interface, state_interface
+from station.hw.franka.arm.robot_arm import MOST_LOST_PACKETS, RobotArm
 from station.hw.franka.commands.arm_services import ArmServices
-from station.hw.franka.commands.arm_writing import ArmWatch, ArmWriting
+from station.hw.franka.commands.arm_stages import ArmReading, ArmWatch, ArmWriting
 from station.hw.franka.commands.cartesian_commands import CartesianCommands
-from station.hw.franka.commands.command_filter import CommandFilter
 from station.hw.franka.commands.command_sender import CommandSender
 from station.hw.franka.commands.joint_commands import JointCommands
-from station.hw.franka.commands.joint_limit_warnings import joint_limit_warnings
-from station.hw.franka.commands.late_cycles import catch_up
 from station.hw.franka.commands.motion_start import MotionStart
-from station.hw.franka.commands.rate_limiter import rate_limits_of
-from station.hw.franka.commands.switch_checks import check_free
+from station.hw.franka.commands.rate_limiter import (
+    make_joint_rates,
+    make_range_update,
+    rate_limits_of,
+)
 from station.hw.franka.franka_parameters import (
     FrankaParameters,
     read_command_settings,
@@ -74,6 +84,9 @@ if TYPE_CHECKING:
     from station.hw.franka.simulated.franka_world import FrankaWorld
 
 _logger = logging.getLogger(__name__)
+# Longest period of the loop with which the gains that franka_control configures for
+# effort controllers are stable [s].
+_SLOWEST_TORQUE_PERIOD = 0.004
 _MODE_NAMES = {float(mode.value): mode.name.lower() for mode in RobotMode}
 
 
@@ -124,7 +137,6 @@ class FrankaHW(RobotHW):
         if self._arm is None:
             self._make_arm(root_params)
         self._mode = self.arm.state.doubles(MODE)
-        self._sensors = SensorCheck(self.arm.state)
         description = load_arm_description(self._parameters.robot_description, limits)
         description = description.with_prefix(find_prefix(description), f"{arm_id}_")
         if not root_params.has(ROBOT_DESCRIPTION):
@@ -137,22 +149,25 @@ class FrankaHW(RobotHW):
         self._joints = [urdf.joints[name] for name in joint_names(arm_id)]
         for name in self.commands.add_limits(self._joints, rate_limits_of(limits)):
             _logger.warning("%s has no soft limits in the URDF; none enforced", name)
+        state = self.arm.state
+        rates = make_joint_rates(limits, state, self.commands)
         self._sender = CommandSender(
             self.arm,
+            self._mode,
             self.commands,
             self.cartesian,
-            CommandFilter(limits, self.arm.state, self.commands),
+            rates,
+            make_range_update(limits, state, rates),
         )
         self._motion = MotionStart(self.arm, self._sender)
         self._watch = ArmWatch(self._mode, _MODE_NAMES, self._motion)
-        self._writing = ArmWriting(self._mode, self._sender)
+        self._writing = ArmWriting(self._sender)
         self._reading = ArmReading(
-            cycles_of(self.arm),
-            self._sensors.readings,
+            self.arm,
             self._motion,
-            cycle_time=self.arm.cycle_time,
-            catch_up=self._catch_up,
-            end_motion=self.arm.stop_motion,
+            self._sender,
+            most_lost=self._parameters.most_lost_packets,
+            losses_that_end=MOST_LOST_PACKETS,
         )
         self._add_fingers([f"{arm_id}_finger_joint{number}" for number in (1, 2)], urdf)
         for interface in self.command_interfaces():
@@ -189,7 +204,7 @@ class FrankaHW(RobotHW):
             self._real = RealRobot(self._parameters)
             self._arm = self._real.arm
         else:
-            from station.hw.franka.simulated.arm_placement import simulate_one
+            from station.hw.franka.simulated.franka_world import simulate_one
 
             told = self._parameters
             self.enter_world(simulate_one(told, root_params), told.arm_id)
@@ -243,8 +258,8 @@ class FrankaHW(RobotHW):
     def _call_compiled(self) -> None:
         """Let a cycle call the compiled parts with no method of Python around each."""
         for name, method in (
-            ("read", self._reading.run),
-            ("write", self._writing.run),
+            ("read", self._reading.read),
+            ("write", self._writing.write),
             ("mode", self._watch.mode),
             ("is_interrupted", self._watch.is_interrupted),
         ):
@@ -258,30 +273,13 @@ class FrankaHW(RobotHW):
 
     @override
     def read(self, time: float, period: float) -> None:
-        """Bring the arm's state up to date, one arm cycle per elapsed cycle time.
-
-        When the loop is slower than the arm, the arm gets the last command again in its
-        cycles within a nominal period, each time through filter and limits. The cycles
-        that a late loop has missed are lost packets: the arm extrapolates its motion,
-        and stops after 20 of them. Commanded poses are extrapolated by FrankaHW itself,
-        so that short delays lose no packet.
-        """
-        self._reading.run(time, period)
-
-    def _catch_up(self) -> int:
-        """Read the arm once for each cycle that is due; return how many there are."""
-        told = self._parameters
-        return catch_up(self.arm, self._sender, self._reading, told.most_lost_packets)
-
-    def _blindness(self) -> str | None:
-        """Return which reading is not finite; None when all are."""
-        bad = self._reading.bad
-        return None if bad < 0 else self._sensors.describe(bad)
+        """Bring the arm's state up to date, one arm cycle per elapsed cycle time."""
+        self._reading.read(time, period)
 
     @override
     def write(self, time: float, period: float) -> None:
         """Limit, filter and send the commands of the present mode."""
-        self._writing.run(time, period)
+        self._writing.write(time, period)
 
     @override
     def joint_limits(self) -> Sequence[JointLimitsReport]:
@@ -341,7 +339,7 @@ class FrankaHW(RobotHW):
                 arm_id,
                 is_connected=self._services.is_connected(),
                 has_guest=self.guest is not None and self.guest.is_moving,
-                blindness=self._blindness(),
+                blindness=self._reading.blindness(),
             )
         if not is_supported(mode):
             raise SwitchRefusedError(
@@ -389,7 +387,7 @@ class FrankaHW(RobotHW):
     def interruption_of(self, controller: ControllerInfo) -> str | None:
         if not self._control_mode_of([controller]) or not self.is_interrupted():
             return None
-        blindness = self._blindness()
+        blindness = self._reading.blindness()
         if blindness is not None:
             return f"arm '{self._parameters.arm_id}' is blind: {blindness}"
         errors = "; ".join(error.description for error in self.arm.errors())
@@ -437,8 +435,8 @@ class FrankaHW(RobotHW):
             gripper = self._world.grippers[told.arm_id]
             self._fingers = FingerJoints(gripper, names, told.arm_id)
             self._fingers.register(interfaces, in_states=told.publishes_fingers)
-            self._reading.fingers = self._fingers.sensor
-            self._writing.add_fingers(self._fingers)
+            self._reading.read_fingers = self._fingers.sensor.read
+            self._writing.fingers = self._fingers
             self.register_interface(self._fingers.services)
 
     def _mode_after(
@@ -449,3 +447,135 @@ class FrankaHW(RobotHW):
 
     def _control_mode_of(self, controllers: Sequence[ControllerInfo]) -> ControlMode:
         return control_mode_of(controllers, self._parameters.arm_id)
+
+
+def state_interface(
+    arm: RobotArm, arm_id: str, model: FrankaModel
+) -> FrankaStateInterface:
+    """Return the interface with the arm's whole state, `<arm_id>_robot`.
+
+    Args:
+        arm: The arm.
+        arm_id: Prefix of its names.
+        model: The arm's model, which may have what the state needs.
+    """
+    states = FrankaStateInterface()
+    name = f"{arm_id}_robot"
+    pose = arm.pose_source(model)
+    states.register_handle(FrankaStateHandle(name, arm.state, arm.refresh_state, pose))
+    return states
+
+
+def model_interface(
+    arm: RobotArm, arm_id: str, model: FrankaModel
+) -> FrankaModelInterface:
+    """Return the interface with the arm's model, `<arm_id>_model`.
+
+    Args:
+        arm: The arm.
+        arm_id: Prefix of its names.
+        model: The arm's model.
+
+    Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, setupFrankaModelInterface;
+    differs: the model is `<arm_id>_robot` as well, as the public documentation says.
+    """
+    models = FrankaModelInterface()
+    for name in (f"{arm_id}_model", f"{arm_id}_robot"):
+        models.register_handle(FrankaModelHandle(name, model, arm.state))
+    return models
+
+
+def arm_cycles_of(
+    period: float, cycle_time: float, arm_id: str, *, is_real: bool = False
+) -> int:
+    """Return how many cycles of the arm a period of the loop has; warn of a slow loop.
+
+    Args:
+        period: Nominal period of the loop [s], > 0.
+        cycle_time: Time from one state of the arm to the next [s], > 0.
+        arm_id: Name of the arm.
+        is_real: Whether the arm needs a command in each of its cycles.
+
+    Raises:
+        HardwareInterfaceError: `period` is shorter than the arm's own cycle, or longer
+            than that of a real arm.
+    """
+    if period < 0.999 * cycle_time:
+        raise HardwareInterfaceError(
+            f"The loop runs at {1.0 / period:g} Hz; arm '{arm_id}' takes at most "
+            f"{1.0 / cycle_time:g} commands per second.",
+            remedy=f"Set station.rate to {1.0 / cycle_time:g} or less.",
+            details={"rate": 1.0 / period},
+        )
+    if period > _SLOWEST_TORQUE_PERIOD:
+        _logger.warning(
+            "arm '%s' with a loop of %g Hz: torque controllers need small gains "
+            "below %g Hz, above all the damping; franka_control's are too large",
+            arm_id,
+            1.0 / period,
+            1.0 / _SLOWEST_TORQUE_PERIOD,
+        )
+    cycles = max(1, round(period / cycle_time))
+    if is_real and cycles > 1:
+        raise HardwareInterfaceError(
+            f"The loop runs at {1.0 / period:g} Hz; the real arm '{arm_id}' needs a "
+            "command in each of its cycles.",
+            remedy=f"Set station.rate to {1.0 / cycle_time:g}.",
+            details={"rate": 1.0 / period},
+        )
+    return cycles
+
+
+def check_free(
+    arm_id: str, *, is_connected: bool, has_guest: bool, blindness: str | None
+) -> None:
+    """Refuse to start controllers of an arm that is not free for them.
+
+    Args:
+        arm_id: Name of the arm.
+        is_connected: Whether the arm is connected.
+        has_guest: Whether a client of the Franka Control Interface moves the arm.
+        blindness: Which reading is not finite; None when all are.
+
+    Raises:
+        SwitchRefusedError: The arm is not free.
+    """
+    if not is_connected:
+        raise SwitchRefusedError(
+            f"Arm '{arm_id}' is not connected.", remedy="Connect the arm first."
+        )
+    if has_guest:
+        raise SwitchRefusedError(
+            f"A client of the Franka Control Interface moves arm '{arm_id}'.",
+            remedy="Let the client end its motion first.",
+        )
+    if blindness is not None:
+        raise SwitchRefusedError(
+            f"Arm '{arm_id}' is blind: {blindness}.",
+            remedy="Wait until the sensor reads finite numbers again.",
+        )
+
+
+def joint_limit_warnings(
+    joints: Sequence[Joint], q: Sequence[float], threshold: float
+) -> list[str]:
+    """Return one sentence per joint that is close to a position limit.
+
+    Args:
+        joints: The joints of the URDF, n of them.
+        q: Their positions [rad], shape (n,).
+        threshold: Distance to a limit below which there is a warning [rad], >= 0.
+
+    Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, FrankaHW::checkJointLimits.
+    """
+    warnings = []
+    for joint, position in zip(joints, q, strict=True):
+        limit = joint.limit
+        if limit is None or limit.lower is None or limit.upper is None:
+            continue
+        distance = min(abs(position - limit.lower), abs(position - limit.upper))
+        if distance < threshold:
+            warnings.append(
+                f"{joint.name} is {degrees(distance):.1f} degrees from a limit"
+            )
+    return warnings

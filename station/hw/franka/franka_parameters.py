@@ -17,8 +17,8 @@ from station.core.franka.franka_model import GRAVITY_EARTH
 from station.core.franka.franka_services import CollisionBehavior
 from station.core.hardware.limits import LimitMode
 from station.core.parameters import Parameters
+from station.hw.franka.arm.arm_description import joint_names
 from station.hw.franka.arm.arm_limits import LIMITS_OF_ARM, ArmLimits
-from station.hw.franka.arm.arm_names import joint_names
 from station.hw.franka.arm.collision_behavior import (
     DEFAULT_COLLISION_BEHAVIOR,
     collision_behavior_problem,

@@ -6,6 +6,7 @@ and slow switches, switches that fail, sensors that read NaN, slow cycles, excep
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 from typing_extensions import override
 
@@ -33,9 +34,30 @@ from station.core.hardware.interfaces import (
 from station.core.hardware.robot_hw import ControllerInfo, RobotHW, SwitchState
 from station.core.hardware.simulated_world import SimulatedWorld
 from station.core.parameters import Parameters
-from station.hw.mock.mock_joints import IDLE, MockJoints
-from station.hw.mock.mock_script import MockScript
-from station.hw.mock.mock_world import MockWorld
+from station.hw.mock.mock_world import IDLE, MockJoints, MockWorld
+
+
+@dataclass(slots=True)
+class MockScript:
+    """The faults of the mock; by default there are none.
+
+    Attributes:
+        refusal: Why `prepare_switch` refuses; None when every switch is accepted.
+        switch_cycles: Cycles that every switch of the hardware takes, >= 0.
+        failing: Names of controllers for which the hardware cannot switch.
+        nan_sensors: Names of joints whose position and velocity read NaN.
+        slow_cycles: How long the next cycles take in `read` [s], one number each.
+        read_error: What `read` raises; None for nothing.
+        mode: The robot's mode, one word.
+    """
+
+    refusal: str | None = None
+    switch_cycles: int = 0
+    failing: set[str] = field(default_factory=set)
+    nan_sensors: set[str] = field(default_factory=set)
+    slow_cycles: list[float] = field(default_factory=list)
+    read_error: Exception | None = None
+    mode: str = "running"
 
 
 class MockRobotHW(RobotHW):
@@ -88,7 +110,7 @@ class MockRobotHW(RobotHW):
             raise ParameterError(
                 f"Inertia {inertia} and damping {damping} of the mock must be > 0 and "
                 ">= 0.",
-                remedy="Leave them out for the usual ones.",
+                remedy="Leave them out for the defaults.",
             )
         self.script.switch_cycles = hw_params.get_int("switch_cycles", 0)
         self.joint_names = names

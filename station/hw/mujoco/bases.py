@@ -125,8 +125,8 @@ class RollingBase:
         self._servos = [int(model.actuator(name).id) for name in PLANAR_JOINTS]
         self._qvel, self._qpos, self._control = data.qvel, data.qpos, data.ctrl
 
-    def before_step(self) -> bool:
-        """Write the base's velocity; every step is a usual one."""
+    def prepare_step(self) -> None:
+        """Write the base's velocity."""
         qvel = self._qvel
         left, right = (
             sum(float(qvel[dof]) * rate for dof, rate in side) for side in self._sides
@@ -136,7 +136,6 @@ class RollingBase:
         self._control[x] = forward * cos(yaw)
         self._control[y] = forward * sin(yaw)
         self._control[turn] = (right - left) / self._separation
-        return True
 
 
 def _find_wheels(urdf: Urdf) -> Sequence[tuple[str, float, float]]:

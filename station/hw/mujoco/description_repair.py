@@ -127,8 +127,8 @@ def log_repairs(files: RobotFiles, repairs: Sequence[Repair]) -> None:
     """
     for repair in repairs:
         # Links that never touch are no surprise; a changed robot may be one.
-        usual = repair.is_addition or repair.kind in ("self_collision", "motor")
-        level = logging.INFO if usual else logging.WARNING
+        is_minor = repair.is_addition or repair.kind in ("self_collision", "motor")
+        level = logging.INFO if is_minor else logging.WARNING
         _logger.log(level, "%s: %s", files.urdf_path, repair.sentence())
 
 

@@ -54,11 +54,11 @@ class HardStops:
         self._has_strong = bool(self._is_strong.any())
         self._row, self._response = np.zeros((1, model.nv)), np.zeros((1, model.nv))
 
-    def before_step(self) -> bool:
+    def prepare_step(self) -> None:
         """Slow down the joints that would pass an end of their range."""
         low, high, velocity = self._bounds()
         if not ((velocity > high) | (velocity < low)).any():
-            return True
+            return
         for _ in range(_MOST_SWEEPS):
             beyond = np.maximum(velocity - high, low - velocity)
             worst = int(np.argmax(beyond))
@@ -67,7 +67,6 @@ class HardStops:
             bound = high[worst] if velocity[worst] > high[worst] else low[worst]
             self._change(int(self._dofs[worst]), float(bound - velocity[worst]))
             velocity = self._data.qvel[self._dofs]
-        return True
 
     def _bounds(
         self,
@@ -118,7 +117,7 @@ def add_hard_stops(world: "World", limits: Mapping[str, float]) -> None:
     fast = [name for name, v in limits.items() if needs_hard_stop(model, name, v)]
     if fast:
         stops = HardStops(model, world.data, fast)
-        world.add_preparation(CalledPreparation(stops.before_step))
+        world.add_preparation(CalledPreparation(stops.prepare_step))
 
 
 def needs_hard_stop(model: mujoco.MjModel, name: str, velocity: float) -> bool:

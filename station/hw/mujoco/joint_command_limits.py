@@ -28,7 +28,7 @@ from station.core.hardware.robot_report import (
     report_clamps,
 )
 from station.core.parameters import Parameters
-from station.hw.mujoco.command_kinds import COMMAND_INTERFACES
+from station.hw.mujoco.joint_command_modes import COMMAND_INTERFACES
 
 _logger = logging.getLogger(__name__)
 _PARAMETERS = "parameters"

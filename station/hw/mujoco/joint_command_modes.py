@@ -1,15 +1,26 @@
 """Choose the command that each joint of a simulated robot follows."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import isfinite
 
+from station.core.hardware.interfaces import (
+    EffortJointInterface,
+    JointCommandInterface,
+    PositionJointInterface,
+    VelocityJointInterface,
+)
 from station.core.hardware.robot_hw import ControllerInfo
 from station.core.hardware.transmissions import RawJointData
-from station.hw.mujoco.command_kinds import COMMAND_INTERFACES
 from station.hw.mujoco.joint_drives import DriveMode
 from station.hw.mujoco.simulated_pid import SimulatedPid
 from station.memory.doubles import Storage
 
+COMMAND_INTERFACES: Mapping[str, type[JointCommandInterface]] = {
+    "position": PositionJointInterface,
+    "velocity": VelocityJointInterface,
+    "effort": EffortJointInterface,
+}
+"""The interface through which controllers command each quantity."""
 _QUANTITY_OF_INTERFACE = {
     interface.type_name: quantity for quantity, interface in COMMAND_INTERFACES.items()
 }

@@ -24,11 +24,17 @@ velocity limit: force = D (v_max - dq), plus an effort against the motion.
 
 from enum import IntEnum
 from math import inf
+from typing import TYPE_CHECKING
 
-from station.hw.mujoco import drives as kernel
-from station.hw.mujoco.world_joints import WorldJoints
+from station.hw.mujoco.world_step import Preparation
 from station.memory.doubles import Block, put
+from station.memory.functions import square_root
 
+if TYPE_CHECKING:
+    from station.hw.mujoco.world_joints import WorldJoints
+
+VELOCITY_GAIN = 1000.0
+"""Rate at which a drive without limits would follow a velocity [1/s]."""
 _PARTS = (
     "mode",
     "position_target",
@@ -45,13 +51,44 @@ _PARTS = (
 class DriveMode(IntEnum):
     """The quantity that a joint's drive follows."""
 
-    POSITION = kernel.POSITION
-    VELOCITY = kernel.VELOCITY
-    EFFORT = kernel.EFFORT
+    POSITION = 0
+    VELOCITY = 1
+    EFFORT = 2
 
 
-class JointDrives:
+# As C numbers, by the .pxd.
+_VELOCITY = float(DriveMode.VELOCITY)
+_EFFORT = float(DriveMode.EFFORT)
+_VELOCITY_GAIN = VELOCITY_GAIN
+_POSITION_GAIN = 100.0
+_SHARE_OF_EFFORT = 0.3
+_SHARE_OF_ACCELERATION = 0.8
+
+
+def approach_velocity(error: float, braking: float) -> float:
+    """Return the velocity [rad/s or m/s] at a distance from the target.
+
+    Args:
+        error: Distance to the target [rad or m].
+        braking: Deceleration that the joint can be braked with, >= 0.
+    """
+    knee = braking / (_POSITION_GAIN * _POSITION_GAIN)
+    distance = error
+    if distance < 0.0:
+        distance = -distance
+    if distance <= knee:
+        return _POSITION_GAIN * error
+    root = square_root(braking * (2.0 * distance - knee))
+    if error < 0.0:
+        return -root
+    return root
+
+
+class JointDrives(Preparation):
     """One drive per joint, acting before every step of the world.
+
+    The joints are in any order: an index says where each one is in the simulator's
+    memory.
 
     Args:
         joints: The joints in the world, n of them.
@@ -64,11 +101,10 @@ class JointDrives:
         position_target: Positions [rad or m], shape (n,); in place.
         velocity_target: Velocities [rad/s or m/s], shape (n,); in place.
         effort_target: Efforts [Nm or N], shape (n,); in place.
-        preparation: Writes the motors' controls for the coming step.
     """
 
-    def __init__(self, joints: WorldJoints, timestep: float) -> None:
-        count = len(joints.names)
+    def __init__(self, joints: "WorldJoints", timestep: float) -> None:
+        self.size = count = len(joints.names)
         block = Block(dict.fromkeys(_PARTS, count))
         put(block["velocity_limit"], [inf] * count)
         put(block["effort_limit"], joints.effort_limits)
@@ -76,22 +112,97 @@ class JointDrives:
         put(block["upper_limit"], joints.upper_limits)
         put(block["position_target"], joints.read_positions())
         self._joints = joints
-        self._desired_velocity = block["desired_velocity"]
+        # Views for Python, which reads them faster than it does those of Cython below.
         self.velocity_limits = block["velocity_limit"]
         self.modes = block["mode"]
         self.position_target = block["position_target"]
         self.velocity_target = block["velocity_target"]
         self.effort_target = block["effort_target"]
-        own = {name: block[name] for name in _PARTS}
-        self.preparation = kernel.Drives(joints.memory, joints.places, own, timestep)
+        self.mode = block["mode"]
+        self.position = block["position_target"]
+        self.velocity = block["velocity_target"]
+        self.effort = block["effort_target"]
+        self.velocity_limit = block["velocity_limit"]
+        self.effort_limit = block["effort_limit"]
+        self.lower_limit = block["lower_limit"]
+        self.upper_limit = block["upper_limit"]
+        self.desired = block["desired_velocity"]
+        memory, places = joints.memory, joints.places
+        self.qpos = memory["qpos"]
+        self.qvel = memory["qvel"]
+        self.bias = memory["bias"]
+        self.weight = memory["weight"]
+        self.inertia = memory["inertia"]
+        self.control = memory["control"]
+        self.damping = memory["damping"]
+        self.place_qpos = places["qpos"]
+        self.place_dof = places["dof"]
+        self.place_inertia = places["inertia"]
+        self.place_control = places["control"]
+        self.place_damping = places["damping"]
+        self.timestep = timestep
 
-    def attend(self) -> None:
-        """Do nothing: every cycle of the drives is a usual one."""
+    def prepare_step(self) -> None:
+        """Write the motors' controls and damping."""
+        qvel, inertia, mode = self.qvel, self.inertia, self.mode
+        place_dof, place_inertia = self.place_dof, self.place_inertia
+        velocity_limit, desired = self.velocity_limit, self.desired
+        control, damping = self.control, self.damping
+        place_control, place_damping = self.place_control, self.place_damping
+        timestep = self.timestep
+        for i in range(self.size):
+            dof = place_dof[i]
+            mass = inertia[place_inertia[i]]
+            limit = velocity_limit[i]
+            kind = mode[i]
+            gain = 0.0
+            if kind == _EFFORT:
+                velocity = qvel[dof]
+                effort = self.effort[i]
+                if velocity > limit:
+                    gain = _VELOCITY_GAIN * mass
+                    if effort > 0.0:
+                        effort = 0.0
+                    effort = effort + gain * limit
+                elif velocity < -limit:
+                    gain = _VELOCITY_GAIN * mass
+                    if effort < 0.0:
+                        effort = 0.0
+                    effort = effort - gain * limit
+            else:
+                gain = _VELOCITY_GAIN * mass
+                acceleration = _SHARE_OF_EFFORT * self.effort_limit[i] / mass
+                braking = _SHARE_OF_ACCELERATION * acceleration
+                q = self.qpos[self.place_qpos[i]]
+                if kind == _VELOCITY:
+                    velocity = self.velocity[i]
+                    bound = approach_velocity(self.upper_limit[i] - q, braking)
+                    if not velocity < bound:
+                        velocity = bound
+                    bound = approach_velocity(self.lower_limit[i] - q, braking)
+                    if not velocity > bound:
+                        velocity = bound
+                else:
+                    velocity = approach_velocity(self.position[i] - q, braking)
+                if not velocity < limit:
+                    velocity = limit
+                if not velocity > -limit:
+                    velocity = -limit
+                step = acceleration * timestep
+                before = desired[i]
+                if not velocity < before + step:
+                    velocity = before + step
+                if not velocity > before - step:
+                    velocity = before - step
+                effort = gain * velocity + self.bias[dof] - self.weight[dof]
+            desired[i] = velocity
+            control[place_control[i]] = effort
+            damping[place_damping[i]] = -gain
 
     def after_reset(self) -> None:
         """Hold the pose to which the world was reset."""
-        zeros = [0.0] * len(self.modes)
+        zeros = [0.0] * self.size
         put(self.position_target, self._joints.read_positions())
         put(self.velocity_target, zeros)
         put(self.effort_target, zeros)
-        put(self._desired_velocity, zeros)
+        put(self.desired, zeros)

@@ -45,11 +45,13 @@ from station.core.hardware.transmissions import (
 from station.core.hardware.transmissions.hardware_interface_kind import interface_of
 from station.core.parameters import Parameters
 from station.hw.mujoco.bases import RollingBase, joints_of_base
-from station.hw.mujoco.command_kinds import COMMAND_INTERFACES
 from station.hw.mujoco.description_repair import log_repairs, repair_robot
 from station.hw.mujoco.hard_stops import add_hard_stops
 from station.hw.mujoco.joint_command_limits import JointCommandLimits
-from station.hw.mujoco.joint_command_modes import JointCommandModes
+from station.hw.mujoco.joint_command_modes import (
+    COMMAND_INTERFACES,
+    JointCommandModes,
+)
 from station.hw.mujoco.joint_drives import JointDrives
 from station.hw.mujoco.mujoco_robot_parameters import read_parameters
 from station.hw.mujoco.mujoco_simulation import simulate_robot
@@ -59,8 +61,8 @@ from station.hw.mujoco.sensors import WorldSensors
 from station.hw.mujoco.shared_world import SharedWorld
 from station.hw.mujoco.simulated_motors import SimulatedMotors
 from station.hw.mujoco.simulated_pid import read_simulated_pids
-from station.hw.mujoco.unpowered_joints import UnpoweredJoints
 from station.hw.mujoco.world import World
+from station.hw.mujoco.world_joints import UnpoweredJoints
 from station.hw.mujoco.world_step import CalledPreparation
 from station.memory.doubles import put
 from station.reports import HardwareTransmission
@@ -145,13 +147,14 @@ class MujocoRobotHW(RobotHW):
             root_params.set(ROBOT_DESCRIPTION, description.xml)
         if parameters.base_type == "planar":
             base = RollingBase(self.world, urdf)
-            self.world.add_preparation(CalledPreparation(base.before_step))
+            self.world.add_preparation(CalledPreparation(base.prepare_step))
         self._make_motors(description, transmissions)
         self._transmission_reports = [_report(info) for info in transmissions]
         pids = read_simulated_pids(hw_params, {n: urdf.joints[n] for n in self._names})
         self._modes = JointCommandModes(self._joints, pids, self._drives.modes)
         self._unpowered = UnpoweredJoints(
-            self.world,
+            self.world.model,
+            self.world.data,
             [*joints_of_base(parameters.base_type), *_others(urdf, self._names)],
             interface_of(self, JointStateInterface),
         )
@@ -297,7 +300,7 @@ class MujocoRobotHW(RobotHW):
         self._names = [joint.name for info in infos for joint in info.joints]
         self._world_joints = self.world.joints(self._names)
         self._drives = JointDrives(self._world_joints, self.world.timestep)
-        self.world.add_actor(self._drives)
+        self.world.add_actor(self._drives, self._drives)
         targets = {
             "position": self._drives.position_target,
             "velocity": self._drives.velocity_target,

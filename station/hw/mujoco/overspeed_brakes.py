@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 
 from station.core.hardware.limits.joint_limits_handle import Clamp, ClampReason
 from station.core.hardware.robot_report import ClampReport
-from station.hw.mujoco.speed_check import SpeedCheck
+from station.hw.mujoco.world_step import SpeedCheck
 from station.memory.doubles import as_doubles
 
 OVERSPEED = 1.015

@@ -4,6 +4,8 @@ from collections.abc import Mapping, Sequence
 from math import inf
 from typing import Protocol
 
+import mujoco
+import numpy as np
 from typing_extensions import override
 
 from station.core.hardware.robot_report import (
@@ -13,8 +15,10 @@ from station.core.hardware.robot_report import (
 )
 from station.core.hardware.simulated_world import SimulatedWorld
 from station.hw.mujoco.bases import moving_bases
-from station.hw.mujoco.contacts import touching
 from station.hw.mujoco.world import World
+
+MOST_CONTACTS = 64
+"""Contacts reported at most: a pile of objects has hundreds."""
 
 
 class RobotInWorld(Protocol):
@@ -81,3 +85,36 @@ class SharedWorld(SimulatedWorld):
     def longest_period(self) -> float:
         """Return the largest of the robots' longest periods [s]; inf without any."""
         return max((robot.longest_period() for robot in self._robots), default=inf)
+
+
+def touching(model: mujoco.MjModel, data: mujoco.MjData) -> list[ContactReport]:
+    """Return the contacts of the last step. For the thread that steps the world.
+
+    MuJoCo gives a force in the axes of the contact, whose first axis points from the
+    first geometry to the second one (MuJoCo documentation, `mjContact`,
+    `mj_contactForce`).
+
+    Args:
+        model: The world's model.
+        data: The world's data.
+    """
+    found = []
+    wrench = np.zeros(6)
+    for i in range(min(data.ncon, MOST_CONTACTS)):
+        contact = data.contact[i]
+        mujoco.mj_contactForce(model, data, i, wrench)
+        axes = contact.frame.reshape(3, 3)  # its rows
+        first, second = (_body_of(model, geom) for geom in contact.geom)
+        found.append(
+            ContactReport(
+                (first, second),
+                tuple(contact.pos.tolist()),
+                tuple((axes.T @ wrench[:3]).tolist()),
+            )
+        )
+    return found
+
+
+def _body_of(model: mujoco.MjModel, geom: int) -> str:
+    name: str = model.body(model.geom_bodyid[geom]).name
+    return name

@@ -1,7 +1,7 @@
 """The simulated world: owns MuJoCo's model and data, and advances them in time."""
 
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Protocol
 
 import mujoco
@@ -16,11 +16,7 @@ from station.hw.mujoco.world_joints import (
     find_joint,
     joint_position_address,
 )
-from station.hw.mujoco.world_step import (
-    AttendedPreparation,
-    Preparation,
-    WorldStep,
-)
+from station.hw.mujoco.world_step import Preparation, WorldStep
 
 # MuJoCo's warnings of the whole process. Without a handler MuJoCo writes warnings to a
 # file in the current directory, and the control thread must do no I/O.
@@ -29,13 +25,6 @@ _warnings: deque[str] = deque(maxlen=8)
 
 class WorldActor(Protocol):
     """A part that drives joints of the world, e.g. an arm's own controller."""
-
-    @property
-    def preparation(self) -> Preparation:
-        """What writes the controls of a coming step that is a usual one."""
-
-    def attend(self) -> None:
-        """Write the controls of a coming step that is not a usual one."""
 
     def after_reset(self) -> None:
         """Start again from the state of the world, which has been reset."""
@@ -82,10 +71,10 @@ class World:
             stepper.step,
             stepper.addresses,
             self.brakes.speeds,
-            self._look,
+            self._brake,
             self._count_pushes,
         )
-        self.step = self.stepping.make
+        self.step = self.stepping.make_step
         self._start_qpos: list[float] = self.data.qpos.tolist()
         self._initial_qpos = self._start_qpos
         self.diverged_because: str | None = None
@@ -103,23 +92,23 @@ class World:
         """Number of steps made since the world exists; a reset does not change it."""
         return self.stepping.count
 
-    def add_actor(self, actor: WorldActor) -> None:
-        """Let `actor` act before every step, after those added before it."""
+    def add_actor(self, actor: WorldActor, preparation: Preparation) -> None:
+        """Let `actor` act before every step, after those added before it.
+
+        Args:
+            actor: Is told of a reset.
+            preparation: Writes the controls of the coming step.
+        """
         self._actors.append(actor)
-        self._prepare(actor.preparation, actor.attend)
+        self.add_preparation(preparation)
 
     def add_preparation(self, preparation: Preparation) -> None:
         """Prepare every step in this way, after what was added before it.
 
-        For what keeps no state of its own and knows no unusual step.
-
         Args:
-            preparation: Prepares the coming step, and returns True. Control thread.
+            preparation: Prepares the coming step. Control thread.
         """
-        self._prepare(preparation, _nothing)
-
-    def _prepare(self, preparation: Preparation, attend: Callable[[], None]) -> None:
-        self.stepping.preparations.append(AttendedPreparation(preparation, attend))
+        self.stepping.preparations.append(preparation)
 
     def joints(self, names: Sequence[str]) -> WorldJoints:
         """Return access to some joints, in the order of `names`.
@@ -173,8 +162,8 @@ class World:
             applied.end()
         self._forget_pushes()
 
-    def _look(self) -> None:
-        """Look at velocities that may be too high, and brake."""
+    def _brake(self) -> None:
+        """Brake joints that are too fast; end a simulation that has diverged."""
         # Written with `not … <`, so that a NaN counts as diverged, too.
         if not self._qvel.dot(self._qvel) < MAX_SQUARED_VELOCITY:
             detail = _warnings[-1] if _warnings else "no warning of MuJoCo"
@@ -239,10 +228,6 @@ class World:
         mujoco.mj_resetData(self.model, self.data)
         self.data.qpos[:] = self._initial_qpos
         mujoco.mj_forward(self.model, self.data)
-
-
-def _nothing() -> None:
-    """Attend to a step that is always a usual one."""
 
 
 def _report(thing: SceneObject, data: mujoco.MjData) -> SceneObjectReport:

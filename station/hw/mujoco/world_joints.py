@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from station.core.errors import HardwareInterfaceError
+from station.core.hardware.interfaces import JointStateHandle, JointStateInterface
 from station.hw.mujoco.simulator_memory import SimulatorMemory
 from station.memory.doubles import Doubles, as_doubles, doubles
 
@@ -44,7 +45,7 @@ class WorldJoints:
         lower_limits: Lowest positions [rad or m]; infinite where unlimited.
         upper_limits: Highest positions [rad or m]; infinite where unlimited.
         effort_limits: Largest motor forces [Nm or N]; infinite where unlimited.
-        memory: MuJoCo's own memory by the names of `kernel.joint_drives.Drives`.
+        memory: MuJoCo's own memory by the names that `JointDrives` has for it.
         places: Indices of the joints in it, shape (n,) each.
 
     Raises:
@@ -206,32 +207,44 @@ class WorldJoints:
         self.effort_limits = list(limits)
 
 
-class WorldJointStates:
-    """Joints of the world that are only read, with or without a motor.
+class UnpoweredJoints:
+    """Puts the states of some joints into the joint states, with an effort of 0.
 
     Args:
         model: The world's model.
         data: The world's data.
-        names: Joints with one degree of freedom, n of them.
-
-    Attributes:
-        read_positions: Return the positions [rad or m], shape (n,), a new list.
-        read_velocities: Return the velocities [rad/s or m/s], shape (n,), a new list.
+        names: Joints with one degree of freedom, with or without a motor.
+        interface: Gets their handles.
 
     Raises:
         HardwareInterfaceError: A joint is unknown.
     """
 
     def __init__(
-        self, model: mujoco.MjModel, data: mujoco.MjData, names: Sequence[str]
+        self,
+        model: mujoco.MjModel,
+        data: mujoco.MjData,
+        names: Sequence[str],
+        interface: JointStateInterface,
     ) -> None:
         joints = [find_joint(model, name) for name in names]
-        self.read_positions = _reader(
+        self._read_positions = _reader(
             data.qpos, [int(model.jnt_qposadr[joint]) for joint in joints]
         )
-        self.read_velocities = _reader(
+        self._read_velocities = _reader(
             data.qvel, [int(model.jnt_dofadr[joint]) for joint in joints]
         )
+        self._position, self._velocity = [0.0] * len(names), [0.0] * len(names)
+        effort = [0.0] * len(names)
+        for index, name in enumerate(names):
+            interface.register_handle(
+                JointStateHandle(name, self._position, self._velocity, effort, index)
+            )
+
+    def read(self) -> None:
+        """Bring the states up to date. Control thread."""
+        self._position[:] = self._read_positions()
+        self._velocity[:] = self._read_velocities()
 
 
 def joint_position_address(model: mujoco.MjModel, name: str) -> int:

@@ -1,5 +1,5 @@
 cimport cython
-from station.hw.mujoco.speed_check cimport SpeedCheck
+from station.memory.vectors cimport are_within
 
 ctypedef void (*_OfTwo)(void*, void*) noexcept
 
@@ -7,28 +7,26 @@ cdef inline void call_with_two(size_t function, size_t first, size_t second) noe
     (<_OfTwo> function)(<void*> first, <void*> second)
 
 cdef class Preparation:
-    cpdef bint before(self)
+    cpdef prepare_step(self)
 
 cdef class CalledPreparation(Preparation):
     cdef object function
-    cpdef bint before(self)
+    cpdef prepare_step(self)
 
-cdef class AttendedPreparation:
-    cdef Preparation preparation
-    cdef object attend
+cdef class SpeedCheck:
+    cdef double[::1] velocities
+    cdef double[::1] shares
+    cdef readonly Py_ssize_t size
+    cdef double slowest
+    cpdef bint holds(self)
 
 cdef class WorldStep:
     cdef object step
-    cdef size_t function
-    cdef size_t model
-    cdef size_t data
+    cdef size_t function, model, data
     cdef SpeedCheck speeds
-    cdef object look
-    cdef object count_pushes
+    cdef object brake, count_pushes
     cdef readonly long long count
     cdef readonly list preparations
-    cdef public bint stands_still
-    cdef public bint is_pushed
-    cdef public bint is_braked
-    @cython.locals(one=AttendedPreparation)
-    cpdef make(self)
+    cdef public bint stands_still, is_pushed, is_braked
+    @cython.locals(one=Preparation)
+    cpdef make_step(self)

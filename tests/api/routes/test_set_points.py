@@ -8,6 +8,7 @@ from station.core.ports.set_point import SetPointElement
 from station.events import Origin
 from station.wire.excitations import Step
 from tests.api.test_errors import problem_of
+from tests.for_each import for_each
 from tests.patient_clock import PatientClock
 
 COMMAND = "/api/v1/controllers/spring/command"
@@ -60,8 +61,8 @@ def test_the_answer_says_which_cycle_was_the_first_with_it(live, station):
     assert [answer.cycle for answer in answers] == [targets[0.5], targets[0.6]]
 
 
-@pytest.mark.parametrize(
-    ("body", "status", "code"),
+@for_each(
+    "body, status, code",
     [
         ('{"command": [NaN]}', 422, "invalid_request"),
         ('{"command": [Infinity]}', 422, "invalid_request"),

@@ -2,7 +2,6 @@
 
 import json
 import socket
-import time
 from contextlib import ExitStack
 
 import httpx
@@ -19,6 +18,7 @@ from station.api.server import ApiServer
 from station.core.clock import ManualClock
 from tests.api.conftest import OPERATOR, VIEWER
 from tests.api.test_server import BEARER, deaf_client, open_stream
+from tests.waiting import wait_until
 
 
 def close_code(stream):
@@ -167,10 +167,7 @@ def test_clients_that_go_leave_nothing_behind(server, app):
         with open_stream(server) as stream:
             read(stream)
     broadcaster = app.state.services.broadcaster
-    deadline = time.monotonic() + 5.0
-    while broadcaster.clients and time.monotonic() < deadline:
-        time.sleep(0.01)
-    assert broadcaster.clients == 0
+    assert wait_until(lambda: broadcaster.clients == 0)
 
 
 def test_a_client_that_reads_nothing_is_closed_4408_and_harms_nobody(

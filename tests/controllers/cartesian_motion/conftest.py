@@ -47,7 +47,7 @@ class Kinematics:
 
     @staticmethod
     def clearance(q):
-        return clearance(q, has_hand=True).distance
+        return clearance(q, has_hand=True)
 
 
 class IdealArm(RobotHW):

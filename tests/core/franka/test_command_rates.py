@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from station.memory.doubles import doubles, put, zeros
-from tests.both_modes import arrays, assert_same, needs_both, sibling
+from tests.both_modes import arrays, assert_same, needs_both
 
 SIZE = 3
 STATE = ("tau_J_d", "q_d", "dq_d", "ddq_d")
@@ -26,14 +26,14 @@ def test_both_modes_give_the_same_bits(gain, limits, passes, state, commands):
         }
         command = zeros(SIZE)
         rates = module.CommandRates(
-            sibling(module, "joint_memory").JointMemory(SIZE, **memory),
+            **memory,
             positions=command,
             velocities=command,
             efforts=command,
             velocity=[2.0, 1.0, 0.5],
             acceleration=[10.0, 5.0, 20.0],
             jerk=[5000.0, 3000.0, 9000.0],
-            torque_rate=[999.0] * SIZE,
+            torque_rate=999.0,
             lower=[-1.0] * SIZE,
             upper=[1.5] * SIZE,
             braking_share=0.5,

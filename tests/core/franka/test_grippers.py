@@ -90,6 +90,6 @@ def test_time_and_motion_stand_still_with_the_simulation(station):
     Grippers(station.robots).move("panda", 0.02)
     before = Grippers(station.robots).state("panda")
 
-    station.loop._idle()
+    station.loop.control_cycle.run_standstill()
 
     assert Grippers(station.robots).state("panda") == before

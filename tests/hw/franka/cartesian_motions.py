@@ -4,10 +4,8 @@ from collections.abc import Sequence
 
 from station.core.franka import ArmError, RobotState
 from station.hw.franka.arm.arm_limits import PANDA_LIMITS
-from station.hw.franka.arm.supervisor_limits import SupervisorLimits
-from station.hw.franka.simulated.arm_cycle import ArmCycle
-from station.hw.franka.simulated.cartesian_motion import CartesianMotion, Elbow
-from station.hw.mujoco.simulator_memory import SimulatorMemory
+from station.hw.franka.simulated.arm_parts import new_cartesian_step, new_joint_memory
+from station.hw.franka.simulated.motion_check import MotionCheck
 from station.memory.doubles import put
 
 PERIOD = 0.001
@@ -17,22 +15,29 @@ class Generator:
     """A motion generator that is given its commands call by call."""
 
     def __init__(self, state: RobotState) -> None:
-        memory = SimulatorMemory(7)
-        cycle = ArmCycle(state, PANDA_LIMITS, SupervisorLimits(), memory, PERIOD)
-        self._step = cycle.cartesian
-        self._motion = CartesianMotion(state, PANDA_LIMITS, self._step, PERIOD)
-        self.begin = self._motion.begin
-        self.extrapolate = self._motion.extrapolate
+        self._memory = new_joint_memory(state)
+        check = MotionCheck(self._memory, PANDA_LIMITS, PERIOD)
+        self._step = new_cartesian_step(state, self._memory, check, PERIOD)
+        self._violations = check.violations
+        self._is_first = True
+        self.begin = self._step.begin_motion
+        self.extrapolate = self._step.extrapolate
 
     def receive(
-        self, values: Sequence[float], elbow: Elbow | None = None
+        self, values: Sequence[float], elbow: tuple[float, float] | None = None
     ) -> list[ArmError]:
         """Plan a cycle for a pose or a twist; return the errors of the command."""
-        put(self._step.command[: len(values)], values)
-        self._step.size = len(values)
-        return self._motion.plan(elbow)
+        step = self._step
+        put(step.command[: len(values)], values)
+        step.size, step.has_elbow = len(values), elbow is not None
+        put(step.elbow_command, elbow or (0.0, 0.0))
+        self._violations.clear()
+        step.plan(self._is_first)
+        self._is_first = False
+        return self._violations.errors()
 
     def solve(self) -> tuple[list[float], list[ArmError]]:
         """Return the joints' next positions and the errors of their step."""
-        errors = self._motion.solve()
-        return [*self._step.target], errors
+        self._violations.clear()
+        self._step.move_joints()
+        return [*self._memory.target], self._violations.errors()

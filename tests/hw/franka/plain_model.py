@@ -33,4 +33,4 @@ class PlainModel(FrankaModel):
         return kinematics.body_jacobian(frame, q, F_T_EE, EE_T_K)
 
     def clearance(self, q):
-        return clearance(q, has_hand=True).distance
+        return clearance(q, has_hand=True)

@@ -7,20 +7,22 @@ works on arrays, so that the two have nothing in common.
 import numpy as np
 import pytest
 
-from station.core.franka.command_rates import CommandRates, filtered
-from station.core.franka.joint_memory import JointMemory
+from station.core.franka.command_rates import CommandRates, low_pass
 from station.hw.franka.arm.arm_limits import FR3_LIMITS, PANDA_LIMITS, ArmLimits
 from station.hw.franka.commands.rate_limiter import (
+    MARGIN,
     PERIOD,
-    limit_position,
-    limit_velocity,
     low_pass_gain,
     rate_limits_of,
     velocity_range_of,
     with_margins,
 )
-from station.memory.doubles import as_doubles, zeros
-from tests.hw.franka.limited_vectors import limited
+from station.memory.doubles import as_doubles, doubles, zeros
+from tests.hw.franka.limited_commands import (
+    limit_position,
+    limit_twist,
+    limit_velocity,
+)
 
 SAMPLES = 2_000
 EPS = 1e-3
@@ -89,17 +91,19 @@ def test_joint_motions_are_limited_alike(arm: str, limits: ArmLimits) -> None:
 def limited_torques(tau: np.ndarray, last: np.ndarray, rate: float) -> list[float]:
     """Return torques as they are sent, with every sample as a joint of its own."""
     size = len(tau)
-    joints = JointMemory(size, tau_J_d=as_doubles(last))
     free = [np.inf] * size
     rates = CommandRates(
-        joints,
+        tau_J_d=as_doubles(last),
+        q_d=zeros(size),
+        dq_d=zeros(size),
+        ddq_d=zeros(size),
         positions=zeros(size),
         velocities=zeros(size),
         efforts=as_doubles(tau),
         velocity=free,
         acceleration=free,
         jerk=free,
-        torque_rate=[rate] * size,
+        torque_rate=rate,
         lower=[-np.inf] * size,
         upper=free,
         braking_share=0.5,
@@ -123,7 +127,7 @@ def test_torque_rates_are_limited_alike() -> None:
     tau = last + generator.normal(size=SAMPLES) * 3.0
     step = (1000.0 - EPS) * PERIOD
     expected = np.clip(tau, last - step, last + step)
-    rate = rate_limits_of(PANDA_LIMITS)[0].torque_rate
+    rate = PANDA_LIMITS.torque_rate - MARGIN
     np.testing.assert_allclose(
         limited_torques(tau, last, rate), expected, rtol=0.0, atol=1e-12
     )
@@ -174,7 +178,7 @@ def test_twists_are_limited_alike(limits: ArmLimits, part: str) -> None:
         a0 = generator.normal(size=3)
         a0 *= bounds.acceleration * generator.uniform() / np.linalg.norm(a0)
         v = v0 + generator.normal(size=3) * 10.0 ** generator.uniform(-5, 0)
-        ours = limited(v, v0, a0, bounds)
+        ours = limit_twist(v, v0, a0, bounds)
         expected = limited_vector(v, v0, a0, bounds)
         np.testing.assert_allclose(ours, expected, rtol=0.0, atol=1e-12)
         assert np.linalg.norm(ours) <= bounds.velocity + 1e-9
@@ -190,10 +194,11 @@ def test_low_pass_has_the_response_of_its_transfer_function(
     gain = PERIOD / (PERIOD + 1.0 / (2.0 * np.pi * cutoff))
     step = np.exp(2j * np.pi * frequency * PERIOD)
     response = gain / (1.0 - (1.0 - gain) / step)
-    value, outputs = 0.0, []
+    value, outputs = zeros(1), []
     for cycle in range(2_000):
-        value = filtered((step**cycle).real, value, low_pass_gain(cutoff))
-        outputs.append(value)
+        wave = doubles([(step**cycle).real])
+        low_pass(wave, value, low_pass_gain(cutoff), value, 1)
+        outputs.append(value[0])
     cycles = np.arange(1_000, 2_000)
     expected = (response * step**cycles).real
     np.testing.assert_allclose(outputs[1_000:], expected, rtol=0.0, atol=1e-9)

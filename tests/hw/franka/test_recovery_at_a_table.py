@@ -11,7 +11,7 @@ from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.arm.franka_kinematics import zero_jacobian
 from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
 from station.hw.franka.franka_parameters import read_parameters
-from station.hw.franka.simulated.arm_placement import simulate_one
+from station.hw.franka.simulated.franka_world import simulate_one
 
 TORQUES = ControllerMode.EXTERNAL_CONTROLLER, MotionGeneratorMode.NONE
 STIFFNESS = np.array([600.0, 600, 600, 600, 250, 150, 50])

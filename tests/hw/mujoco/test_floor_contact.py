@@ -3,7 +3,7 @@
 import mujoco
 import pytest
 
-from station.hw.mujoco.floor_contact import depth_in_floor
+from station.hw.mujoco.mujoco_simulation import depth_in_floor
 
 WORLD = """<mujoco><worldbody><geom name="floor" type="plane" size="0 0 1"/>
 <body pos="0 0 {height}" euler="{turn} 0 0"><freejoint/>

@@ -58,6 +58,6 @@ def test_impact_removes_energy(tmp_path) -> None:
     world.data.joint("j").qpos[0] = 0.99
     world.data.joint("j").qvel[0] = 25.0
     before = energy(world)
-    HardStops(world.model, world.data, ["j"]).before_step()
+    HardStops(world.model, world.data, ["j"]).prepare_step()
     assert world.data.joint("j").qvel[0] == pytest.approx(10.0)
     assert 0.0 < energy(world) < before

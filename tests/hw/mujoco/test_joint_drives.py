@@ -1,12 +1,20 @@
-"""Servos that reach their target, keep their bounds, and are stable."""
+"""Servos reach their target, keep their bounds and are stable, alike in both modes."""
 
+from array import array
 from itertools import pairwise
+from types import SimpleNamespace
 
 import mujoco
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
+from station.hw.mujoco import joint_drives
 from station.hw.mujoco.joint_drives import DriveMode, JointDrives
 from station.hw.mujoco.world import World
+from station.memory.doubles import doubles, put
+from tests.both_modes import both
+from tests.core.hardware.limits.joints_of_limits import numbers, sizes
 
 # A wheel of inertia 0.5 + 0.1 kg m^2 without weight.
 WHEEL = """
@@ -35,7 +43,7 @@ class Bench:
         self.joints = self.world.joints(["j"])
         self.drives = JointDrives(self.joints, 0.001)
         self.drives.velocity_limits[0] = max_velocity
-        self.world.add_actor(self.drives)
+        self.world.add_actor(self.drives, self.drives)
         self.positions: list[float] = []
         self.velocities: list[float] = []
 
@@ -104,3 +112,73 @@ def test_reset_forgets_targets(bench):
     bench.world.reset({"j": -1.0})
     bench.run(100)
     assert bench.positions[-1] == pytest.approx(-1.0, abs=1e-6)
+
+
+MEMORY = ("qpos", "qvel", "bias", "weight", "inertia", "control", "damping")
+TARGETS = ("position_target", "velocity_target", "effort_target")
+LIMITS = ("velocity_limit", "effort_limit", "lower_limit", "upper_limit")
+PLACES = ("qpos", "dof", "inertia", "control", "damping")
+
+
+@st.composite
+def worlds(draw):
+    """Return the memory, places and doubles of two joints in a world of three."""
+    memory = {name: [draw(numbers) for _ in range(3)] for name in MEMORY}
+    memory["inertia"] = [draw(st.floats(1e-6, 1e3)) for _ in range(3)]
+    places = {name: draw(st.permutations([0, 1, 2]))[:2] for name in PLACES}
+    own = {name: [draw(numbers) for _ in range(2)] for name in TARGETS}
+    own |= {name: [draw(sizes) for _ in range(2)] for name in LIMITS}
+    own["mode"] = [float(draw(st.integers(0, 2))) for _ in range(2)]
+    return memory, places, own
+
+
+def act(module, world):
+    """Return the memory and the doubles after a step, with every sign."""
+    memory, places, own = world
+    memory = {name: doubles(values) for name, values in memory.items()}
+    places = {name: memoryview(array("q", values)) for name, values in places.items()}
+    joints = SimpleNamespace(
+        names=["joint"] * len(own["mode"]),
+        memory=memory,
+        places=places,
+        effort_limits=own["effort_limit"],
+        lower_limits=own["lower_limit"],
+        upper_limits=own["upper_limit"],
+        read_positions=lambda: own["position_target"],
+    )
+    drives = module.JointDrives(joints, 0.001)
+    put(drives.modes, own["mode"])
+    put(drives.velocity_limits, own["velocity_limit"])
+    put(drives.velocity_target, own["velocity_target"])
+    put(drives.effort_target, own["effort_target"])
+    found = {}
+    for step in range(2):  # the second one begins with a desired velocity
+        drives.prepare_step()
+        found |= {f"{name} {step}": repr([*view]) for name, view in memory.items()}
+    return found
+
+
+def test_both_modes_agree_to_the_bit():
+    interpreted, compiled = both("joint_drives")
+
+    @settings(derandomize=True)
+    @given(worlds())
+    def compare(world):
+        assert act(interpreted, world) == act(compiled, world)
+
+    compare()
+
+
+def test_joint_is_read_and_driven_at_its_places():
+    memory = {name: [0.0] * 3 for name in MEMORY} | {"inertia": [0.0, 0.0, 2.0]}
+    memory |= {"qpos": [9.0, 0.25, 9.0], "bias": [5.0, 0.0, 0.0]}
+    places = {"qpos": [1], "dof": [0], "inertia": [2], "control": [2], "damping": [0]}
+    own = {name: [0.0] for name in (*TARGETS, "mode")}
+    own |= {name: [1e9] for name in LIMITS} | {"position_target": [0.2500001]}
+
+    after = act(joint_drives, (memory, places, own))
+
+    # A servo of 1000/s over the inertia, 100/s from the target, and the bias.
+    speed = 100.0 * (0.2500001 - 0.25)
+    assert after["control 0"] == repr([0.0, 0.0, 2000.0 * speed + 5.0])
+    assert after["damping 0"] == repr([-2000.0, 0.0, 0.0])

@@ -15,7 +15,7 @@ from station.hw.mujoco.model_builder import (
     new_world,
 )
 from station.hw.mujoco.world import World
-from station.hw.mujoco.world_step import CalledPreparation
+from station.hw.mujoco.world_step import Preparation
 from station.hw.urdf_loader import load_urdf
 
 ARM = [f"panda_joint{number}" for number in range(1, 8)]
@@ -32,21 +32,15 @@ def world() -> World:
     return world
 
 
-class RecordingActor:
+class RecordingActor(Preparation):
     """Remembers what it was told."""
 
     def __init__(self) -> None:
         self.calls: list[str] = []
-        self.preparation = CalledPreparation(self.before_step)
 
-    def before_step(self) -> bool:
-        """Remember the step, and leave the first one to `attend`."""
-        self.calls.append("before_step")
-        return len(self.calls) > 1
-
-    def attend(self) -> None:
-        """Remember that a step was not a usual one."""
-        self.calls.append("attend")
+    def prepare_step(self) -> None:
+        """Remember the step."""
+        self.calls.append("prepare_step")
 
     def after_reset(self) -> None:
         """Remember the reset."""
@@ -132,11 +126,11 @@ def test_mimic_joint_has_no_motor(world: World) -> None:
 
 def test_actors_act_once_per_step_and_hear_of_a_reset(world: World) -> None:
     actor = RecordingActor()
-    world.add_actor(actor)
+    world.add_actor(actor, actor)
     world.step()
     world.step()
     world.reset()
-    assert actor.calls == ["before_step", "attend", "before_step", "after_reset"]
+    assert actor.calls == ["prepare_step", "prepare_step", "after_reset"]
 
 
 def test_reset_puts_joints_elsewhere_once(world: World) -> None:

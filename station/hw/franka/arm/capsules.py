@@ -4,14 +4,50 @@ A capsule is a segment with a radius. It has 7 numbers, the ends of its segment 
 frame of its link [m] and the radius [m].
 """
 
-from station.memory.doubles import Doubles, Indices
+from station.memory.doubles import Doubles, Indices, Storage, zeros
 from station.memory.functions import square_root
 
 _PARALLEL = 1e-12
 
 
+class LinkDistances:
+    """Finds the closest two of some capsules that are fixed to the links of an arm.
+
+    Args:
+        capsules: The capsules, 7 numbers each.
+        owners: For each capsule the index of its link; -1 for the base.
+        pairs: Indices of both capsules of each pair to compare.
+
+    Attributes:
+        closest: Number of the closest pair: the index of its first capsule times the
+            number of all capsules, plus the index of the second one.
+    """
+
+    def __init__(self, capsules: Doubles, owners: Indices, pairs: Indices) -> None:
+        self.capsules = capsules
+        self.owners = owners
+        self.pairs = pairs
+        self.segments = zeros(6 * len(owners))
+        self.found = zeros(1)
+        self.closest = -1
+
+    def measure(self, links: Storage) -> float:
+        """Return the distance between the closest two [m]; negative if they overlap.
+
+        Args:
+            links: Poses of the links, 16 numbers each.
+        """
+        place_segments(self.capsules, self.owners, links, self.segments)
+        number = nearest_pair(self.capsules, self.segments, self.pairs, self.found)
+        # There is none where a position is not finite.
+        if number >= 0:
+            first, second = self.pairs[2 * number], self.pairs[2 * number + 1]
+            self.closest = first * len(self.owners) + second
+        return self.found[0]
+
+
 def place_segments(
-    capsules: Doubles, owners: Indices, links: Doubles, segments: Doubles
+    capsules: Doubles, owners: Indices, links: Storage, segments: Doubles
 ) -> None:
     """Write the segments of capsules in the base frame.
 

@@ -1,8 +1,6 @@
 cdef class Receiver:
-    cdef object function
-    cpdef receive(self, double[::1] values)
-
-cdef class PoseReceiver:
-    cpdef bint is_open(self) except -1
-    cpdef bint is_settled(self) except -1
-    cpdef bint receive(self, double[::1] pose) except -1
+    cpdef bint receive_torques(self, double[::1] tau)
+    cpdef bint receive_positions(self, double[::1] q)
+    cpdef bint receive_velocities(self, double[::1] dq)
+    cpdef bint receive_pose(self, double[::1] pose)
+    cpdef bint rests_at_pose(self)

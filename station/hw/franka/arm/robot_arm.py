@@ -10,7 +10,6 @@ callbacks, because the cycle belongs to the station's loop.
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from enum import Enum
-from typing import NamedTuple
 
 from station.core.franka.arm_simulation import ArmSimulation
 from station.core.franka.franka_errors import ArmError
@@ -18,10 +17,8 @@ from station.core.franka.franka_model import FrankaModel
 from station.core.franka.franka_robot_state import RobotState
 from station.core.franka.franka_services import CollisionBehavior
 from station.core.franka.model_sources import ModelSource
-from station.core.quick_way import is_in_force
-from station.hw.franka.arm.arm_reading import CalledCycles, Cycles
 from station.hw.franka.arm.load import Load
-from station.hw.franka.arm.receiver import PoseReceiver, Receiver
+from station.hw.franka.arm.receiver import Receiver
 from station.memory.doubles import Storage
 from station.reports import ArmRecord
 
@@ -51,22 +48,6 @@ class MotionGeneratorMode(Enum):
     JOINT_VELOCITY = "joint_velocity"
     CARTESIAN_POSITION = "cartesian_position"
     CARTESIAN_VELOCITY = "cartesian_velocity"
-
-
-class Receivers(NamedTuple):
-    """What takes the commands of an arm's joints, shape (7,).
-
-    Attributes:
-        positions: Takes positions [rad].
-        velocities: Takes velocities [rad/s].
-        torques: Takes torques [Nm].
-        poses: Takes poses in usual cycles; None if `command_cartesian_pose` takes all.
-    """
-
-    positions: Receiver
-    velocities: Receiver
-    torques: Receiver
-    poses: PoseReceiver | None = None
 
 
 class RobotArm(ABC):
@@ -99,13 +80,9 @@ class RobotArm(ABC):
     def read_once(self) -> RobotState:
         """Wait for the arm's next state and return `state`."""
 
-    def receivers(self) -> Receivers:
-        """Return what does the same as the commands of joints; see `cycles`."""
-        return _plain_receivers(self)
-
-    def cycles(self) -> Cycles:
-        """Return what does the same as `read_once`; an arm may have a quicker way."""
-        return CalledCycles(self.read_once)
+    def receiver(self) -> Receiver:
+        """Return what takes commands before the `command_…` methods are asked."""
+        return Receiver()
 
     @abstractmethod
     def refusal(
@@ -234,7 +211,7 @@ class RobotArm(ABC):
         """
 
     def pose_source(self, model: FrankaModel) -> ModelSource | None:  # noqa: ARG002
-        """Return what writes `O_T_EE` alone in a quicker way; None if nothing does.
+        """Return what writes `O_T_EE` alone, without a refresh; None if nothing does.
 
         Args:
             model: A model of this arm, whose results are used where they can be.
@@ -356,30 +333,3 @@ class RobotArm(ABC):
     @abstractmethod
     def simulation(self) -> ArmSimulation | None:
         """Return the controls that only a simulated arm has; None for a real arm."""
-
-
-def cycles_of(arm: RobotArm) -> Cycles:
-    """Return how an arm is read: `RobotArm.cycles`, or `read_once` if it is newer."""
-    is_quick = is_in_force(arm, "cycles", "read_once")
-    return arm.cycles() if is_quick else CalledCycles(arm.read_once)
-
-
-def receivers_of(arm: RobotArm) -> Receivers:
-    """Return what takes the commands of an arm's joints; see `cycles_of`."""
-    is_quick = is_in_force(
-        arm,
-        "receivers",
-        "command_joint_positions",
-        "command_joint_velocities",
-        "command_joint_torques",
-        "command_cartesian_pose",
-    )
-    return arm.receivers() if is_quick else _plain_receivers(arm)
-
-
-def _plain_receivers(arm: RobotArm) -> Receivers:
-    return Receivers(
-        Receiver(arm.command_joint_positions),
-        Receiver(arm.command_joint_velocities),
-        Receiver(arm.command_joint_torques),
-    )

@@ -7,12 +7,11 @@ apart are left out.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from station.core.numerics.arm_chain import new_links, place_links
-from station.hw.franka.arm.capsules import nearest_pair, place_segments
+from station.hw.franka.arm.capsules import LinkDistances
 from station.hw.franka.arm.franka_kinematics import CHAIN, DOF
-from station.memory.doubles import doubles, indices, put, zeros
+from station.memory.doubles import doubles, indices, viewed
 
 _HAND = 8
 _EIGHTH_TURN = 0.5**0.5
@@ -44,19 +43,6 @@ _NEAR: dict[int, tuple[int, ...]] = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Clearance:
-    """The closest two links.
-
-    Attributes:
-        distance: Between the capsules' surfaces [m]; negative when they overlap.
-        links: Their names, e.g. `link2 and hand`.
-    """
-
-    distance: float
-    links: str
-
-
 def _ends_and_radius(
     center: Sequence[float], axis: Sequence[float], radius: float, length: float
 ) -> list[float]:
@@ -85,30 +71,37 @@ _PAIRS = [
     if i < j and other in _NEAR.get(link, ())
 ]
 _ARM_PAIRS = [pair for pair in _PAIRS if _LINKS[pair[1]] != _HAND]
-_PAIRS_WITH_HAND = indices(index for pair in _PAIRS for index in pair)
-_PAIRS_WITHOUT_HAND = indices(index for pair in _ARM_PAIRS for index in pair)
 
 
-def clearance(q: Sequence[float], *, has_hand: bool) -> Clearance:
-    """Return how close the closest two links are.
+def _name(link: int) -> str:
+    return "hand" if link == _HAND else f"link{link}"
+
+
+LINKS_OF_PAIR = {
+    i * len(_LINKS) + j: f"{_name(_LINKS[i])} and {_name(_LINKS[j])}" for i, j in _PAIRS
+}
+"""Names of two links, e.g. `link2 and hand`, by the number of their capsules' pair."""
+
+
+def link_distances(*, has_hand: bool) -> LinkDistances:
+    """Return what measures how close the closest two links are.
+
+    Args:
+        has_hand: Whether a hand is mounted.
+    """
+    pairs = _PAIRS if has_hand else _ARM_PAIRS
+    return LinkDistances(
+        _SHAPES, _OWNERS, indices(index for pair in pairs for index in pair)
+    )
+
+
+def clearance(q: Sequence[float], *, has_hand: bool) -> float:
+    """Return the distance between the closest two links [m].
 
     Args:
         q: Joint positions [rad], shape (7,).
         has_hand: Whether a hand is mounted.
     """
-    position, links = zeros(DOF), new_links(CHAIN)
-    put(position, q)
-    place_links(CHAIN, position, links)
-    segments, found = zeros(6 * len(_OWNERS)), zeros(1)
-    place_segments(_SHAPES, _OWNERS, links, segments)
-    pairs = _PAIRS_WITH_HAND if has_hand else _PAIRS_WITHOUT_HAND
-    number = nearest_pair(_SHAPES, segments, pairs, found)
-    return Clearance(
-        found[0],
-        f"{_name(_LINKS[pairs[2 * number]])} and "
-        f"{_name(_LINKS[pairs[2 * number + 1]])}",
-    )
-
-
-def _name(link: int) -> str:
-    return "hand" if link == _HAND else f"link{link}"
+    links = new_links(CHAIN)
+    place_links(CHAIN, viewed(q), links)
+    return link_distances(has_hand=has_hand).measure(links)

@@ -1,33 +1,36 @@
-"""Send the commands of controllers to the arm, limited and filtered."""
+"""Send the commands of controllers to an arm, limited and filtered."""
 
-from typing_extensions import override
+from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from station.core.errors import InvalidCommandError
-from station.core.franka.franka_robot_state import MODE
-from station.hw.franka.arm.arm_codes import MOVE
-from station.hw.franka.arm.control_mode import ControlMode
-from station.hw.franka.arm.robot_arm import RobotArm, receivers_of
-from station.hw.franka.commands.cartesian_commands import CartesianCommands
-from station.hw.franka.commands.command_filter import CommandFilter
-from station.hw.franka.commands.command_sending import (
-    CommandSending,
-    JointSend,
-    PositionSend,
-    TorqueSend,
-    VelocitySend,
-)
-from station.hw.franka.commands.command_settings import CommandSettings
-from station.hw.franka.commands.joint_commands import JointCommands
+from station.core.franka.command_rates import CommandRates
+from station.hw.franka.arm import arm_codes as codes
+from station.memory.doubles import Doubles
+
+if TYPE_CHECKING:
+    from station.core.hardware.limits.enforced_limits import EnforcedLimits
+    from station.hw.franka.arm.control_mode import ControlMode
+    from station.hw.franka.arm.robot_arm import RobotArm
+    from station.hw.franka.commands.cartesian_commands import CartesianCommands
+    from station.hw.franka.commands.command_settings import CommandSettings
+    from station.hw.franka.commands.joint_commands import JointCommands
+    from station.memory.finite_check import FiniteCheck
+
+_MOVE = codes.MOVE  # as a C number, by the .pxd
 
 
-class CommandSender(CommandSending):
+class CommandSender:
     """Sends the commands of the present mode. Control thread only.
 
     Args:
         arm: The arm.
-        commands: Joint commands and their limits.
+        mode: The arm's mode, one number.
+        joints: Joint commands and their limits.
         cartesian: Cartesian commands.
-        command_filter: Filter and rate limits of the joint commands.
+        rates: Filter and rate limits of the joint commands.
+        update_ranges: Tells `rates` the velocities that the present positions allow;
+            None where limits do not depend on the position.
 
     Attributes:
         refusal: Why a command was not sent and the motion ended; None if all were sent.
@@ -35,55 +38,79 @@ class CommandSender(CommandSending):
 
     def __init__(
         self,
-        arm: RobotArm,
-        commands: JointCommands,
-        cartesian: CartesianCommands,
-        command_filter: CommandFilter,
+        arm: "RobotArm",
+        mode: Doubles,
+        joints: "JointCommands",
+        cartesian: "CartesianCommands",
+        rates: CommandRates,
+        update_ranges: Callable[[], None] | None = None,
     ) -> None:
-        super().__init__()
-        self._arm = arm
-        self._commands = commands
-        self._cartesian = cartesian
-        self._filter = command_filter
-        self._mode = arm.state.doubles(MODE)
-        self._settings: CommandSettings | None = None
+        self.arm = arm
+        self.receiver = arm.receiver()
+        self.mode = mode
+        self.joints = joints
+        self.cartesian = cartesian
+        self.cartesian_sender = cartesian.sender
+        self.rates = rates
+        self.update_ranges = update_ranges
+        self.checks: list[FiniteCheck] = []
+        self.limits: list[EnforcedLimits] = []
+        self.has_positions = False
+        self.has_velocities = False
+        self.has_efforts = False
+        self.has_pose = False
+        self.has_twist = False
         self.refusal: str | None = None
 
-    def begin(self, mode: ControlMode, settings: CommandSettings) -> None:
+    def begin_motion(self, mode: "ControlMode", settings: "CommandSettings") -> None:
         """Take commands of the kinds in `mode` from now on, seeded with rest.
 
         Args:
             mode: What is commanded.
             settings: How it is passed on.
         """
-        self._settings = settings
         self.refusal = None
-        commands, cartesian = self._commands, self._cartesian
-        commands.begin(mode)
+        joints, cartesian = self.joints, self.cartesian
+        joints.begin(mode)
         cartesian.begin(mode)
-        self.checks = [*commands.checks(), *cartesian.checks()]
-        self.limits = [limits.enforced for limits in commands.limits()]
-        self.sends = self._sends_of_joints()
-        self.goals = self._filter.rates if commands.has_positions else None
-        self.is_cartesian = cartesian.has_pose or cartesian.has_twist
-        self.pose_send = cartesian.pose_send if cartesian.has_pose else None
-        self._filter.begin(
-            cutoff_frequency=settings.cutoff_frequency,
-            rate_limiting=settings.rate_limiting,
-        )
-        self._filter.rates.note_goals()
-
-    @override
-    def refuse(self) -> None:
-        self.refusal = "a command is not finite"
-        self._arm.stop_motion()
+        self.checks = [*joints.checks(), *cartesian.checks()]
+        self.limits = [limits.enforced for limits in joints.limits()]
+        self.has_positions = joints.has_positions
+        self.has_velocities = joints.has_velocities
+        self.has_efforts = joints.has_efforts
+        self.has_pose, self.has_twist = cartesian.has_pose, cartesian.has_twist
+        gain, is_limiting = settings.low_pass_gain, settings.rate_limiting
+        self.rates.begin_motion(gain, is_limiting)
+        self.cartesian_sender.begin_motion(gain, is_limiting)
 
     @property
     def bridges_gaps(self) -> bool:
-        """Whether FrankaHW fills the cycles that a late loop misses."""
-        return self._cartesian.has_pose
+        """Whether the cycles that a late loop misses are filled with commands."""
+        return self.has_pose
 
-    def send_again(self) -> None:
+    def send_commands(self, period: float) -> None:
+        """Limit, filter and send the controllers' commands, while a motion runs.
+
+        The motion ends when a command is not finite.
+
+        Args:
+            period: Time since the last cycle [s], >= 0.
+        """
+        if self.mode[0] != _MOVE:
+            return
+        # Before limits and filters, which may turn a NaN into a number.
+        for check in self.checks:
+            if check.first_bad() >= 0:
+                self.refuse("a command is not finite")
+                return
+        if self.has_positions:
+            self.rates.note_goals()
+        if period > 0.0:
+            for limits in self.limits:
+                limits.enforce(period)
+        self.send_all(True)  # noqa: FBT003 - positional in C
+
+    def resend_commands(self) -> None:
         """Send the last commands again in an arm cycle between two loop cycles.
 
         Poses are extrapolated. Other commands are repeated only with rate limits, which
@@ -91,37 +118,57 @@ class CommandSender(CommandSending):
         same position twice would be a step in velocity, so nothing is sent and the arm
         extrapolates.
         """
-        limits_rates = self._settings is not None and self._settings.rate_limiting
-        if limits_rates or self.bridges_gaps:
-            self._send_once_more()
+        if self.mode[0] == _MOVE and (self.rates.is_limiting or self.has_pose):
+            self.send_all(False)  # noqa: FBT003 - positional in C
 
-    def _send_once_more(self) -> None:
-        """Filter and send the commands as they are, for one more cycle of the arm."""
-        if self._mode[0] != MOVE:
-            return
-        for one in self.sends:
-            one.send()
-        if self.is_cartesian:
-            self.send_end_effector(is_new=False)
+    def send_all(self, is_new: bool) -> None:  # noqa: FBT001 - positional in C
+        """Filter and send what is commanded, as it is now.
 
-    @override
-    def send_end_effector(self, is_new: bool) -> None:
-        if self._settings is None:
+        Args:
+            is_new: Whether controllers have updated since the last call.
+        """
+        if self.has_positions:
+            self.send_positions()
+        if self.has_velocities:
+            self.send_velocities()
+        if self.has_efforts:
+            self.send_torques()
+        if not self.has_pose and not self.has_twist:
             return
         try:
-            self._cartesian.send(self._settings, is_new=is_new)
+            if self.has_pose:
+                self.cartesian_sender.send_pose(is_new)
+            if self.has_twist:
+                self.cartesian_sender.send_twist()
         except InvalidCommandError as error:
-            self.refusal = error.message.rstrip(".")
-            self._arm.stop_motion()
+            self.refuse(error.message.rstrip("."))
 
-    def _sends_of_joints(self) -> list[JointSend]:
-        taken, rates, prepare = self._commands, self._filter.rates, self._filter.prepare
-        receivers = receivers_of(self._arm)
-        sends: list[JointSend] = []
-        if taken.has_positions:
-            sends.append(PositionSend(rates, receivers.positions, prepare))
-        if taken.has_velocities:
-            sends.append(VelocitySend(rates, receivers.velocities, prepare))
-        if taken.has_efforts:
-            sends.append(TorqueSend(rates, receivers.torques))
-        return sends
+    def send_positions(self) -> None:
+        """Filter and send the commanded positions."""
+        rates = self.rates
+        if self.update_ranges is not None:
+            self.update_ranges()
+        rates.filter_positions()
+        if not self.receiver.receive_positions(rates.result):
+            self.arm.command_joint_positions(rates.result)
+
+    def send_velocities(self) -> None:
+        """Filter and send the commanded velocities."""
+        rates = self.rates
+        if self.update_ranges is not None:
+            self.update_ranges()
+        rates.filter_velocities()
+        if not self.receiver.receive_velocities(rates.result):
+            self.arm.command_joint_velocities(rates.result)
+
+    def send_torques(self) -> None:
+        """Filter and send the commanded torques."""
+        rates = self.rates
+        rates.filter_torques()
+        if not self.receiver.receive_torques(rates.result):
+            self.arm.command_joint_torques(rates.result)
+
+    def refuse(self, reason: str) -> None:
+        """End the motion, because a command cannot be sent."""
+        self.refusal = reason
+        self.arm.stop_motion()

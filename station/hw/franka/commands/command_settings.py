@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from station.hw.franka.arm.control_mode import GENERATOR_OF_MODE, ControlMode
 from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
+from station.hw.franka.commands.rate_limiter import low_pass_gain
 
 _CARTESIAN = ControlMode.CARTESIAN_POSE | ControlMode.CARTESIAN_VELOCITY
 
@@ -27,6 +28,11 @@ class CommandSettings:
     cutoff_frequency: float
     internal_controller: ControllerMode | None
 
+    @property
+    def low_pass_gain(self) -> float:
+        """Share of a new command in the low-pass filter, 0 to 1; 1 is off."""
+        return low_pass_gain(self.cutoff_frequency)
+
     def arm_modes(
         self, mode: ControlMode, impedance: ControllerMode
     ) -> tuple[ControllerMode, MotionGeneratorMode]:
@@ -43,6 +49,6 @@ class CommandSettings:
         if chosen is None:
             # An end effector gives way along the axes in which its stiffness was set;
             # motions of joints go on to follow their positions.
-            is_cartesian = mode & (_CARTESIAN)
+            is_cartesian = mode & _CARTESIAN
             chosen = impedance if is_cartesian else ControllerMode.JOINT_IMPEDANCE
         return chosen, generator

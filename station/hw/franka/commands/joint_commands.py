@@ -28,8 +28,8 @@ from station.core.hardware.robot_report import (
     JointLimitsReport,
     report_clamps,
 )
+from station.hw.franka.arm.arm_limits import MotionLimits
 from station.hw.franka.arm.control_mode import ControlMode
-from station.hw.franka.commands.rate_limiter import RateLimits
 from station.memory.doubles import Block, Doubles, put
 from station.memory.finite_check import FiniteCheck
 
@@ -119,7 +119,7 @@ class JointCommands:
         ]
 
     def add_limits(
-        self, joints: Sequence[Joint], rates: Sequence[RateLimits]
+        self, joints: Sequence[Joint], rates: Sequence[MotionLimits]
     ) -> list[str]:
         """Enforce the limits of the URDF from now on.
 

@@ -9,12 +9,9 @@ that the torque controller starts from the pose that the arm keeps, without brak
 torques.
 """
 
-from typing_extensions import override
-
 from station.core.errors import ArmCommandError
 from station.core.franka.franka_robot_state import RobotMode
 from station.hw.franka.arm.control_mode import ControlMode
-from station.hw.franka.arm.flags import MotionFlags
 from station.hw.franka.arm.robot_arm import (
     MEASURED_REST,
     REST_VELOCITY,
@@ -30,7 +27,7 @@ _CARTESIAN = ControlMode.CARTESIAN_POSE | ControlMode.CARTESIAN_VELOCITY
 _FROM_REST = _CARTESIAN | ControlMode.JOINT_TORQUE
 
 
-class MotionStart(MotionFlags):
+class MotionStart:
     """Ends the arm's motion and begins the next one. Control thread only.
 
     Args:
@@ -46,12 +43,12 @@ class MotionStart(MotionFlags):
     """
 
     def __init__(self, arm: RobotArm, sender: CommandSender) -> None:
-        super().__init__()
         self._arm = arm
         self._sender = sender
         self._settings: CommandSettings | None = None
         self._waited = 0
         self.mode = ControlMode.NONE
+        self.is_active = self.is_waiting = False
         self.has_failed = False
         self.impedance = ControllerMode.JOINT_IMPEDANCE
 
@@ -95,12 +92,11 @@ class MotionStart(MotionFlags):
             arm.stop_motion()
         self.mode, self._settings = mode, settings
         self.is_active = bool(mode)
-        self._sender.begin(mode, settings)
+        self._sender.begin_motion(mode, settings)
         self.is_waiting = bool(mode) and arm.state.robot_mode is not RobotMode.MOVE
         self._waited = 0
         self.advance(0)
 
-    @override
     def advance(self, cycles: int) -> None:
         """Begin the motion if the arm is ready for it.
 
@@ -119,7 +115,7 @@ class MotionStart(MotionFlags):
         is_ready = arm.is_at_rest() or not self.mode & _FROM_REST
         if (is_ready and not arm.is_stopping()) or self._waited > LONGEST_WAIT:
             self.is_waiting = False
-            self._sender.begin(self.mode, settings)
+            self._sender.begin_motion(self.mode, settings)
             try:
                 arm.start_motion(*modes)
             except ArmCommandError as error:

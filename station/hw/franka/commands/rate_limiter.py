@@ -1,17 +1,20 @@
-"""Low-pass filter and rate limits of one joint's commands, as libfranka has them.
+"""Low-pass filter and rate limits of an arm's commands, as libfranka has them.
 
-Pure functions of plain floats. `period` is libfranka's fixed cycle of 1 ms.
+The formulas stand in `core.franka.command_rates`; here are their numbers. `PERIOD` is
+libfranka's fixed cycle of 1 ms.
 
 Source: libfranka@0.9.2 src/lowpass_filter.cpp, lowpassFilter; src/rate_limiting.cpp,
 limitRate; include/franka/rate_limiting.h, the limits of the Panda; libfranka@0.15.0,
 the same files, for the FR3.
 """
 
-from dataclasses import dataclass
+from collections.abc import Callable
 from math import pi
 
-from station.core.franka.command_rates import limited
-from station.hw.franka.arm.arm_limits import PANDA_LIMITS, ArmLimits, MotionLimits
+from station.core.franka.command_rates import CommandRates
+from station.core.franka.franka_robot_state import RobotState
+from station.hw.franka.arm.arm_limits import ArmLimits, MotionLimits
+from station.hw.franka.commands.joint_commands import JointCommands
 
 PERIOD = 0.001
 """Cycle of the arm [s]."""
@@ -19,51 +22,25 @@ MAX_CUTOFF_FREQUENCY = 1000.0
 """Cutoff frequency from which on the low-pass filter is off [Hz]."""
 MARGIN = 1e-3
 """Margin subtracted from every limit, in the unit of the limit."""
+# A joint approaches its goal with half of the acceleration limit, and near the goal
+# with a velocity in proportion to the distance [1/s]. Where the two meet, the
+# deceleration is up to twice as large, which is why half of the limit is kept.
+_BRAKING_SHARE = 0.5
+_APPROACH_GAIN = 50.0
 
 
-VelocityRange = tuple[float, float]
-"""Lowest velocity [rad/s], <= 0, and highest velocity [rad/s], >= 0."""
-
-
-@dataclass(frozen=True, slots=True)
-class RateLimits:
-    """Limits of one joint's command.
-
-    Attributes:
-        velocity: [rad/s], > 0.
-        acceleration: [rad/s^2], > 0.
-        jerk: [rad/s^3], > 0.
-        torque_rate: [Nm/s], > 0.
-    """
-
-    velocity: float
-    acceleration: float
-    jerk: float
-    torque_rate: float
-
-
-def rate_limits_of(limits: ArmLimits) -> tuple[RateLimits, ...]:
+def rate_limits_of(limits: ArmLimits) -> tuple[MotionLimits, ...]:
     """Return the limits of an arm's joints, with libfranka's margins, shape (7,).
 
     Args:
         limits: The arm's own limits.
     """
-    result = []
-    for velocity, acceleration, jerk in zip(
-        limits.velocity, limits.acceleration, limits.jerk, strict=True
-    ):
-        motion = with_margins(
-            MotionLimits(velocity, acceleration, jerk), limits.tolerated_losses
+    return tuple(
+        with_margins(MotionLimits(*bounds), limits.tolerated_losses)
+        for bounds in zip(
+            limits.velocity, limits.acceleration, limits.jerk, strict=True
         )
-        result.append(
-            RateLimits(
-                motion.velocity,
-                motion.acceleration,
-                motion.jerk,
-                limits.torque_rate - MARGIN,
-            )
-        )
-    return tuple(result)
+    )
 
 
 def with_margins(limits: MotionLimits, tolerated_losses: int) -> MotionLimits:
@@ -81,8 +58,8 @@ def with_margins(limits: MotionLimits, tolerated_losses: int) -> MotionLimits:
     )
 
 
-def velocity_range_of(limits: ArmLimits, joint: int, q_d: float) -> VelocityRange:
-    """Return the velocities that the limiter allows a joint at a position.
+def velocity_range_of(limits: ArmLimits, joint: int, q_d: float) -> tuple[float, float]:
+    """Return the lowest and the highest velocity of a joint at a position [rad/s].
 
     Limits that depend on the position have no reserve for lost packets.
 
@@ -100,10 +77,6 @@ def velocity_range_of(limits: ArmLimits, joint: int, q_d: float) -> VelocityRang
     return min(0.0, lowest + MARGIN), max(0.0, highest - MARGIN)
 
 
-PANDA_RATE_LIMITS = rate_limits_of(PANDA_LIMITS)
-"""The Panda's limits, joints 1 to 7."""
-
-
 def low_pass_gain(cutoff_frequency: float) -> float:
     """Return the share of a new command in the low-pass, 0 to 1; 1 is off.
 
@@ -115,64 +88,62 @@ def low_pass_gain(cutoff_frequency: float) -> float:
     return PERIOD / (PERIOD + 1.0 / (2.0 * pi * cutoff_frequency))
 
 
-def limit_velocity(
-    velocity: float,
-    last_velocity: float,
-    last_acceleration: float,
-    limits: RateLimits,
-    velocity_range: VelocityRange | None = None,
-) -> float:
-    """Return the velocity nearest to a command that all limits allow.
+def make_joint_rates(
+    limits: ArmLimits, state: RobotState, commands: JointCommands
+) -> CommandRates:
+    """Return the filter and the rate limits of an arm's joint commands.
 
-    Close to the velocity limit the acceleration is limited further, so that it can
-    reach zero at the limit without exceeding the jerk limit.
-
-    Args:
-        velocity: The new command [rad/s].
-        last_velocity: The last command [rad/s].
-        last_acceleration: Its acceleration [rad/s^2].
-        limits: The joint's limits.
-        velocity_range: What is allowed at the present position; None: what `limits`
-            allow anywhere.
-    """
-    lowest_velocity, highest_velocity = velocity_range or (
-        -limits.velocity,
-        limits.velocity,
-    )
-    return limited(
-        velocity,
-        last_velocity,
-        last_acceleration,
-        limits.acceleration,
-        limits.jerk,
-        lowest_velocity,
-        highest_velocity,
-        PERIOD,
-    )
-
-
-def limit_position(
-    position: float,
-    last_position: float,
-    last_velocity: float,
-    last_acceleration: float,
-    limits: RateLimits,
-    velocity_range: VelocityRange | None = None,
-) -> float:
-    """Return the position nearest to a command that all limits allow.
-
-    It does not look ahead: after a step it arrives with full speed and overshoots.
+    Each new command is compared with the desired values that the arm reports, so the
+    filter starts smoothly from every earlier motion. Other than in libfranka's
+    convertMotion, a position command that breaks the limits, e.g. a step, is approached
+    with a velocity from which the arm can stop there, instead of with full speed;
+    commands within the limits pass unchanged, as there.
 
     Args:
-        position: The new command [rad].
-        last_position: The last command [rad].
-        last_velocity: Its velocity [rad/s].
-        last_acceleration: Its acceleration [rad/s^2].
-        limits: The joint's limits.
-        velocity_range: As for `limit_velocity`.
+        limits: The arm's own limits.
+        state: The arm's state.
+        commands: The commands after the joint limits.
+
+    Source:
+        libfranka@0.9.2 src/control_loop.cpp, convertMotion, ControlLoop::spinControl.
     """
-    velocity = (position - last_position) / PERIOD
-    velocity = limit_velocity(
-        velocity, last_velocity, last_acceleration, limits, velocity_range
+    rates = rate_limits_of(limits)
+    lower, upper = commands.range()
+    names = ("tau_J_d", "q_d", "dq_d", "ddq_d")
+    return CommandRates(
+        **{name: state.doubles(name) for name in names},
+        positions=commands.positions,
+        velocities=commands.velocities,
+        efforts=commands.efforts,
+        velocity=[one.velocity for one in rates],
+        acceleration=[one.acceleration for one in rates],
+        jerk=[one.jerk for one in rates],
+        torque_rate=limits.torque_rate - MARGIN,
+        lower=lower,
+        upper=upper,
+        braking_share=_BRAKING_SHARE,
+        approach_gain=_APPROACH_GAIN,
+        period=PERIOD,
+        passes_first=not limits.filters_first_pose,
     )
-    return last_position + velocity * PERIOD
+
+
+def make_range_update(
+    limits: ArmLimits, state: RobotState, rates: CommandRates
+) -> Callable[[], None] | None:
+    """Return what tells `rates` the velocities that the present positions allow.
+
+    None where limits do not depend on the position.
+
+    Args:
+        limits: The arm's own limits.
+        state: The arm's state.
+        rates: The rate limits.
+    """
+
+    def update() -> None:
+        for i, position in enumerate(state.q_d):
+            lowest, highest = velocity_range_of(limits, i, position)
+            rates.lowest[i], rates.highest[i] = lowest, highest
+
+    return update if limits.curves else None

@@ -16,13 +16,19 @@ from station.core.franka import (
     GripperState,
 )
 from station.core.ports.goal import GoalStatus
-from station.hw.franka.arm.arm_reading import FingerReading
 from station.hw.franka.hand.gripper_motion import GripperMotion, GripperMotor
 from station.hw.franka.hand.hand_limits import check_grasp, check_move
 from station.memory.doubles import Doubles
 
 ROOM_TEMPERATURE = 20.0
 """Temperature of a simulated hand [degree Celsius]."""
+
+
+class FingerSensor(Protocol):
+    """Reads the fingers."""
+
+    def read(self) -> None:
+        """Bring the readings up to date."""
 
 
 class HandMotor(GripperMotor, Protocol):
@@ -43,7 +49,7 @@ class HandMotor(GripperMotor, Protocol):
 
     def sensor(
         self, positions: Doubles, velocities: Doubles, efforts: Doubles
-    ) -> FingerReading:
+    ) -> FingerSensor:
         """Return what reads position, velocity and force of each finger."""
 
 

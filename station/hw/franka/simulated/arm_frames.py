@@ -30,7 +30,7 @@ class ArmFrames:
 
     def __init__(self, state: RobotState) -> None:
         self._state = state
-        self._kernel = EndEffectorState(state.doubles, CHAIN, MAX_EXTENSION)
+        self._end_effector = EndEffectorState(state.doubles, CHAIN, MAX_EXTENSION)
         self._refreshed_at = -1.0
         self.is_cartesian = False
 
@@ -85,7 +85,7 @@ class ArmFrames:
         if self._refreshed_at == state.time:
             return False
         self._refreshed_at = state.time
-        self._kernel.refresh()
+        self._end_effector.refresh()
         if not self.is_cartesian:
-            self._kernel.command_desired()
+            self._end_effector.command_desired()
         return True

@@ -14,7 +14,7 @@ from station.hw.franka.arm.franka_kinematics import (
     place_jacobian,
 )
 from station.hw.franka.arm.load import Load
-from station.hw.franka.arm.self_collision import clearance
+from station.hw.franka.arm.self_collision import link_distances
 from station.hw.franka.simulated.franka_dynamics import FrankaDynamics
 from station.memory.doubles import Doubles, doubles, viewed
 
@@ -35,6 +35,7 @@ class ArmModel(FrankaModel):
     def __init__(self, description: RobotFiles) -> None:
         self._dynamics = FrankaDynamics(description)
         self._jacobians: dict[Frame, Doubles] = {}
+        self._distances = link_distances(has_hand=True)
         self._load = Load()
         self._center = doubles(self._load.center_of_mass)
         self._inertia = doubles(self._load.inertia)
@@ -137,7 +138,7 @@ class ArmModel(FrankaModel):
 
     @override
     def clearance(self, q: Sequence[float]) -> float:
-        return clearance(q, has_hand=True).distance
+        return self._distances.measure(self._dynamics.move_to(q))
 
     def _load_of(
         self, inertia: Sequence[float], mass: float, center: Sequence[float]

@@ -38,7 +38,13 @@ from station.hw.franka.arm.robot_arm import (
     MotionGeneratorMode,
 )
 from station.hw.franka.simulated.arm_parts import ArmParts
-from station.hw.franka.simulated.motion_follower import CARTESIAN_GENERATORS
+from station.hw.franka.simulated.arm_step import LONGEST_SETTLING
+from station.hw.franka.simulated.step_codes import (
+    CARTESIAN,
+    NO_MOTION,
+    POSITIONS,
+    VELOCITIES,
+)
 from station.hw.mujoco.world import World
 from station.memory.doubles import put
 
@@ -56,9 +62,13 @@ _REMEDIES = {
     RobotMode.GUIDING: "let go of the guiding buttons",
     RobotMode.AUTOMATIC_ERROR_RECOVERY: "wait until the arm is at rest",
 }
-
-LONGEST_SETTLING = 500
-"""Cycles of the arm after which it counts as settled although it still trembles."""
+_CODES = {
+    MotionGeneratorMode.NONE: NO_MOTION,
+    MotionGeneratorMode.JOINT_POSITION: POSITIONS,
+    MotionGeneratorMode.JOINT_VELOCITY: VELOCITIES,
+    MotionGeneratorMode.CARTESIAN_POSITION: CARTESIAN,
+    MotionGeneratorMode.CARTESIAN_VELOCITY: CARTESIAN,
+}
 _INSIDE = 0.005
 """How far inside of its limit a recovery brings a joint that is beyond it [rad]."""
 _RETURN_VELOCITY = 0.1
@@ -90,11 +100,10 @@ class ArmModes:
     def __init__(self, world: World, parts: ArmParts) -> None:
         self._world = world
         self._state = parts.state
-        self._motion = parts.cycle.motion
-        self._memory = parts.cycle.memory
-        self._positions = parts.cycle.memory.positions
-        self._step = parts.cycle.step
-        self._follower = parts.follower
+        self._motion = parts.motion
+        self._memory = parts.memory
+        self._positions = parts.memory.positions
+        self._step = parts.step
         self._motors = parts.motors
         self._frames = parts.frames
         self._limits = parts.limits
@@ -149,13 +158,21 @@ class ArmModes:
                 remedy="Stop the running motion, recover, or ask for other modes.",
             )
         self._set_modes(controller, generator)
-        self._follower.begin(generator)
+        self.expect_command()
         self._supervisor.begin_motion()
-        self._frames.is_cartesian = generator in CARTESIAN_GENERATORS
+        self._frames.is_cartesian = _CODES[generator] == CARTESIAN
         if controller is ControllerMode.CARTESIAN_IMPEDANCE:
             self._motors.engage_cartesian_impedance()
         self._state.robot_mode = RobotMode.MOVE
         self._state.control_command_success_rate = 1.0
+
+    def expect_command(self) -> None:
+        """Wait for the first command of the running motion, if one runs."""
+        self._step.begin_motion(_CODES[self.generator])
+
+    def is_at_rest(self) -> bool:
+        """Return whether neither the arm nor its desired motion moves."""
+        return self._motion.is_at_rest() and self.is_still()
 
     def end_motion(self, mode: RobotMode) -> None:
         """Go to a mode without a motion, and hold the pose.
@@ -233,7 +250,13 @@ class ArmModes:
         if self.is_still() or self._settling > LONGEST_SETTLING:
             self._state.robot_mode = RobotMode.IDLE
 
-    def advance_return(self) -> bool:
+    def advance_recovery(self) -> None:
+        """Bring joints back into their range, come to rest, and end the recovery."""
+        if not self._advance_return():
+            self._motion.hold()
+        self.finish_recovery()
+
+    def _advance_return(self) -> bool:
         """Move joints back that were beyond their limits; return whether any moves."""
         if not self._returns:
             return False

@@ -19,12 +19,13 @@ from math import sqrt
 import numpy as np
 
 from station.core.franka.franka_model import Frame
-from station.core.franka.franka_robot_state import RobotMode, RobotState
+from station.core.franka.franka_robot_state import RobotState
+from station.core.franka.joint_memory import JointMemory
 from station.core.numerics.poses import rotation_between
 from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
-from station.hw.franka.simulated.arm_cycle import ArmCycle
+from station.hw.franka.simulated.joint_motors import JointMotors
 from station.hw.mujoco.world_joints import WorldJoints
-from station.memory.doubles import Doubles, put
+from station.memory.doubles import put
 
 DEFAULT_JOINT_IMPEDANCE = (3000.0, 3000.0, 3000.0, 2500.0, 2500.0, 2000.0, 2000.0)
 """Stiffness of the internal controller [Nm/rad]. Source: libfranka@0.9.2
@@ -45,26 +46,32 @@ class ArmMotors:
     Args:
         joints: The arm's joints in the world.
         state: The arm's state.
-        cycle: The arithmetic of the arm's cycle.
+        memory: State and commands of the joints.
+        motors: Computes the motors' controls.
 
     Attributes:
         joint_stiffness: Stiffness of the joint impedance [Nm/rad], shape (7,).
         cartesian_stiffness: Stiffness of the Cartesian impedance [N/m, Nm/rad], (6,).
     """
 
-    def __init__(self, joints: WorldJoints, state: RobotState, cycle: ArmCycle) -> None:
+    def __init__(
+        self,
+        joints: WorldJoints,
+        state: RobotState,
+        memory: JointMemory,
+        motors: JointMotors,
+    ) -> None:
         self._joints = joints
         self._state = state
-        self._kernel = cycle.motors
-        self._step = cycle.step
-        self._memory = cycle.memory
+        self._memory = memory
+        self._motors = motors
         self.joint_stiffness = list(DEFAULT_JOINT_IMPEDANCE)
         self.cartesian_stiffness = list(DEFAULT_CARTESIAN_IMPEDANCE)
 
     @property
     def torques_act(self) -> bool:
         """Whether the motors follow the client's torques, not an impedance."""
-        return self._step.torques_act
+        return self._motors.torques_act
 
     def carry(self, load_weight: Sequence[float]) -> None:
         """Let the motors carry a load from the next step on.
@@ -72,8 +79,8 @@ class ArmMotors:
         Args:
             load_weight: Torques that the load needs [Nm], shape (7,).
         """
-        put(self._kernel.load_weight, load_weight)
-        self._kernel.is_loaded = any(load_weight)
+        put(self._motors.load_weight, load_weight)
+        self._motors.is_loaded = any(load_weight)
 
     def engage_joint_impedance(self) -> None:
         """Let the joint impedance act from the next step on."""
@@ -88,45 +95,34 @@ class ArmMotors:
     def engage_cartesian_impedance(self) -> None:
         """Let the Cartesian impedance act from the next step on."""
         self._engage(_ZEROS, _ZEROS)
-        self._step.is_cartesian = True
+        self._motors.is_cartesian = True
 
     def engage_torques(self) -> None:
         """Let the client's torques act from the next step on."""
         self._engage(_ZEROS, _ZEROS)
-        self._step.torques_act = self._kernel.are_commands = True
+        self._motors.torques_act = True
 
-    def apply_torques(self, torques: Sequence[float] | Doubles) -> None:
+    def apply_torques(self, torques: Sequence[float]) -> None:
         """Set the motors' controls.
 
         Args:
             torques: Torques without gravity [Nm], shape (7,).
         """
         put(self._memory.torques, torques)
-        self._kernel.apply_torques()
+        self._motors.apply_torques()
 
     def differentiate(self) -> None:
         """Write `dtau_J` of the state; not in every cycle, for few read it."""
-        self._kernel.differentiate()
-
-    def apply(self) -> None:
-        """Set the motors' controls as the present mode asks for."""
-        if self._step.torques_act:
-            self._kernel.apply_torques()
-        elif self._step.is_cartesian:
-            positions = list(self._memory.positions)
-            self._apply_cartesian(positions, self._state.dtheta)
-        else:
-            self._kernel.apply_impedance(self._state.robot_mode is RobotMode.MOVE)
+        self._motors.differentiate()
 
     def _engage(self, stiffness: Sequence[float], damping: Sequence[float]) -> None:
-        self._step.torques_act = self._step.is_cartesian = False
-        put(self._kernel.stiffness, stiffness)
-        put(self._kernel.damping, damping)
-        self._kernel.begin()
+        self._motors.engage(stiffness, damping)
         self._joints.set_servo(list(stiffness), list(damping))
 
-    def _apply_cartesian(self, q: Sequence[float], dq: Sequence[float]) -> None:
+    def apply_cartesian_impedance(self) -> None:
+        """Set the motors' controls as the Cartesian impedance asks for."""
         state = self._state
+        q, dq = [*self._memory.positions], state.dtheta
         frames = (state.F_T_EE, state.EE_T_K)
         pose = frame_pose(Frame.STIFFNESS, q, *frames)
         desired = frame_pose(Frame.STIFFNESS, state.q_d, *frames)

@@ -1,8 +1,8 @@
 """The joint sensors of a simulated arm, with the effect of a configured load."""
 
 from station.core.franka.franka_robot_state import RobotState
-from station.hw.franka.simulated.arm_load import ArmLoad
 from station.hw.franka.simulated.arm_step import ArmStep
+from station.hw.franka.simulated.franka_dynamics import ArmLoad
 from station.hw.franka.simulated.sensor_faults import SensorFaults
 from station.hw.mujoco.world_joints import WorldJoints
 from station.memory.doubles import Doubles, put
@@ -18,7 +18,7 @@ class ArmSensors:
         state: The arm's state; time, measured positions, velocities and torques are
             written.
         positions: Positions of the joints as they are [rad], shape (7,); written.
-        step: Reads and looks at the joints.
+        step: Reads the joints.
         load: The configured load.
         faults: The faults that change readings.
         period: Duration of a cycle [s], > 0.
@@ -51,7 +51,7 @@ class ArmSensors:
             time: Time of the arm [s].
 
         Returns:
-            What `ArmStep.after` has found.
+            What `ArmStep.read_joints` has found.
         """
         step, state = self._step, self._state
         if step.has_load:
@@ -61,7 +61,7 @@ class ArmSensors:
                     self._joints.read_velocities(), state.dtheta, strict=True
                 )
             ]
-        found = step.after(time)
+        found = step.read_joints(time)
         state.time = time
         if step.has_faults:
             self._faults.disturb(state)

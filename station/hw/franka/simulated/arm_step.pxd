@@ -1,3 +1,4 @@
+cimport cython
 from station.memory.vectors cimport any_of, are_finite, copy_into
 from station.hw.franka.simulated.cartesian_step cimport CartesianStep
 from station.hw.franka.simulated.cycle_log cimport CycleLog
@@ -5,40 +6,42 @@ from station.hw.franka.simulated.desired_motion cimport DesiredMotion
 from station.core.franka.joint_memory cimport JointMemory
 from station.hw.franka.simulated.joint_motors cimport JointMotors
 from station.hw.franka.simulated.joint_watch cimport JointWatch
-from station.hw.franka.simulated.command_check cimport CommandCheck
+from station.hw.franka.simulated.motion_check cimport MotionCheck
+from station.hw.franka.simulated.violations cimport Violations
 from station.hw.mujoco.simulator_memory cimport SimulatorMemory
 from station.hw.mujoco.world_step cimport Preparation
 
 cdef int _IDLE, _MOVE, _GUIDING, _RECOVERY
-cdef int _POSITIONS, _VELOCITIES, _CARTESIAN
-cdef int _CONTACT, _UNUSUAL
+cdef int _NO_MOTION, _POSITIONS, _CARTESIAN
+cdef int _CONTACT, _VIOLATION
 
 cdef class ArmStep(Preparation):
-    cdef JointMemory memory
+    cdef readonly JointMemory memory
     cdef readonly Py_ssize_t size
     cdef double[::1] mode
     cdef DesiredMotion motion
-    cdef CartesianStep cartesian
+    cdef readonly CartesianStep cartesian
     cdef JointMotors motors
-    cdef CommandCheck check
+    cdef MotionCheck check
+    cdef Violations violations
     cdef JointWatch watch
     cdef CycleLog log
     cdef SimulatorMemory simulator
+    cdef object state, actuators, load, faults
+    cdef public object modes
     cdef public int generator
-    cdef public bint wants_torques
-    cdef public bint torques_act
-    cdef public bint has_curves
-    cdef public bint has_load
-    cdef public bint has_faults
-    cdef public bint is_cartesian
-    cdef public bint is_following
-    cdef public bint is_fresh
-    cdef public bint is_begun
-    cdef public bint is_lossy
-    cdef public long long cycle
-    cdef public double time
+    cdef public bint wants_torques, has_load, has_faults, is_following
+    cdef readonly bint is_fresh, is_begun, is_lossy
+    cdef readonly long long cycle
+    cdef readonly double time
+    cdef Py_ssize_t lost_in_a_row, settling
+    cdef object losses
     cpdef bint receive_end_effector(self, double[::1] values, Py_ssize_t size)
     cpdef bint receive(self, double[::1] values, Py_ssize_t size, double[::1] place)
-    cpdef bint before(self)
-    cpdef bint take_command(self)
-    cpdef int after(self, double time)
+    @cython.locals(mode=double)
+    cpdef prepare_step(self)
+    @cython.locals(arrived=bint, may_settle=bint)
+    cdef Py_ssize_t follow_command(self)
+    cdef advance_motion(self, bint arrived, bint may_settle)
+    @cython.locals(result=int, mode=double)
+    cpdef int read_joints(self, double time)

@@ -1,53 +1,85 @@
-"""What happens in an arm before and after every step of its world."""
+"""The cycle of a simulated arm: its commands, and its state after a step of its world.
 
+Source: Franka Control Interface documentation, what happens with lost packets.
+"""
+
+from collections import deque
+from collections.abc import Sequence
+from math import isfinite
+from typing import TYPE_CHECKING, NoReturn
+
+from station.core.errors import InvalidCommandError
+from station.core.franka.franka_robot_state import MODE, RobotState
 from station.core.franka.joint_memory import JointMemory
-from station.hw.franka.arm import arm_codes as codes
+from station.hw.franka.arm import arm_codes as modes
+from station.hw.franka.arm.robot_arm import MOST_LOST_PACKETS
+from station.hw.franka.simulated import step_codes as codes
 from station.hw.franka.simulated.cartesian_step import CartesianStep
-from station.hw.franka.simulated.command_check import CommandCheck
 from station.hw.franka.simulated.cycle_log import CycleLog
 from station.hw.franka.simulated.desired_motion import DesiredMotion
 from station.hw.franka.simulated.joint_motors import JointMotors
 from station.hw.franka.simulated.joint_watch import JointWatch
+from station.hw.franka.simulated.motion_check import MotionCheck
+from station.hw.franka.simulated.violations import JOINT_POSITION, LOST_COMMANDS
 from station.hw.mujoco.simulator_memory import SimulatorMemory
 from station.hw.mujoco.world_step import Preparation
-from station.memory.doubles import Doubles, Storage
+from station.memory.doubles import Doubles, Storage, doubles, put
 from station.memory.vectors import any_of, are_finite, copy_into
 
+if TYPE_CHECKING:
+    from station.hw.franka.simulated.arm_modes import ArmModes
+    from station.hw.franka.simulated.arm_motors import ArmMotors
+    from station.hw.franka.simulated.franka_dynamics import ArmLoad
+    from station.hw.franka.simulated.sensor_faults import SensorFaults
+
+LONGEST_SETTLING = 500
+"""Cycles of the arm after which it counts as settled although it still trembles."""
+CONTACT = 1
+"""Result of `read_joints`: a contact or a mechanical stop acts on a joint."""
+VIOLATION = 2
+"""Result of `read_joints`: a reading violates a limit."""
+# Cycles of which the success rate tells the share that brought a command.
+_WINDOW = 100
+# Joint damping while a person guides the arm [Nm s/rad].
+_GUIDING_DAMPING = (10.0, 10.0, 10.0, 10.0, 1.0, 1.0, 1.0)
 # As C numbers, by the .pxd.
-_IDLE = codes.IDLE
-_MOVE = codes.MOVE
-_GUIDING = codes.GUIDING
-_RECOVERY = codes.RECOVERY
+_IDLE = modes.IDLE
+_MOVE = modes.MOVE
+_GUIDING = modes.GUIDING
+_RECOVERY = modes.RECOVERY
+_NO_MOTION = codes.NO_MOTION
 _POSITIONS = codes.POSITIONS
-_VELOCITIES = codes.VELOCITIES
 _CARTESIAN = codes.CARTESIAN
-_CONTACT = codes.CONTACT
-_UNUSUAL = codes.UNUSUAL
+_CONTACT = CONTACT
+_VIOLATION = VIOLATION
 
 
 class ArmStep(Preparation):
-    """The usual cycle of an arm; what is unusual is left to whoever calls.
+    """Follows the client's commands, sets the motors, and reads the joints.
+
+    A cycle in which no command arrives counts as a lost packet: the motion goes on with
+    constant acceleration, and torques keep their values. Control thread only.
 
     Args:
         memory: State and commands of the joints.
-        mode: The mode of the arm, one number.
+        state: The arm's state.
         motion: The desired motion.
         cartesian: Follows poses and twists.
         motors: Controls and torque sensors.
+        actuators: The internal controllers.
+        load: The configured load.
+        faults: The simulated faults.
         check: Compares commanded motions and torques with their limits.
-        watch: Looks at the readings.
+        watch: Compares the readings with their limits.
         log: The last cycles.
         simulator: The simulator's memory of the joints.
 
     Attributes:
+        modes: The modes of the arm; set before the first step.
         generator: What the motion commands.
         wants_torques: Whether the motion commands torques.
-        torques_act: Whether the motors follow the commanded torques.
-        has_curves: Whether limits depend on the position: commands and readings are
-            always looked at closer.
         has_load: Whether a load is configured.
         has_faults: Whether a simulated fault acts.
-        is_cartesian: Whether the Cartesian impedance acts.
         is_following: Whether an internal controller follows the desired motion.
         is_fresh: Whether a command has arrived since the last cycle.
         is_begun: Whether a command of this motion has been followed.
@@ -59,42 +91,101 @@ class ArmStep(Preparation):
     def __init__(
         self,
         memory: JointMemory,
-        mode: Doubles,
+        state: RobotState,
         *,
         motion: DesiredMotion,
         cartesian: CartesianStep,
         motors: JointMotors,
-        check: CommandCheck,
+        actuators: "ArmMotors",
+        load: "ArmLoad",
+        faults: "SensorFaults",
+        check: MotionCheck,
         watch: JointWatch,
         log: CycleLog,
         simulator: SimulatorMemory,
     ) -> None:
         self.memory = memory
         self.size = memory.size
-        self.mode = mode
+        self.state = state
+        self.mode = state.doubles(MODE)
         self.motion = motion
         self.cartesian = cartesian
         self.motors = motors
+        self.actuators = actuators
+        self.load = load
+        self.faults = faults
         self.check = check
+        self.violations = check.violations
         self.watch = watch
         self.log = log
         self.simulator = simulator
-        self.generator = codes.NO_MOTION
+        self.modes: ArmModes
         self.wants_torques = False
-        self.torques_act = False
-        self.has_curves = False
         self.has_load = False
         self.has_faults = False
-        self.is_cartesian = False
         self.is_following = False
-        self.is_fresh = False
-        self.is_begun = False
-        self.is_lossy = False
-        self.cycle = 0
         self.time = 0.0
+        self.settling = 0
+        self.begin_motion(codes.NO_MOTION)
+
+    def begin_motion(self, generator: int) -> None:
+        """Wait for the first command of a motion.
+
+        Args:
+            generator: The kind of motion that is commanded, see `step_codes`.
+        """
+        self.generator = generator
+        self.is_fresh = self.is_begun = self.is_lossy = False
+        self.cycle = self.lost_in_a_row = self.settling = 0
+        self.losses: deque[int] = deque()
+        put(self.memory.torques, [0.0] * self.size)
+        put(self.memory.sent, [0.0] * self.size)
+        self.log.command_size = 0
+        self.cartesian.has_elbow = False
+        self.cartesian.begin_motion()
+
+    def command_torques(self, tau: Storage) -> None:
+        """Take torques [Nm], shape (7,), for the next cycle.
+
+        Raises:
+            InvalidCommandError: Not 7 finite numbers.
+        """
+        if not self.receive(_as_doubles(tau), self.size, self.memory.torques):
+            _refuse("joint torques", self.size, tau)
+
+    def command_joints(self, values: Storage) -> None:
+        """Take positions [rad] or velocities [rad/s], shape (7,), for the next cycle.
+
+        Raises:
+            InvalidCommandError: Not 7 finite numbers.
+        """
+        if not self.receive(_as_doubles(values), self.size, self.memory.target):
+            _refuse("joint commands", self.size, values)
+
+    def command_cartesian(
+        self, values: Storage, elbow: Sequence[float] | None, size: int
+    ) -> None:
+        """Take a pose or a twist for the next cycle.
+
+        Args:
+            values: The pose O_T_EE or the twist O_dP_EE.
+            elbow: Position of joint 3 [rad] and sign of joint 4, or None.
+            size: How many numbers `values` must have.
+
+        Raises:
+            InvalidCommandError: `values` are not `size` finite numbers, or the elbow
+                is malformed.
+        """
+        if elbow is not None:
+            _check_elbow(elbow)
+        if not self.receive_end_effector(_as_doubles(values), size):
+            _refuse("a Cartesian command", size, values)
+        if elbow is not None:
+            put(self.cartesian.elbow_command, elbow)
+            self.cartesian.has_elbow = True
 
     def receive_end_effector(self, values: Doubles, size: int) -> bool:
-        """Take a pose, 16 numbers, or a twist [m/s, rad/s], 6; see `receive`.
+        """Take a pose, 16 numbers, or a twist, 6, without an elbow; see `receive`.
 
         Args:
             values: The command.
@@ -103,6 +194,7 @@ class ArmStep(Preparation):
         if not self.receive(values, size, self.cartesian.command):
             return False
         self.cartesian.size = size
+        self.cartesian.has_elbow = False
         return True
 
     def receive(self, values: Storage, size: int, place: Storage) -> bool:
@@ -118,91 +210,185 @@ class ArmStep(Preparation):
             Whether it certainly is that many finite numbers; if not, nothing has
             changed.
         """
-        if len(values) != size:
-            return False
-        if not are_finite(values, size):
+        if len(values) != size or not are_finite(values, size):
             return False
         copy_into(place, 0, values, size)
-        log = self.log
-        log.command, log.command_size = place, size
+        self.log.command, self.log.command_size = place, size
         self.is_fresh = True
         return True
 
-    def before(self) -> bool:
-        """Take the command, advance the desired motion, and set the motors' controls.
-
-        Returns:
-            Whether that was done. If not, nothing has changed.
-        """
-        if self.has_load or self.has_faults or self.is_cartesian:
-            return False
-        if self.wants_torques != self.torques_act:
-            return False
-        mode = self.mode[0]
-        moves = mode == _MOVE
-        if not moves and (mode == _GUIDING or mode == _RECOVERY):
-            return False
-        if moves and self.is_fresh:
-            if not self.take_command():
-                return False
-        elif moves and self.is_begun:
-            return False  # a lost command
-        else:
+    def prepare_step(self) -> None:
+        """Follow the command or hold, and set the motors' controls."""
+        mode, motors = self.mode[0], self.motors
+        if self.wants_torques and not motors.torques_act:
+            self.wait_for_rest()
+        if self.has_load:
+            self.actuators.carry(self.load.weight(list(self.memory.positions)))
+        if self.has_faults:
+            self.faults.count_step()
+        if mode == _GUIDING:
+            self.apply_guiding()
+            return
+        if mode == _RECOVERY:
+            self.modes.advance_recovery()
+        elif mode != _MOVE:
             self.motion.hold()
-        if self.torques_act:
-            self.motors.apply_torques()
-        else:
-            self.motors.apply_impedance(moves)
-        return True
-
-    def take_command(self) -> bool:
-        """Follow a command that has arrived; return False if it must be looked at."""
-        generator, check, memory = self.generator, self.check, self.memory
-        if self.is_lossy:
-            return False
-        if self.torques_act and not check.admit_torques():
-            return False
-        if generator == _POSITIONS:
-            # The first position must be close to the present one.
-            if not self.is_begun or self.has_curves or not check.admit_positions():
-                return False
-            self.motion.follow_positions()
-        elif generator == _VELOCITIES:
-            if self.has_curves or not check.admit_velocities():
-                return False
-            self.motion.follow_velocities()
-        elif generator == _CARTESIAN:
-            if not self.is_begun or self.has_curves or not self.cartesian.follow():
-                return False
-            self.motion.follow_positions()
-        else:
+        elif self.wants_torques != motors.torques_act:
+            self.ignore_command()
+        elif self.follow_command():
+            self.modes.raise_errors(self.violations.errors())
             self.motion.hold()
-        if self.torques_act:
-            # For the check of the next ones.
-            copy_into(memory.sent, 0, memory.torques, self.size)
-        self.cycle += 1
+        # An error, or the end of a recovery, has changed the mode.
+        if motors.torques_act:
+            motors.apply_torques()
+        elif motors.is_cartesian:
+            self.actuators.apply_cartesian_impedance()
+        else:
+            motors.apply_impedance(self.mode[0] == _MOVE)
+        if self.has_faults:
+            self.faults.finish_cycle()
+            self.has_faults = self.faults.act
+
+    def wait_for_rest(self) -> None:
+        """Let commanded torques act once the arm has come to rest."""
+        if self.motion.is_at_rest():
+            self.settling += 1
+            if self.modes.is_still() or self.settling > LONGEST_SETTLING:
+                self.actuators.engage_torques()
+
+    def apply_guiding(self) -> None:
+        """Let a person move the arm against some damping."""
+        memory = self.memory
+        self.motion.seed(memory.positions, memory.dtheta)
+        pairs = zip(_GUIDING_DAMPING, memory.dtheta, strict=True)
+        self.actuators.apply_torques([-damping * rate for damping, rate in pairs])
+
+    def ignore_command(self) -> None:
+        """Discard this cycle's command and slow down to rest."""
         self.is_fresh = False
-        self.is_begun = True
-        self.log.note(self.time)
-        return True
+        self.motion.hold()
+        if self.generator == _CARTESIAN:
+            self.cartesian.begin_motion()
 
-    def after(self, time: float) -> int:
-        """Read the joints after a step, and look at the readings.
+    def follow_command(self) -> int:
+        """Advance the desired motion by a cycle; return the number of violations."""
+        memory, check, violations = self.memory, self.check, self.violations
+        arrived = self.is_fresh
+        if self.has_faults and self.faults.loses_packet():
+            arrived = False
+        self.is_fresh = False
+        violations.clear()
+        if not arrived and not self.is_begun:
+            self.motion.hold()
+            return 0
+        # Joints that settle are not computed. That is worth it for an arm at rest
+        # alone, of which nothing else is to be computed either.
+        may_settle = (
+            self.is_begun
+            and not self.is_lossy
+            and not self.has_load
+            and not self.has_faults
+            and not check.has_curves
+            and not self.motors.is_cartesian
+            and not self.cartesian.has_elbow
+        )
+        self.cycle += 1
+        if not arrived or self.is_lossy:
+            self.count_losses(arrived)
+        if self.motors.torques_act and violations.count == 0:
+            if arrived:
+                check.check_torques()
+                copy_into(memory.sent, 0, memory.torques, self.size)
+            else:
+                copy_into(memory.torques, 0, memory.sent, self.size)
+        if violations.count:
+            return violations.count
+        self.advance_motion(arrived, may_settle)
+        self.is_begun = True
+        if violations.count == 0:
+            self.log.note(self.time)
+        return violations.count
+
+    def advance_motion(self, arrived: bool, may_settle: bool) -> None:  # noqa: FBT001
+        """Advance the desired motion if the command is within the limits.
+
+        Args:
+            arrived: Whether a command has arrived in this cycle.
+            may_settle: See `CartesianStep.follow_command`.
+        """
+        check, violations = self.check, self.violations
+        if self.generator == _CARTESIAN:
+            if arrived:
+                self.cartesian.follow_command(not self.is_begun, may_settle)
+            else:
+                self.cartesian.extrapolate()
+            if violations.count == 0:
+                self.motion.follow_positions()
+        elif self.generator == _NO_MOTION:
+            self.motion.hold()
+        elif not arrived:
+            self.motion.extrapolate()
+        elif self.generator == _POSITIONS:
+            # The first position must be close to the present one.
+            if self.is_begun or check.check_start() == 0:
+                check.check_positions(JOINT_POSITION)
+            if violations.count == 0:
+                self.motion.follow_positions()
+        elif check.check_velocities() == 0:
+            self.motion.follow_velocities()
+
+    def count_losses(self, arrived: bool) -> None:  # noqa: FBT001 - a C function
+        """Count the cycles without a command; too many in a row are a violation.
+
+        Args:
+            arrived: Whether a command has arrived in this cycle.
+        """
+        losses = self.losses
+        self.lost_in_a_row = 0 if arrived else self.lost_in_a_row + 1
+        if not arrived:
+            losses.append(self.cycle)
+        while losses and losses[0] <= self.cycle - _WINDOW:
+            losses.popleft()
+        self.state.control_command_success_rate = 1.0 - len(losses) / _WINDOW
+        self.is_lossy = bool(losses)
+        if self.lost_in_a_row >= MOST_LOST_PACKETS:
+            lost, most = float(self.lost_in_a_row), float(MOST_LOST_PACKETS - 1)
+            self.violations.add(LOST_COMMANDS, 0, lost, most)
+
+    def read_joints(self, time: float) -> int:
+        """Read the joints after a step, and compare the readings with their limits.
 
         Args:
             time: Time of the arm [s].
 
         Returns:
-            0 when nothing is unusual, otherwise a sum of `CONTACT` and `UNUSUAL`.
+            A sum of `CONTACT` and `VIOLATION`; 0 when neither is the case.
         """
         self.time = time
         self.motors.sense()
         result, mode = 0, self.mode[0]
         if any_of(self.simulator.constraint_forces, self.size):
             result = _CONTACT
-        supervised = mode == _MOVE or mode == _IDLE or mode == _RECOVERY
-        if supervised:
-            is_quiet = self.watch.is_quiet(self.is_following)
-            if self.has_curves or not is_quiet:
-                result += _UNUSUAL
+        is_supervised = mode == _MOVE or mode == _IDLE or mode == _RECOVERY
+        if is_supervised and self.watch.check_readings(self.is_following):
+            result += _VIOLATION
         return result
+
+
+def _as_doubles(values: Storage) -> Doubles:
+    return doubles(values) if isinstance(values, (list, tuple)) else values
+
+
+def _check_elbow(elbow: Sequence[float]) -> None:
+    if len(elbow) != 2 or not isfinite(elbow[0]) or abs(elbow[1]) != 1.0:
+        raise InvalidCommandError(
+            f"An elbow of {elbow} is not possible.",
+            remedy="Give the position of joint 3 and a sign of +1 or -1.",
+        )
+
+
+def _refuse(what: str, size: int, values: Storage) -> NoReturn:
+    raise InvalidCommandError(
+        f"{what} must be {size} finite numbers, not {[*values]}",
+        remedy="Correct the controller that commands them.",
+    )

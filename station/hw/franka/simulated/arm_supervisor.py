@@ -7,20 +7,13 @@ include/franka/errors.h; differs: thresholds that Franka does not publish are in
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import sqrt
 
 from station.core.franka.franka_errors import ERROR_INDEX, ArmError
-from station.core.franka.franka_model import Frame
 from station.core.franka.franka_robot_state import RobotState
-from station.core.numerics.poses import rotation_between, times
-from station.hw.franka.arm.arm_limits import ArmLimits
-from station.hw.franka.arm.flags import AlertFlag
-from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
-from station.hw.franka.arm.self_collision import clearance
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.simulated.cycle_log import CycleLog
 from station.hw.franka.simulated.joint_watch import JointWatch
-from station.memory.doubles import Doubles
+from station.hw.franka.simulated.simulated_cycles import AlertFlag
 from station.reports import ArmRecord
 
 # Change for the worse after a recovery that makes a value an error again [rad or m];
@@ -36,63 +29,46 @@ class ArmSupervisor(AlertFlag):
     its limit, becomes an error again only when it moves further out, so that the arm
     can be moved back.
 
-    The distances of links and end effector are computed only when the joints may have
-    turned far enough since the last computation to bring them too close.
-
     Control thread only.
 
     Args:
         state: The arm's state; `current_errors` and `last_motion_errors` are written.
-        limits: The arm's limits.
         thresholds: Thresholds that Franka does not publish.
-        watch: Looks at the readings in every cycle.
+        watch: Compares the readings with their limits in every cycle.
         cycle_log: The last cycles.
-        positions: Positions of the joints as they are [rad], shape (7,).
 
     Attributes:
         errors: The present errors with their causes; empty after a recovery.
         last_motion_errors: The errors that ended the last motion.
         log: The last cycles before the last error.
-        has_hand: Whether a hand is mounted.
-        is_alert: Whether something was unusual in the cycle before.
+        is_alert: Whether a reading had to be examined in the cycle before.
     """
 
     def __init__(
         self,
         state: RobotState,
-        limits: ArmLimits,
         thresholds: SupervisorLimits,
         watch: JointWatch,
         cycle_log: CycleLog,
-        positions: Doubles,
     ) -> None:
         super().__init__()
         self._state = state
-        self._positions = positions
-        self._limits = limits
         self._thresholds = thresholds
         self._watch = watch
         self._cycle_log = cycle_log
-        slack = thresholds.position_tolerance
-        self._lower = [value - slack for value in limits.lower]
-        self._upper = [value + slack for value in limits.upper]
-        self._velocity = [v * thresholds.velocity_factor for v in limits.velocity]
-        self._torque = [t * thresholds.torque_factor for t in limits.torque]
-        self._speed = limits.translation.velocity * thresholds.velocity_factor
         self._bad_cycles = 0
         self._known: dict[tuple[str, str], float] = {}
         self.errors: list[ArmError] = []
         self.last_motion_errors: list[ArmError] = []
         self.log: list[ArmRecord] = []
-        self.has_hand = False
 
     def examine(
         self, *, is_quiet: bool, is_following: bool, is_recovering: bool
     ) -> list[ArmError]:
-        """Look closer at a cycle that the watch has looked at.
+        """Find errors in a cycle in which the watch may have found violations.
 
         Args:
-            is_quiet: Whether the watch has found everything in order.
+            is_quiet: Whether the watch has found nothing.
             is_following: Whether the arm follows a desired motion.
             is_recovering: Whether the arm only brakes and comes to rest: what is out of
                 range then is accepted, or a push that lasts would undo every recovery.
@@ -100,18 +76,17 @@ class ArmSupervisor(AlertFlag):
         Returns:
             Errors of measured values that were out of range for too long.
         """
-        q = list(self._positions)
-        if is_quiet and not (self._limits.curves and self._is_fast_near_limits(q)):
+        self.is_alert = not is_quiet
+        if is_quiet:
             self._bad_cycles = 0
             self._known = {}
-            self.is_alert = False
             return []
-        self.is_alert = True
-        power = self._watch.total_power
+        # Noise has been added to the readings since the watch has compared them.
+        self._watch.find_violations(is_following, 0.0)
         if is_recovering:
-            self._accept(q, power)
+            self._accept()
             return []
-        found = self._new(self._find(q, power, is_following=is_following))
+        found = self._new(self._watch.violations.errors())
         self._bad_cycles = self._bad_cycles + 1 if found else 0
         return found if self._bad_cycles >= self._thresholds.debounce else []
 
@@ -163,35 +138,20 @@ class ArmSupervisor(AlertFlag):
     def recover(self) -> None:
         """Forget the present errors, and accept values that are out of range now."""
         self.clear()
-        q, state = list(self._positions), self._state
-        power = sum(
-            abs(dq * tau) for dq, tau in zip(state.dtheta, state.tau_J, strict=True)
-        )
         self._watch.room = 0.0
-        self._accept(q, power)
+        self._watch.find_violations(is_following=False, reach=0.0)
+        self._accept()
         self.is_alert = True
 
-    def _accept(self, q: Sequence[float], power: float) -> None:
+    def _accept(self) -> None:
         """Take what is out of range now for known."""
-        found = self._find(q, power, is_following=False)
+        found = self._watch.violations.errors()
         self._known = {(e.name, e.where): _excess(e) for e in found}
 
-    def look_again(self) -> None:
+    def expect_new_pose(self) -> None:
         """Compute all distances in the next cycle: the arm was set to a new pose."""
         self._watch.room = 0.0
         self._known = {}
-
-    def _is_fast_near_limits(self, q: Sequence[float]) -> bool:
-        """Return whether a joint is too fast for its position.
-
-        Source: `ArmLimits.curves`.
-        """
-        for i, velocity in enumerate(self._state.dtheta):
-            slowest, fastest = self._limits.velocity_range(i, q[i])
-            slack = self._velocity[i] - self._limits.velocity[i]
-            if not slowest - slack <= velocity <= fastest + slack:
-                return True
-        return False
 
     def _new(self, found: list[ArmError]) -> list[ArmError]:
         """Return the errors that are new, or worse, since the last recovery."""
@@ -208,95 +168,6 @@ class ArmSupervisor(AlertFlag):
             for error in found
             if (key := (error.name, error.where)) not in known
             or _excess(error) > known[key] + _tolerance(error)
-        ]
-
-    def _find(
-        self, q: Sequence[float], power: float, *, is_following: bool
-    ) -> list[ArmError]:
-        found = self._find_in_joints(q)
-        found += self._find_too_close(q)
-        state, limits = self._state, self._limits
-        twist = times(zero_jacobian(Frame.END_EFFECTOR, q, state.F_T_EE), state.dtheta)
-        speed = sqrt(sum(value * value for value in twist[:3]))
-        if speed > self._speed:
-            bound = limits.translation.velocity
-            name = "cartesian_velocity_violation"
-            found.append(ArmError(name, "end effector", speed, bound, "m/s"))
-        if power > self._thresholds.power:
-            bound = self._thresholds.power
-            found.append(ArmError("power_limit_violation", "", power, bound, "W"))
-        if is_following:
-            found += self._find_deviations(q)
-        return found
-
-    def _find_in_joints(self, q: Sequence[float]) -> list[ArmError]:
-        state, limits = self._state, self._limits
-        found: list[ArmError] = []
-        for i, position in enumerate(q):
-            joint = f"joint{i + 1}"
-            velocity, tau = state.dtheta[i], state.tau_J[i]
-            if not self._lower[i] <= position <= self._upper[i]:
-                bound = min(limits.upper[i], self._upper[i])
-                if position < self._lower[i]:
-                    bound = max(limits.lower[i], self._lower[i])
-                name = "joint_position_limits_violation"
-                found.append(ArmError(name, joint, position, bound, "rad"))
-            slowest, fastest = limits.velocity_range(i, position)
-            slack = self._velocity[i] - limits.velocity[i]
-            if not slowest - slack <= velocity <= fastest + slack:
-                bound = fastest if velocity > 0.0 else slowest
-                name = "joint_velocity_violation"
-                found.append(ArmError(name, joint, velocity, bound, "rad/s"))
-            if abs(tau) > self._torque[i]:
-                bound = self._torque[i]
-                found.append(ArmError("tau_j_range_violation", joint, tau, bound, "Nm"))
-        return found
-
-    def _find_too_close(self, q: Sequence[float]) -> list[ArmError]:
-        """Compute the distances between links and to walls if they may be too short."""
-        if self._watch.room > 0.0:
-            return []
-        limits, found = self._thresholds, []
-        nearest = clearance(q, has_hand=self.has_hand)
-        least = limits.self_collision_distance
-        room = nearest.distance - least
-        if room < 0.0:
-            name = "self_collision_avoidance_violation"
-            found.append(ArmError(name, nearest.links, nearest.distance, least, "m"))
-        position = frame_pose(Frame.END_EFFECTOR, q, self._state.F_T_EE)[12:15]
-        for axis, value, low, high in zip(
-            "xyz", position, limits.cartesian_lower, limits.cartesian_upper, strict=True
-        ):
-            room = min(room, value - low, high - value)
-            if not low <= value <= high:
-                name = "cartesian_position_limits_violation"
-                bound = low if value < low else high
-                found.append(ArmError(name, axis, value, bound, "m"))
-        self._watch.room = room
-        return found
-
-    def _find_deviations(self, q: Sequence[float]) -> list[ArmError]:
-        state = self._state
-        pose = frame_pose(Frame.END_EFFECTOR, q, state.F_T_EE)
-        desired = frame_pose(Frame.END_EFFECTOR, state.q_d, state.F_T_EE)
-        shift = [desired[i] - pose[i] for i in (12, 13, 14)]
-        turn = rotation_between(pose, desired)
-        values = (
-            sqrt(sum(value * value for value in shift)),
-            sqrt(sum(value * value for value in turn)),
-            abs(q[2] - state.q_d[2]),
-        )
-        name = "max_path_pose_deviation_violation"
-        return [
-            ArmError(name, where, value, bound, unit)
-            for where, value, bound, unit in zip(
-                ("translation", "rotation", "elbow"),
-                values,
-                self._thresholds.path_deviation,
-                ("m", "rad", "rad"),
-                strict=True,
-            )
-            if value > bound
         ]
 
 

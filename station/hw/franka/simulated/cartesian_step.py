@@ -5,21 +5,33 @@ the inverse kinematics of the arm is not public; here it is a Newton step per cy
 the position of joint 3 as the seventh coordinate.
 """
 
-from collections.abc import Iterable
-
 from station.core.franka.command_rates import limited
 from station.core.franka.joint_memory import JointMemory
 from station.core.numerics.rigid_motion import displace, twist_between
-from station.hw.franka.simulated.command_check import CommandCheck
+from station.hw.franka.simulated.end_effector_state import EndEffectorState
 from station.hw.franka.simulated.inverse_kinematics import InverseKinematics
-from station.memory.doubles import Doubles, own, zeros
+from station.hw.franka.simulated.motion_check import MotionCheck
+from station.hw.franka.simulated.violations import (
+    ELBOW_SIGN,
+    ELBOW_START,
+    INVALID_FRAME,
+    POSE_START,
+    SOLVED_POSITION,
+)
+from station.memory.doubles import Doubles, zeros
 from station.memory.functions import square_root
 from station.memory.vectors import copy_into
 
-UNIT_TOLERANCE = 1e-5
-"""Largest deviation from 1 of the length of a row or a column of a rotation."""
-TWIST_SIZE = 6
-"""How many numbers of a command are a twist; any other command is a pose."""
+START_TRANSLATION_TOLERANCE = 0.005
+"""Largest distance of a first pose from O_T_EE_d [m]; not published."""
+START_ROTATION_TOLERANCE = 0.01
+"""Largest angle between a first pose and O_T_EE_d [rad]; not published."""
+START_ELBOW_TOLERANCE = 0.01
+"""Largest distance of a first elbow position from elbow_d [rad]; not published."""
+# Largest deviation from 1 of the length of a row or a column of a rotation.
+_UNIT_TOLERANCE = 1e-5
+# How many numbers of a command are a twist; any other command is a pose.
+_TWIST_SIZE = 6
 # Below these the motion has ended: change of a joint in a cycle [rad]; velocity [m/s,
 # rad/s] and acceleration [m/s^2, rad/s^2] of end effector and elbow.
 _STILL_STEP = 1e-12
@@ -39,11 +51,11 @@ def is_transform(pose: Doubles) -> bool:
     for i in range(3):
         x, y, z = pose[4 * i], pose[4 * i + 1], pose[4 * i + 2]
         away = square_root(x * x + y * y + z * z) - 1.0
-        if not -UNIT_TOLERANCE <= away <= UNIT_TOLERANCE:
+        if not -_UNIT_TOLERANCE <= away <= _UNIT_TOLERANCE:
             return False
         x, y, z = pose[i], pose[i + 4], pose[i + 8]
         away = square_root(x * x + y * y + z * z) - 1.0
-        if not -UNIT_TOLERANCE <= away <= UNIT_TOLERANCE:
+        if not -_UNIT_TOLERANCE <= away <= _UNIT_TOLERANCE:
             return False
     return True
 
@@ -51,32 +63,22 @@ def is_transform(pose: Doubles) -> bool:
 class CartesianStep:
     """The motion of an arm's end effector, a cycle at a time.
 
-    `follow` is the usual cycle. Whoever has to look closer at an unusual one calls the
-    other methods one by one.
-
     Args:
         memory: State and commands of the joints.
         kinematics: Leads from `q_d` towards its target, which is the next pose.
-        check: Compares commanded motions of the joints with their limits.
-        pose: The commanded pose of the last cycle, 16 numbers.
-        twist: Its twist [m/s, rad/s], shape (6,).
-        acceleration: The rate of the twist [m/s^2, rad/s^2], shape (6,).
-        elbow: Position of joint 3 [rad] in the last cycle, first of its numbers.
-        elbow_velocity: Its velocity [rad/s], likewise.
-        elbow_acceleration: Its acceleration [rad/s^2], likewise.
-        translation: Largest velocity, acceleration and jerk of the translation.
-        rotation: Largest velocity, acceleration and jerk of the rotation.
-        elbow_limits: Largest velocity, acceleration and jerk of joint 3.
+        check: Compares commanded motions with the limits.
+        state: The end effector; its commanded pose, twist and elbow are those of the
+            last cycle.
         period: Duration of a cycle, > 0 [s].
 
     Attributes:
         command: The command of this cycle, a pose or a twist, shape (16,).
         size: How many numbers the command has.
-        has_elbow: Whether the command gives a position of joint 3.
+        elbow_command: Position of joint 3 [rad] and sign of joint 4, shape (2,).
+        has_elbow: Whether the command gives an elbow; if not, joint 3 comes to rest.
         next_pose: The pose that follows, 16 numbers.
         next_twist: The twist that leads there [m/s, rad/s], shape (6,).
         next_elbow: Position, velocity and acceleration of joint 3 that follow.
-        target: The joints' next positions [rad], shape (n,).
         is_settled: Whether the joints rest where the pose of the last cycle is.
     """
 
@@ -84,175 +86,175 @@ class CartesianStep:
         self,
         memory: JointMemory,
         kinematics: InverseKinematics,
-        check: CommandCheck,
-        *,
-        pose: Doubles,
-        twist: Doubles,
-        acceleration: Doubles,
-        elbow: Doubles,
-        elbow_velocity: Doubles,
-        elbow_acceleration: Doubles,
-        translation: Iterable[float],
-        rotation: Iterable[float],
-        elbow_limits: Iterable[float],
+        check: MotionCheck,
+        state: EndEffectorState,
         period: float,
     ) -> None:
         self.memory = memory
-        self.target = memory.target
         self.kinematics = kinematics
         self.check = check
-        self.pose = pose
-        self.twist = twist
-        self.acceleration = acceleration
-        self.elbow = elbow
-        self.elbow_velocity = elbow_velocity
-        self.elbow_acceleration = elbow_acceleration
-        self.translation = own(translation)
-        self.rotation = own(rotation)
-        self.elbow_limits = own(elbow_limits)
+        self.state = state
         self.period = period
         self.command = zeros(16)
         self.size = 0
+        self.elbow_command = zeros(2)
         self.has_elbow = False
         self.next_pose = kinematics.target
         self.next_twist = zeros(6)
         self.next_elbow = zeros(3)
         self.is_settled = False
 
-    def follow(self) -> bool:
+    def begin_motion(self) -> None:
+        """Start from the pose and the velocity of the desired joint motion."""
+        self.state.command_joint_motion()
+        self.is_settled = False
+
+    def follow_command(self, is_first: bool, may_settle: bool) -> int:  # noqa: FBT001
         """Follow the command, and write the joints' next positions as their target.
 
+        Args:
+            is_first: Whether it is the first command of the motion.
+            may_settle: Whether joints at rest may stay where they are exactly.
+
         Returns:
-            Whether that was done. If not, the command must be looked at, and the
-            motion has not changed.
+            How many violations there are; with any, the joints must not move.
         """
-        if self.has_elbow:
-            return False
-        if self.is_settled and self.repeats():
-            copy_into(self.target, 0, self.memory.q_d, self.memory.size)
-            return True
-        if not self.plan() or not self.admits_twist():
-            return False
-        self.rest_elbow()
-        self.move_joints()
-        if not self.check.admit_positions():
-            return False
-        self.accept()
-        self.is_settled = self.is_still()
-        return True
+        if may_settle and self.is_settled and self.repeats():
+            copy_into(self.memory.target, 0, self.memory.q_d, self.memory.size)
+            return 0
+        count = self.plan(is_first)
+        if count == 0:
+            count = self.move_joints()
+            if count == 0 and may_settle:
+                self.is_settled = self.is_still()
+        return count
+
+    def extrapolate(self) -> int:
+        """Go on with constant acceleration, because no command has arrived."""
+        following, period, state = self.next_elbow, self.period, self.state
+        for i in range(6):
+            self.next_twist[i] = state.twist_c[i] + state.rate_c[i] * period
+        displace(state.pose_c, self.next_twist, period, self.next_pose)
+        following[2] = state.ddelbow_c[0]
+        following[1] = state.delbow_c[0] + following[2] * period
+        following[0] = state.elbow_c[0] + following[1] * period
+        return self.move_joints()
 
     def repeats(self) -> bool:
         """Return whether the command is the pose of the last cycle."""
-        if self.size == TWIST_SIZE:
+        if self.size == _TWIST_SIZE:
             return False
         for i in range(16):
-            if self.command[i] != self.pose[i]:
+            if self.command[i] != self.state.pose_c[i]:
                 return False
         return True
 
     def is_still(self) -> bool:
-        """Return whether nothing moves after the last `accept`."""
+        """Return whether nothing moves after the last step."""
+        state, step = self.state, self.kinematics.step
         if not (
-            -_STILL_VELOCITY < self.elbow_velocity[0] < _STILL_VELOCITY
-            and -_STILL_ACCELERATION < self.elbow_acceleration[0] < _STILL_ACCELERATION
+            -_STILL_VELOCITY < state.delbow_c[0] < _STILL_VELOCITY
+            and -_STILL_ACCELERATION < state.ddelbow_c[0] < _STILL_ACCELERATION
         ):
             return False
         for i in range(6):
             if not (
-                -_STILL_VELOCITY < self.twist[i] < _STILL_VELOCITY
-                and -_STILL_ACCELERATION < self.acceleration[i] < _STILL_ACCELERATION
+                -_STILL_VELOCITY < state.twist_c[i] < _STILL_VELOCITY
+                and -_STILL_ACCELERATION < state.rate_c[i] < _STILL_ACCELERATION
             ):
                 return False
-        step = self.kinematics.step
         for i in range(self.memory.size):
             if not -_STILL_STEP < step[i] < _STILL_STEP:
                 return False
         return True
 
-    def plan(self) -> bool:
-        """Compute the next pose and twist; return False if the pose is no transform."""
-        command, pose = self.command, self.next_pose
-        if self.size == TWIST_SIZE:
-            self.plan_twist(command)
-            return True
-        if not is_transform(command):
-            return False
-        copy_into(pose, 0, command, 16)
-        twist_between(self.pose, pose, self.period, self.next_twist)
-        return True
-
-    def plan_twist(self, twist: Doubles) -> None:
-        """Compute the next pose and twist for a twist [m/s, rad/s], shape (6,)."""
-        for i in range(6):
-            self.next_twist[i] = twist[i]
-        displace(self.pose, self.next_twist, self.period, self.next_pose)
-
-    def admits_twist(self) -> bool:
-        """Return whether the next twist is certainly within the limits."""
-        return self.admits(0, self.translation) and self.admits(3, self.rotation)
-
-    def admits(self, start: int, bounds: Doubles) -> bool:
-        """Return whether three numbers of the next twist are within the limits.
+    def plan(self, is_first: bool) -> int:  # noqa: FBT001 - a C function
+        """Compute pose, twist and elbow that follow; return the number of violations.
 
         Args:
-            start: Where in the twist they begin.
-            bounds: Largest norms of velocity, acceleration and jerk.
+            is_first: Whether it is the first command of the motion.
         """
-        new, old, last_rate = self.next_twist, self.twist, self.acceleration
-        period = self.period
-        speed = acceleration = jerk = 0.0
-        for i in range(start, start + 3):
-            velocity = new[i]
-            rate = (velocity - old[i]) / period
-            change = (rate - last_rate[i]) / period
-            speed += velocity * velocity
-            acceleration += rate * rate
-            jerk += change * change
-        return (
-            square_root(speed) <= bounds[0]
-            and square_root(acceleration) <= bounds[1]
-            and square_root(jerk) <= bounds[2]
-        )
+        command, check, state = self.command, self.check, self.state
+        if self.size == _TWIST_SIZE:
+            for i in range(6):
+                self.next_twist[i] = command[i]
+            displace(state.pose_c, self.next_twist, self.period, self.next_pose)
+        elif not is_transform(command):
+            check.violations.add(INVALID_FRAME, 0, 0.0, 0.0)
+            return 1
+        else:
+            copy_into(self.next_pose, 0, command, 16)
+            twist_between(state.pose_c, command, self.period, self.next_twist)
+            if is_first and self.check_start():
+                return check.violations.count
+        if check.check_twist(self.next_twist, state.twist_c, state.rate_c):
+            return check.violations.count
+        if self.has_elbow:
+            return self.plan_elbow(is_first)
+        self.rest_elbow()
+        return 0
+
+    def check_start(self) -> int:
+        """Compare the first pose of a motion with the present one."""
+        violations, twist = self.check.violations, self.next_twist
+        for part in range(2):
+            x, y, z = twist[3 * part], twist[3 * part + 1], twist[3 * part + 2]
+            away = square_root(x * x + y * y + z * z) * self.period
+            most = START_ROTATION_TOLERANCE if part else START_TRANSLATION_TOLERANCE
+            if away > most:
+                violations.add(POSE_START, part, away, most)
+        return violations.count
+
+    def plan_elbow(self, is_first: bool) -> int:  # noqa: FBT001 - a C function
+        """Take the elbow of the command over; return the number of violations.
+
+        Args:
+            is_first: Whether it is the first command of the motion.
+        """
+        command, state, check = self.elbow_command, self.state, self.check
+        sign, period, following = state.elbow_c[1], self.period, self.next_elbow
+        if command[1] != sign:
+            check.violations.add(ELBOW_SIGN, 0, command[1], sign)
+            return 1
+        away = command[0] - state.elbow_c[0]
+        if is_first and abs(away) > START_ELBOW_TOLERANCE:
+            check.violations.add(ELBOW_START, 0, abs(away), START_ELBOW_TOLERANCE)
+            return 1
+        rate = away / period
+        acceleration = (rate - state.delbow_c[0]) / period
+        jerk = (acceleration - state.ddelbow_c[0]) / period
+        following[0], following[1], following[2] = command[0], rate, acceleration
+        return check.check_elbow(rate, acceleration, jerk)
 
     def rest_elbow(self) -> None:
         """Let joint 3 come to rest: the arm's own choice."""
-        limits, following, period = self.elbow_limits, self.next_elbow, self.period
-        speed = self.elbow_velocity[0]
-        last = self.elbow_acceleration[0]
+        bounds, following, period = self.check.elbow, self.next_elbow, self.period
+        speed, last = self.state.delbow_c[0], self.state.ddelbow_c[0]
         rate = limited(
-            0.0, speed, last, limits[1], limits[2], -limits[0], limits[0], period
+            0.0, speed, last, bounds[1], bounds[2], -bounds[0], bounds[0], period
         )
-        following[0] = self.elbow[0] + rate * period
+        following[0] = self.state.elbow_c[0] + rate * period
         following[1] = rate
         following[2] = (rate - speed) / period
 
-    def extrapolate(self) -> None:
-        """Go on with constant acceleration, because no command has arrived."""
-        following, period = self.next_elbow, self.period
-        for i in range(6):
-            self.next_twist[i] = self.twist[i] + self.acceleration[i] * period
-        displace(self.pose, self.next_twist, period, self.next_pose)
-        following[2] = self.elbow_acceleration[0]
-        following[1] = self.elbow_velocity[0] + following[2] * period
-        following[0] = self.elbow[0] + following[1] * period
+    def move_joints(self) -> int:
+        """Make the next pose the last one; write the joints' positions that reach it.
 
-    def move_joints(self) -> None:
-        """Write the joints' positions that belong to the next pose as their target."""
-        memory, kinematics = self.memory, self.kinematics
-        q, target, step = memory.q_d, self.target, kinematics.step
-        kinematics.advance(self.next_elbow[0])
-        for i in range(memory.size):
-            target[i] = q[i] + step[i]
-
-    def accept(self) -> None:
-        """Make the next pose, twist and elbow the last ones."""
-        self.is_settled = False
-        twist, acceleration, new = self.twist, self.acceleration, self.next_twist
-        following, period = self.next_elbow, self.period
+        Returns:
+            How many limits of the joints are violated.
+        """
+        memory, kinematics, state = self.memory, self.kinematics, self.state
+        twist, rates, new = state.twist_c, state.rate_c, self.next_twist
+        following, period, step = self.next_elbow, self.period, kinematics.step
         for i in range(6):
-            acceleration[i] = (new[i] - twist[i]) / period
+            rates[i] = (new[i] - twist[i]) / period
             twist[i] = new[i]
-        copy_into(self.pose, 0, self.next_pose, 16)
-        self.elbow[0] = following[0]
-        self.elbow_velocity[0] = following[1]
-        self.elbow_acceleration[0] = following[2]
+        copy_into(state.pose_c, 0, self.next_pose, 16)
+        state.elbow_c[0] = following[0]
+        state.delbow_c[0] = following[1]
+        state.ddelbow_c[0] = following[2]
+        self.is_settled = False
+        kinematics.advance(following[0])
+        for i in range(memory.size):
+            memory.target[i] = memory.q_d[i] + step[i]
+        return self.check.check_positions(SOLVED_POSITION)

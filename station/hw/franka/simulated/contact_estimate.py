@@ -23,13 +23,15 @@ from station.hw.franka.arm.collision_behavior import (
     DEFAULT_COLLISION_BEHAVIOR,
     collision_error,
 )
-from station.hw.franka.arm.flags import ContactFlag
 from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
+from station.hw.franka.simulated.simulated_cycles import ContactFlag
 from station.hw.mujoco.world_joints import WorldJoints
 from station.memory.doubles import put
 
 if TYPE_CHECKING:
-    from station.hw.franka.simulated.imperfections import Imperfections
+    from station.hw.franka.simulated.friction_and_observer import (
+        FrictionAndObserver,
+    )
 
 CUTOFF_FREQUENCY = 100.0
 """Cutoff frequency of the low-pass filter on the external torques [Hz]."""
@@ -60,8 +62,7 @@ class ContactEstimate(ContactFlag):
     Attributes:
         behavior: The thresholds.
         is_quiet: Whether nothing touches the arm.
-        imperfections: What disturbs the readings in every cycle; None when nothing
-            does.
+        observer: Disturbs the readings in every cycle; None for an ideal arm.
         release: Share of its threshold below which a signal must fall before it can be
             a new collision, at most 1.
         release_cycles: How many cycles in a row all signals must be that low before the
@@ -77,7 +78,7 @@ class ContactEstimate(ContactFlag):
     ) -> None:
         super().__init__()
         self.behavior = DEFAULT_COLLISION_BEHAVIOR
-        self.imperfections: Imperfections | None = None
+        self.observer: FrictionAndObserver | None = None
         self._joints = joints
         self._state = state
         self._gain = joints.timestep / (
@@ -141,11 +142,11 @@ class ContactEstimate(ContactFlag):
     def expect_load(self) -> None:
         """Take over the torques for the configured load; `update` asks for them."""
 
-    def attend(self, found: int) -> bool:
-        """Do what an unusual cycle of the imperfections asks for; there are none.
+    def react_to(self, found: int) -> bool:
+        """Do what the observer cannot do by itself; there is none.
 
         Args:
-            found: What `Imperfections.sense` has returned, not 0.
+            found: What `FrictionAndObserver.sense` has returned, not 0.
 
         Returns:
             Whether the next command is to be lost on its way.

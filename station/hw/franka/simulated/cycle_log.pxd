@@ -2,12 +2,9 @@ from station.memory.vectors cimport copy_into
 
 cdef class CycleLog:
     cdef double[::1] states
-    cdef readonly Py_ssize_t size
-    cdef readonly Py_ssize_t width
+    cdef readonly Py_ssize_t size, width
     cdef Py_ssize_t capacity
-    cdef double[::1] rows
-    cdef double[::1] commands
-    cdef double[::1] command_sizes
+    cdef double[::1] rows, commands, command_sizes
     cdef public double[::1] command
     cdef public Py_ssize_t command_size
     cdef readonly long long count

@@ -4,10 +4,7 @@ from station.core.franka.joint_memory cimport JointMemory
 cdef class DesiredMotion:
     cdef readonly Py_ssize_t size
     cdef JointMemory memory
-    cdef double[::1] lower
-    cdef double[::1] upper
-    cdef double[::1] largest_step
-    cdef double[::1] wanted
+    cdef double[::1] lower, upper, largest_step, wanted
     cdef double period
     cdef readonly bint rests
     cpdef bint is_at_rest(self)

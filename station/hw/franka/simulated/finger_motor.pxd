@@ -1,21 +1,13 @@
-from station.hw.franka.arm.arm_reading cimport FingerReading
 from station.hw.mujoco.simulator_memory cimport SimulatorMemory
 from station.hw.mujoco.world_step cimport Preparation
 
 cdef class FingerMotor(Preparation):
     cdef SimulatorMemory simulator
-    cdef public double stiffness
-    cdef public double step
-    cdef public double reach
-    cdef public double target
-    cdef public double place
-    cdef public double force
-    cpdef bint before(self)
+    cdef public double stiffness, step, reach, target, place, force
+    cpdef prepare_step(self)
 
-cdef class FingerSensor(FingerReading):
+cdef class FingerSensor:
     cdef SimulatorMemory simulator
-    cdef double[::1] positions
-    cdef double[::1] velocities
-    cdef double[::1] efforts
+    cdef double[::1] positions, velocities, efforts
     cdef readonly Py_ssize_t size
     cpdef read(self)

@@ -1,6 +1,5 @@
 """The motor of a hand's fingers: a servo with a limit on its lead, or a force."""
 
-from station.hw.franka.arm.arm_reading import FingerReading
 from station.hw.mujoco.simulator_memory import SimulatorMemory
 from station.hw.mujoco.world_step import Preparation
 from station.memory.doubles import Doubles
@@ -30,12 +29,12 @@ class FingerMotor(Preparation):
         self.place = 0.0
         self.force = 0.0
 
-    def before(self) -> bool:
-        """Set the motor's control for the coming step; return that it was done."""
+    def prepare_step(self) -> None:
+        """Set the motor's control for the coming step."""
         simulator = self.simulator
         if self.stiffness == 0.0:
             simulator.controls[0] = self.force
-            return True
+            return
         way, step = self.target - self.place, self.step
         if way < -step:
             way = -step
@@ -48,10 +47,9 @@ class FingerMotor(Preparation):
             place = position + self.reach
         self.place = place
         simulator.controls[0] = self.stiffness * place
-        return True
 
 
-class FingerSensor(FingerReading):
+class FingerSensor:
     """Reads the fingers of a simulated hand, which are always at the same place.
 
     Args:

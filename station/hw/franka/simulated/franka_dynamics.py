@@ -24,7 +24,7 @@ from station.core.franka.model_sources import (
 )
 from station.core.numerics.arm_chain import new_links, place_links
 from station.core.numerics.arm_dynamics import ArmDynamics
-from station.hw.franka.arm.arm_names import find_prefix
+from station.hw.franka.arm.arm_description import find_prefix
 from station.hw.franka.arm.franka_kinematics import CHAIN, DOF, FLANGE_OFFSET
 from station.hw.franka.arm.load import Load
 from station.hw.franka.simulated.end_effector import as_transform
@@ -205,6 +205,45 @@ class FrankaDynamics:
             link = [a + b for a, b in zip(self._bare, added, strict=True)]
             put(self._bodies[_LAST], link)
             self._kernel.change_bodies()
+
+
+class ArmLoad:
+    """The additional motor torques for the load that a client has configured.
+
+    Without a configured load nothing is computed. Control thread only.
+
+    Args:
+        gravity: Acceleration of gravity in the base frame [m/s^2], shape (3,).
+
+    Attributes:
+        load: The configured load.
+    """
+
+    def __init__(self, gravity: Sequence[float] = GRAVITY_EARTH) -> None:
+        # Torques add up over bodies: these are of an arm of which nothing else weighs.
+        self._dynamics = FrankaDynamics(None)
+        self._gravity = tuple(gravity)
+        self.load = Load()
+
+    def weight(self, q: Sequence[float]) -> list[float]:
+        """Return the torques that carry the load's weight [Nm], shape (7,).
+
+        Args:
+            q: Joint positions [rad], shape (7,).
+        """
+        return self._dynamics.gravity(q, self.load, self._gravity)
+
+    def torques(
+        self, q: Sequence[float], dq: Sequence[float], ddq: Sequence[float]
+    ) -> list[float]:
+        """Return the torques that carry and move the load [Nm], shape (7,).
+
+        Args:
+            q: Joint positions [rad], shape (7,).
+            dq: Joint velocities [rad/s], shape (7,).
+            ddq: Joint accelerations [rad/s^2], shape (7,).
+        """
+        return self._dynamics.torques(q, dq, ddq, self.load, self._gravity)
 
 
 def _moments_at_link7(load: Load) -> list[float]:

@@ -1,5 +1,6 @@
 """Put Franka arms into one simulated world."""
 
+import xml.etree.ElementTree as ET
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -9,11 +10,16 @@ from station.core.description.robot_files import RobotFiles, replace_prefix
 from station.core.description.srdf import disabled_collisions, group_states
 from station.core.description.urdf import Pose, Urdf
 from station.core.franka.franka_model import GRAVITY_EARTH
+from station.core.parameters import Parameters
+from station.hw.franka.arm.arm_description import (
+    find_prefix,
+    joint_names,
+    load_arm_description,
+)
 from station.hw.franka.arm.arm_limits import PANDA_LIMITS, ArmLimits
-from station.hw.franka.arm.arm_names import find_prefix, joint_names
 from station.hw.franka.arm.service_limits import ServiceLimits
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
-from station.hw.franka.franka_parameters import INITIAL_POSITIONS
+from station.hw.franka.franka_parameters import INITIAL_POSITIONS, FrankaParameters
 from station.hw.franka.hand.hand_limits import OPEN_WIDTH
 from station.hw.franka.simulated.arm_parts import ArmParts
 from station.hw.franka.simulated.end_effector import (
@@ -21,7 +27,7 @@ from station.hw.franka.simulated.end_effector import (
     end_effector_of,
     nominal_frame_of,
 )
-from station.hw.franka.simulated.realism import Realism
+from station.hw.franka.simulated.realism import TYPICAL, Realism
 from station.hw.franka.simulated.simulated_arm import SimulatedArm
 from station.hw.franka.simulated.simulated_gripper import SimulatedGripper
 from station.hw.mujoco.model_builder import (
@@ -30,7 +36,7 @@ from station.hw.mujoco.model_builder import (
     compile_world,
     new_world,
 )
-from station.hw.mujoco.scene import SceneObject, add_object
+from station.hw.mujoco.scene import SceneObject, add_object, read_scene
 from station.hw.mujoco.shared_world import SharedWorld
 from station.hw.mujoco.world import World
 from station.hw.urdf_loader import load_urdf
@@ -45,6 +51,8 @@ _FINGERS_WEIGHT = 1e6
 """Weight of the finger in a contact: the finger alone decides how stiff a contact is.
 The friction depends on both bodies."""
 
+WORLD_LINK = "world"
+"""The root link of the URDF of several arms."""
 STOP_DISTANCE = 0.005
 """Distance of the mechanical stops from the position limits [rad]; not published."""
 
@@ -158,6 +166,51 @@ def simulate(
     return FrankaWorld(world, arms, grippers, _keyframes(placements, urdfs))
 
 
+def placement_of(parameters: FrankaParameters) -> ArmPlacement:
+    """Return the placement of the arm that the parameters describe.
+
+    Raises:
+        RobotDescriptionError: The URDF is missing or does not describe a Franka arm.
+    """
+    return ArmPlacement(
+        parameters.arm_id,
+        load_arm_description(parameters.robot_description, parameters.limits),
+        parameters.base,
+        parameters.initial_positions,
+        parameters.limits,
+        parameters.thresholds,
+        parameters.service_limits,
+        _realism_of(parameters),
+    )
+
+
+def _realism_of(parameters: FrankaParameters) -> Realism | None:
+    if not parameters.is_realistic:
+        return None
+    return replace(TYPICAL, seed=parameters.realism_seed)
+
+
+def simulate_one(parameters: FrankaParameters, root_params: Parameters) -> FrankaWorld:
+    """Return a world with the arm that the parameters describe, and with its scene.
+
+    Args:
+        parameters: The arm.
+        root_params: Parameters of the station's root namespace, with its `scene`.
+
+    Raises:
+        ParameterError: The scene is malformed.
+        RobotDescriptionError: The URDF is missing or does not describe a Franka arm.
+    """
+    world = simulate(
+        [placement_of(parameters)],
+        gravity=parameters.gravity,
+        objects=read_scene(root_params),
+    )
+    arm = world.arms[parameters.arm_id]
+    arm.set_collision_behavior(parameters.collision_behavior)
+    return world
+
+
 def _make_arm(
     world: World,
     placement: ArmPlacement,
@@ -256,3 +309,44 @@ def _start_positions(
             if name in urdfs[placement.arm_id].joints:
                 positions[name] = OPEN_WIDTH / 2.0
     return positions
+
+
+def combine_descriptions(placements: Sequence[ArmPlacement]) -> str:
+    """Return one URDF with all arms at their places.
+
+    Args:
+        placements: The arms.
+
+    Raises:
+        RobotDescriptionError: A placement does not describe a Franka arm.
+    """
+    combined = ET.Element("robot", name="combined")
+    ET.SubElement(combined, "link", name=WORLD_LINK)
+    materials: set[str] = set()
+    for placement in placements:
+        prefix = f"{placement.arm_id}_"
+        original = placement.description
+        description = original.with_prefix(find_prefix(original), prefix)
+        for element in ET.fromstring(description.xml):
+            name = element.get("name", "")
+            if element.tag == "material":
+                if name in materials:
+                    continue
+                materials.add(name)
+            combined.append(element)
+        _stand(combined, placement, load_urdf(description).root)
+    return ET.tostring(combined, encoding="unicode")
+
+
+def _stand(combined: ET.Element, placement: ArmPlacement, root: str) -> None:
+    name = f"{placement.arm_id}_{WORLD_LINK}_joint"
+    joint = ET.SubElement(combined, "joint", name=name, type="fixed")
+    ET.SubElement(joint, "parent", link=WORLD_LINK)
+    ET.SubElement(joint, "child", link=root)
+    roll, pitch, yaw = placement.base.rpy()
+    ET.SubElement(
+        joint,
+        "origin",
+        xyz=" ".join(repr(value) for value in placement.base.xyz),
+        rpy=f"{roll!r} {pitch!r} {yaw!r}",
+    )

@@ -6,18 +6,11 @@ from station.core.numerics.wrench_equation cimport WrenchEquation
 cdef double _LARGEST_STEP
 
 cdef class InverseKinematics:
-    cdef double[::1] chain
-    cdef double[::1] q
-    cdef double[::1] tool
+    cdef double[::1] chain, q, tool
     cdef readonly double[::1] target
-    cdef double[::1] step
-    cdef double[::1] links
+    cdef double[::1] step, links
     cdef Py_ssize_t end
-    cdef double[::1] flange
-    cdef double[::1] pose
-    cdef double[::1] jacobian
-    cdef double[::1] error
-    cdef double[::1] wrench
+    cdef double[::1] flange, pose, jacobian, error, wrench
     cdef WrenchEquation equation
 
     cpdef void advance(self, double elbow) noexcept

@@ -7,24 +7,13 @@ cdef class JointMotors:
     cdef JointMemory memory
     cdef SimulatorMemory simulator
     cdef double period
-    cdef public double[::1] stiffness
-    cdef public double[::1] damping
-    cdef public double[::1] load_weight
-    cdef double[::1] limits
-    cdef double[::1] passive
-    cdef double[::1] rotor
-    cdef double[::1] drag
-    cdef public bint is_loaded
-    cdef public bint is_late
-    cdef public bint are_commands
+    cdef public double[::1] stiffness, damping, load_weight
+    cdef double[::1] limits, passive, rotor, drag
+    cdef public bint is_loaded, is_late, torques_act, is_cartesian
     cdef bint is_new
-    cdef double[::1] late_torques
-    cdef double[::1] late_q
-    cdef double[::1] late_dq
-    cdef double[::1] late_ddq
-    cpdef begin(self)
+    cdef double[::1] late_torques, late_q, late_dq, late_ddq
     cpdef note_motion(self)
     cpdef apply_torques(self)
-    cpdef apply_impedance(self, bint tells)
+    cpdef apply_impedance(self, bint notes)
     cpdef sense(self)
     cpdef differentiate(self)

@@ -8,11 +8,13 @@ The motors of a real arm act on a command in the cycle after the one in which it
 noticed: so do these when they are late.
 """
 
+from collections.abc import Sequence
+
 import cython
 
 from station.core.franka.joint_memory import JointMemory
 from station.hw.mujoco.simulator_memory import SimulatorMemory
-from station.memory.doubles import own
+from station.memory.doubles import own, put
 from station.memory.vectors import copy_into
 
 
@@ -30,7 +32,8 @@ class JointMotors:
         load_weight: Torques that carry a configured load [Nm], shape (n,).
         is_loaded: Whether one of them is not 0.
         is_late: Whether the motors act on commands one cycle later.
-        are_commands: Whether the torques are commands, and not computed by the arm.
+        torques_act: Whether the motors follow commanded torques.
+        is_cartesian: Whether the arm itself computes the torques, see `ArmMotors`.
     """
 
     def __init__(
@@ -54,7 +57,8 @@ class JointMotors:
         both = zip(self.rotor, self.passive, strict=True)
         self.drag = own([inertia + friction for inertia, friction in both])
         self.is_late = False
-        self.are_commands = False
+        self.torques_act = False
+        self.is_cartesian = False
         self.is_new = True
         # What was wanted in the cycle before.
         self.late_torques = own(none)
@@ -62,9 +66,16 @@ class JointMotors:
         self.late_dq = own(none)
         self.late_ddq = own(none)
 
-    def begin(self) -> None:
-        """Forget what was wanted before: something else drives the motors now."""
-        self.are_commands = False
+    def engage(self, stiffness: Sequence[float], damping: Sequence[float]) -> None:
+        """Let an impedance act from the next step on, and forget what was wanted.
+
+        Args:
+            stiffness: Stiffness of the joints [Nm/rad], shape (n,).
+            damping: Damping of the joints [Nm s/rad], shape (n,).
+        """
+        put(self.stiffness, stiffness)
+        put(self.damping, damping)
+        self.torques_act = self.is_cartesian = False
         self.is_new = True
         for i in range(self.size):
             self.late_torques[i] = 0.0
@@ -81,7 +92,7 @@ class JointMotors:
             if tau < -limit:
                 tau = -limit
             tau_d[i] = tau
-        if self.is_late and self.are_commands:
+        if self.is_late and self.torques_act:
             for i in range(self.size):
                 controls[i] = late_torques[i] + load[i]
             copy_into(late_torques, 0, tau_d, self.size)
@@ -91,11 +102,11 @@ class JointMotors:
         else:
             copy_into(controls, 0, tau_d, self.size)
 
-    def apply_impedance(self, tells: bool) -> None:  # noqa: FBT001 - a C function
+    def apply_impedance(self, notes: bool) -> None:  # noqa: FBT001 - a C function
         """Let the motors follow the desired motion.
 
         Args:
-            tells: Whether to note as `tau_J_d` what the impedance asks for, within the
+            notes: Whether to note as `tau_J_d` what the impedance asks for, within the
                 limits.
         """
         memory = self.memory
@@ -115,10 +126,10 @@ class JointMotors:
         for i in range(self.size):
             acceleration, spring, damper = ddq_d[i], stiffness[i], damping[i]
             control = spring * q_d[i] + damper * dq_d[i] + bias[i] - compensation[i]
-            if acceleration != 0.0:  # an arm that holds looks at no inertia
+            if acceleration != 0.0:  # an arm that holds needs no inertia
                 control += inertia[diagonal[i]] * acceleration
             controls[i] = control + load[i]
-            if tells:
+            if notes:
                 tau = control - spring * q[i] - damper * dq[i]
                 limit = limits[i]
                 if limit < tau:
@@ -173,7 +184,7 @@ class JointMotors:
             memory.dq[:] = dtheta[:] = velocities
 
     def differentiate(self) -> None:
-        """Write the rates of the torques; only for whoever reads them."""
+        """Write the rates of the torques; few read them, so not in every cycle."""
         memory, period = self.memory, self.period
         tau, last, dtau = memory.tau_J, memory.last_tau_J, memory.dtau_J
         for i in range(self.size):

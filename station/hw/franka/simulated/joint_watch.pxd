@@ -1,40 +1,34 @@
 cimport cython
 from station.core.numerics.arm_chain cimport place_links, twist_of, zero_jacobian
+from station.hw.franka.arm.capsules cimport LinkDistances
 from station.memory.functions cimport square_root
 from station.core.franka.joint_memory cimport JointMemory
 from station.core.numerics.rigid_motion cimport compose, rotation_between
+from station.hw.franka.simulated.violations cimport Violations
 
-cdef double _CERTAIN
+cdef double _REACH
 
 cdef class JointWatch:
     cdef readonly Py_ssize_t size
+    cdef readonly Violations violations
     cdef JointMemory memory
-    cdef double[::1] chain
-    cdef double[::1] tool
-    cdef double[::1] links
-    cdef double[::1] flange
-    cdef double[::1] pose
-    cdef double[::1] desired
-    cdef double[::1] jacobian
-    cdef double[::1] twist
-    cdef double[::1] lower
-    cdef double[::1] upper
-    cdef double[::1] velocity
-    cdef double[::1] torque
-    cdef double reach
-    cdef double reach_in_a_cycle
-    cdef double speed
-    cdef double power
-    cdef double translation
-    cdef double rotation
-    cdef double elbow
+    cdef object limits
+    cdef bint has_curves
+    cdef double[::1] chain, tool, links, flange, pose, desired, jacobian, twist, lower
+    cdef double[::1] upper, slack, slowest, fastest, torque
+    cdef double reach_in_a_cycle, speed, power, translation, rotation, elbow
+    cdef LinkDistances distances
+    cdef double least_distance
+    cdef double[::1] walls
     cdef public double room
-    cdef readonly double total_power
-    @cython.locals(i=Py_ssize_t, position=double, speed=double, torque=double, total=double, power=double, away=double, is_good=bint, is_slow=bint, is_close=bint)
-    cpdef bint is_quiet(self, bint is_following)
-    cdef bint is_slow(self)
+    cpdef bint check_readings(self, bint is_following)
+    @cython.locals(i=Py_ssize_t, position=double, velocity=double, speed=double, torque=double, total=double, power=double, away=double, is_slow=bint, is_close=bint, violations=Violations)
+    cpdef find_violations(self, bint is_following, double reach)
+    @cython.locals(axis=Py_ssize_t, distance=double, least=double, room=double, value=double, low=double, high=double)
+    cdef check_distances(self)
+    cdef check_speed(self)
     @cython.locals(i=Py_ssize_t)
-    cdef bint is_close(self)
+    cdef check_deviation(self)
     cdef void place(self, double[::1] q, double[::1] pose) noexcept
 
 @cython.locals(x=double, y=double, z=double)

@@ -1,11 +1,9 @@
-"""Watch the measured state of an arm: a quick check of every cycle.
+"""Compare the measured state of an arm with its limits, in every cycle.
 
-The quickest check adds up speeds and deviations of the joints: no point of the arm can
-be faster, or further away, than if all joints turned about the same axis. An arm that
-moves quickly fails it; its end effector is computed then.
+Speeds and deviations of the joints are added up first: no point of the arm can be
+faster, or further away, than if all joints turned about the same axis. The end effector
+is computed only when that sum exceeds its limits.
 """
-
-from collections.abc import Iterable, Sequence
 
 from station.core.franka.joint_memory import JointMemory
 from station.core.numerics.arm_chain import (
@@ -15,35 +13,43 @@ from station.core.numerics.arm_chain import (
     zero_jacobian,
 )
 from station.core.numerics.rigid_motion import compose, rotation_between
-from station.memory.doubles import Doubles, own, zeros
+from station.hw.franka.arm.arm_limits import ArmLimits
+from station.hw.franka.arm.self_collision import link_distances
+from station.hw.franka.arm.supervisor_limits import SupervisorLimits
+from station.hw.franka.simulated.violations import (
+    DEVIATION,
+    END_EFFECTOR_SPEED,
+    MEASURED_POSITION,
+    MEASURED_TORQUE,
+    MEASURED_VELOCITY,
+    POWER,
+    SELF_COLLISION,
+    WALL,
+    Violations,
+)
+from station.memory.doubles import Doubles, own, own_zeros, zeros
 from station.memory.functions import square_root
 
-_CERTAIN = 1.0 - 1e-9
-"""What is below this share of a limit is below the limit, however it is rounded."""
+# Larger than the distance of any end effector from any joint axis [m].
+_REACH = 1.3
 
 
 class JointWatch:
-    """Finds out quickly whether the readings of n joints are certainly in order.
+    """Finds the readings of n joints that violate a limit.
 
     Args:
         memory: State of the joints.
         chain: The arm's chain of n joints, see `arm_chain`.
         tool: Pose of the end effector in the flange's frame, 16 numbers; kept.
-        lower: Lowest positions [rad], shape (n,).
-        upper: Highest positions [rad].
-        velocity: Largest speeds [rad/s].
-        torque: Largest torques [Nm].
-        reach: Larger than the distance of any point of the arm from any axis [m].
-        speed: Largest speed of the end effector [m/s].
-        power: Largest sum of the mechanical powers of the joints [W].
-        deviation: Largest distances of the end effector [m], of its orientation [rad]
-            and of the elbow [rad] from the desired motion.
+        limits: The arm's limits.
+        thresholds: Thresholds that Franka does not publish.
         period: Duration of a cycle [s], > 0.
+        has_hand: Whether a hand is mounted.
 
     Attributes:
+        violations: What was found in the last cycle.
         room: How far a point of the arm may still move until a distance may have become
             too short [m].
-        total_power: Sum of the mechanical powers at the last look, all positive [W].
     """
 
     def __init__(
@@ -51,19 +57,16 @@ class JointWatch:
         memory: JointMemory,
         chain: Doubles,
         tool: Doubles,
-        *,
-        lower: Iterable[float],
-        upper: Iterable[float],
-        velocity: Iterable[float],
-        torque: Iterable[float],
-        reach: float,
-        speed: float,
-        power: float,
-        deviation: Sequence[float],
+        limits: ArmLimits,
+        thresholds: SupervisorLimits,
         period: float,
+        *,
+        has_hand: bool,
     ) -> None:
         self.memory = memory
         self.size = memory.size
+        self.limits = limits
+        self.has_curves = bool(limits.curves)
         self.chain = own(chain)
         self.tool = tool
         self.links = new_links(chain)
@@ -72,91 +75,144 @@ class JointWatch:
         self.desired = zeros(16)
         self.jacobian = zeros(6 * self.size)
         self.twist = zeros(6)
-        self.lower = own(lower)
-        self.upper = own(upper)
-        self.velocity = own(velocity)
-        self.torque = own(torque)
-        self.reach = reach
-        self.reach_in_a_cycle = reach * period
-        self.speed = speed
-        self.power = power
-        self.translation = deviation[0]
-        self.rotation = deviation[1]
-        self.elbow = deviation[2]
+        tolerance = thresholds.position_tolerance
+        self.lower = own([value - tolerance for value in limits.lower])
+        self.upper = own([value + tolerance for value in limits.upper])
+        factor = thresholds.velocity_factor
+        self.slack = own([value * factor - value for value in limits.velocity])
+        self.slowest, self.fastest = own_zeros(self.size), own_zeros(self.size)
+        self.bend_velocity_limits()
+        self.torque = own([value * thresholds.torque_factor for value in limits.torque])
+        self.reach_in_a_cycle = _REACH * period
+        self.speed = limits.translation.velocity * factor
+        self.power = thresholds.power
+        self.translation, self.rotation, self.elbow = thresholds.path_deviation
+        self.distances = link_distances(has_hand=has_hand)
+        self.least_distance = thresholds.self_collision_distance
+        self.walls = own([*thresholds.cartesian_lower, *thresholds.cartesian_upper])
         self.room = 0.0
-        self.total_power = 0.0
+        self.violations = Violations()
 
-    def is_quiet(self, is_following: bool) -> bool:  # noqa: FBT001 - a C function
-        """Look at all joints, and count down the room.
+    def check_readings(self, is_following: bool) -> bool:  # noqa: FBT001 - a C function
+        """Compare all readings of a cycle with their limits.
 
         Args:
             is_following: Whether the arm follows the desired motion.
 
         Returns:
-            Whether everything is certainly in order. Otherwise somebody must look
-            closer.
+            Whether a limit is violated.
         """
-        memory = self.memory
+        self.find_violations(is_following, self.reach_in_a_cycle)
+        return self.violations.count > 0
+
+    def find_violations(self, is_following: bool, reach: float) -> None:  # noqa: FBT001
+        """Compare all readings with their limits.
+
+        Args:
+            is_following: Whether the arm follows the desired motion.
+            reach: How far a joint of 1 rad/s may have moved any point of the arm since
+                the last call [m].
+        """
+        memory, violations = self.memory, self.violations
         q, dq, tau, q_d = memory.positions, memory.dtheta, memory.tau_J, memory.q_d
-        lower, upper = self.lower, self.upper
-        fastest, largest = self.velocity, self.torque
-        total = 0.0
-        power = 0.0
-        away = 0.0
-        is_good = True
+        lower, upper, largest = self.lower, self.upper, self.torque
+        slowest, fastest = self.slowest, self.fastest
+        total = power = away = 0.0
+        violations.clear()
+        if self.has_curves:
+            self.bend_velocity_limits()
         for i in range(self.size):
-            position, speed, torque = q[i], dq[i], tau[i]
+            position, velocity, torque = q[i], dq[i], tau[i]
+            if not lower[i] <= position <= upper[i]:
+                bound = min(self.limits.upper[i], upper[i])
+                if position < lower[i]:
+                    bound = max(self.limits.lower[i], lower[i])
+                violations.add(MEASURED_POSITION, i, position, bound)
+            if not slowest[i] <= velocity <= fastest[i]:
+                bounds = self.limits.velocity_range(i, position)
+                violations.add(
+                    MEASURED_VELOCITY, i, velocity, bounds[1 if velocity > 0.0 else 0]
+                )
             # Without the two calls that `abs` is where this is interpreted.
-            if speed < 0.0:
-                speed = -speed
+            speed = -velocity if velocity < 0.0 else velocity
             if torque < 0.0:
                 torque = -torque
-            if not (
-                lower[i] <= position <= upper[i]
-                and speed <= fastest[i]
-                and torque <= largest[i]
-            ):
-                is_good = False
+            if torque > largest[i]:
+                violations.add(MEASURED_TORQUE, i, tau[i], largest[i])
             total += speed
             power += speed * torque
             if is_following:
                 away += abs(position - q_d[i])
-        self.total_power = power
-        self.room -= total * self.reach_in_a_cycle
-        if not is_good or not self.room > 0.0:
-            return False
-        if not power < self.power:
-            return False
-        is_slow = total * self.reach < self.speed
+        is_slow = total * _REACH < self.speed
         is_close = not is_following or not (
-            away * self.reach > self.translation
+            away * _REACH > self.translation
             or away > self.rotation
             or away > self.elbow
         )
-        if is_slow and is_close:
-            return True
-        self.place(q, self.pose)
-        return (is_slow or self.is_slow()) and (is_close or self.is_close())
+        # Distances take long to compute: only when they may have become too short.
+        self.room -= total * reach
+        if not self.room > 0.0:
+            self.check_distances()
+        if not (is_slow and is_close):
+            self.place(q, self.pose)
+        if not is_slow:
+            self.check_speed()
+        if power > self.power:
+            violations.add(POWER, 0, power, self.power)
+        if not is_close:
+            self.check_deviation()
 
-    def is_slow(self) -> bool:
-        """Return whether the end effector, which `place` has placed, is slow enough."""
+    def bend_velocity_limits(self) -> None:
+        """Compute the velocity limits where the joints are."""
+        for i in range(self.size):
+            low, high = self.limits.velocity_range(i, self.memory.positions[i])
+            self.slowest[i], self.fastest[i] = low - self.slack[i], high + self.slack[i]
+
+    def check_distances(self) -> None:
+        """Compare the distances of links and walls with their limits."""
+        self.place(self.memory.positions, self.pose)
+        distance, least = self.distances.measure(self.links), self.least_distance
+        room = distance - least
+        if room < 0.0:
+            pair = self.distances.closest
+            self.violations.add(SELF_COLLISION, pair, distance, least)
+        for axis in range(3):
+            value = self.pose[12 + axis]
+            low, high = self.walls[axis], self.walls[axis + 3]
+            if value - low < room:
+                room = value - low
+            if high - value < room:
+                room = high - value
+            if not low <= value <= high:
+                bound = low if value < low else high
+                self.violations.add(WALL, axis, value, bound)
+        self.room = room
+
+    def check_speed(self) -> None:
+        """Compare the speed of the end effector, which `place` has placed."""
         zero_jacobian(self.links, self.pose, self.jacobian)
         twist_of(self.jacobian, self.memory.dtheta, self.twist)
-        return _length(self.twist) < _CERTAIN * self.speed
+        speed = _length(self.twist)
+        if speed > self.speed:
+            bound = self.limits.translation.velocity
+            self.violations.add(END_EFFECTOR_SPEED, 0, speed, bound)
 
-    def is_close(self) -> bool:
-        """Return whether the placed end effector is close to the desired motion."""
+    def check_deviation(self) -> None:
+        """Compare the placed end effector with the desired motion."""
         memory, pose, desired = self.memory, self.pose, self.desired
-        if not abs(memory.positions[2] - memory.q_d[2]) < _CERTAIN * self.elbow:
-            return False
         self.place(memory.q_d, desired)
         way = self.twist
         for i in range(3):
             way[i] = desired[12 + i] - pose[12 + i]
-        if not _length(way) < _CERTAIN * self.translation:
-            return False
+        shift = _length(way)
         rotation_between(pose, desired, way)
-        return _length(way) < _CERTAIN * self.rotation
+        turn, bend = _length(way), abs(memory.positions[2] - memory.q_d[2])
+        if shift > self.translation:
+            self.violations.add(DEVIATION, 0, shift, self.translation)
+        if turn > self.rotation:
+            self.violations.add(DEVIATION, 1, turn, self.rotation)
+        if bend > self.elbow:
+            self.violations.add(DEVIATION, 2, bend, self.elbow)
 
     def place(self, q: Doubles, pose: Doubles) -> None:
         """Write the poses of the links, and the one of the end effector to `pose`."""

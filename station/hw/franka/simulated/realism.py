@@ -81,7 +81,7 @@ TYPICAL = Realism(
     # The torques of [2], 0.83, 1.00, 0.89, 1.29, 0.81, 0.59 and 0.41 Nm, without what
     # the torque grows by while the joint begins to slide.
     static_friction=(0.70, 0.79, 0.725, 1.145, 0.75, 0.515, 0.34),
-    # Assumptions: nobody publishes them. From 0.1 rad/s on, the static friction adds
+    # Assumptions: not published. From 0.1 rad/s on, the static friction adds
     # less than 0.05 Nm to the curve of [1]; below, a joint turns by less than the
     # repeatability of 0.1 mm at the end of the arm.
     stribeck_velocity=0.02,
@@ -96,7 +96,7 @@ TYPICAL = Realism(
     # What the figures above cause: in 1000 random motions in the whole range of the
     # joints at most 2.7 Nm in the weakest direction of the wrench, 1.9 Nm in 99.9 %.
     torque_error=2.0,
-    # Assumptions; nobody publishes them. With 15 Hz the noise of the estimate stays
+    # Assumptions: not published. With 15 Hz the noise of the estimate stays
     # below 0.5 Nm, far below the smallest default threshold, and a contact is reported
     # within the 50 ms that the Panda's data sheet names as reaction time.
     observer_frequency=15.0,

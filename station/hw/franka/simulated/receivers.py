@@ -1,95 +1,60 @@
 """Takes commands for a simulated arm without a call of Python."""
 
-from collections.abc import Callable
-
 from station.core.franka.joint_memory import JointMemory
-from station.hw.franka.arm import arm_codes as codes
-from station.hw.franka.arm.receiver import PoseReceiver, Receiver
+from station.hw.franka.arm.receiver import Receiver
+from station.hw.franka.simulated import step_codes as codes
 from station.hw.franka.simulated.arm_step import ArmStep
 from station.memory.doubles import Doubles, Storage
 
-# As a C number, by the .pxd.
+# As C numbers, by the .pxd.
+_POSITIONS = codes.POSITIONS
+_VELOCITIES = codes.VELOCITIES
 _CARTESIAN = codes.CARTESIAN
 _POSE = 16
 
 
-class TorqueReceiver(Receiver):
-    """Takes torques for a simulated arm.
+class StepReceiver(Receiver):
+    """Takes the commands of the motion that runs, if they are finite numbers.
 
     Args:
-        function: Takes what the step does not take, or refuses it.
         step: The arm's arithmetic.
         memory: The memory of the arm's joints.
     """
 
-    def __init__(
-        self, function: Callable[[Storage], object], step: ArmStep, memory: JointMemory
-    ) -> None:
-        super().__init__(function)
+    def __init__(self, step: ArmStep, memory: JointMemory) -> None:
         self.step = step
-        self.size = memory.size
-        self.place = memory.torques
+        self.memory = memory
 
-    def receive(self, values: Storage) -> None:
-        """Take torques [Nm], shape (7,)."""
+    def receive_torques(self, tau: Storage) -> bool:
+        """Return whether torques were taken."""
+        step, memory = self.step, self.memory
+        return step.wants_torques and step.receive(tau, memory.size, memory.torques)
+
+    def receive_positions(self, q: Storage) -> bool:
+        """Return whether positions were taken."""
+        return self.receive_target(q, _POSITIONS)
+
+    def receive_velocities(self, dq: Storage) -> bool:
+        """Return whether velocities were taken."""
+        return self.receive_target(dq, _VELOCITIES)
+
+    def receive_target(self, values: Storage, generator: int) -> bool:
+        """Return whether positions or velocities were taken.
+
+        Args:
+            values: The command, shape (7,).
+            generator: The motion that takes them, see `step_codes`.
+        """
+        step, memory = self.step, self.memory
+        if step.generator != generator:
+            return False
+        return step.receive(values, memory.size, memory.target)
+
+    def receive_pose(self, pose: Doubles) -> bool:
+        """Return whether a pose was taken."""
         step = self.step
-        if not step.wants_torques or not step.receive(values, self.size, self.place):
-            self.function(values)
+        return step.generator == _CARTESIAN and step.receive_end_effector(pose, _POSE)
 
-
-class JointReceiver(Receiver):
-    """Takes positions or velocities for a simulated arm.
-
-    Args:
-        function: Takes what the step does not take, or refuses it.
-        step: The arm's arithmetic.
-        memory: The memory of the arm's joints.
-        generator: What the step's motion has to command, see `arm_codes`.
-    """
-
-    def __init__(
-        self,
-        function: Callable[[Storage], object],
-        step: ArmStep,
-        memory: JointMemory,
-        generator: int,
-    ) -> None:
-        super().__init__(function)
-        self.step = step
-        self.size = memory.size
-        self.place = memory.target
-        self.generator = generator
-
-    def receive(self, values: Storage) -> None:
-        """Take positions [rad] or velocities [rad/s], shape (7,)."""
-        step = self.step
-        if step.generator != self.generator or not step.receive(
-            values, self.size, self.place
-        ):
-            self.function(values)
-
-
-class EndEffectorReceiver(PoseReceiver):
-    """Takes poses for a simulated arm.
-
-    Args:
-        step: The arm's arithmetic.
-    """
-
-    def __init__(self, step: ArmStep) -> None:
-        self.step = step
-
-    def is_open(self) -> bool:
-        """Return whether the motion that runs commands the end effector."""
-        return self.step.generator == _CARTESIAN
-
-    def is_settled(self) -> bool:
+    def rests_at_pose(self) -> bool:
         """Return whether the end effector has come to rest at the last pose."""
         return self.step.cartesian.is_settled
-
-    def receive(self, pose: Doubles) -> bool:
-        """Take a pose without an elbow for the next cycle."""
-        if not self.step.receive_end_effector(pose, _POSE):
-            return False
-        self.step.cartesian.has_elbow = False
-        return True

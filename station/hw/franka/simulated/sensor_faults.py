@@ -34,7 +34,7 @@ class SensorFaults:
 
     @property
     def act(self) -> bool:
-        """Whether a fault is active that the arm's cycle must attend to."""
+        """Whether a fault acts on commands, readings or joints."""
         return bool(self._lost or self._stuck or self._blind or self._drops)
 
     def inject(self, fault: SimulatedFault) -> None:
@@ -84,7 +84,7 @@ class SensorFaults:
             ]
         return found
 
-    def before_step(self) -> None:
+    def count_step(self) -> None:
         """Count the cycles of stuck joints down."""
         for index, left in list(self._stuck.items()):
             if left > 0:

@@ -11,25 +11,18 @@ from station.core.franka.franka_model import Frame, FrankaModel
 from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.core.franka.franka_services import CollisionBehavior
 from station.core.franka.model_sources import ModelSource
-from station.hw.franka.arm.arm_codes import POSITIONS, UNUSUAL, VELOCITIES
-from station.hw.franka.arm.arm_reading import Cycles
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.robot_arm import (
     ControllerMode,
     MotionGeneratorMode,
-    Receivers,
     RobotArm,
 )
 from station.hw.franka.arm.service_limits import ServiceLimits
-from station.hw.franka.simulated.arm_drive import ArmDrive
 from station.hw.franka.simulated.arm_model import ArmModel
 from station.hw.franka.simulated.arm_modes import ArmModes
 from station.hw.franka.simulated.arm_parts import ArmParts
-from station.hw.franka.simulated.receivers import (
-    EndEffectorReceiver,
-    JointReceiver,
-    TorqueReceiver,
-)
+from station.hw.franka.simulated.arm_step import VIOLATION
+from station.hw.franka.simulated.receivers import StepReceiver
 from station.hw.franka.simulated.simulated_arm_controls import SimulatedArmControls
 from station.hw.franka.simulated.simulated_cycles import SimulatedCycles
 from station.hw.mujoco.world import World
@@ -66,8 +59,6 @@ class SimulatedArm(RobotArm):
         load: The configured load.
         contact: External torques and the thresholds for them.
         supervisor: Finds and keeps the errors.
-        preparation: Takes the commands, advances the desired motion, and sets the
-            motors' controls in a usual cycle; `attend` does in any other.
     """
 
     def __init__(
@@ -84,12 +75,10 @@ class SimulatedArm(RobotArm):
         self.motors, self.contact = parts.motors, parts.contact
         self.supervisor = parts.supervisor
         self._faults, self._sensors = parts.faults, parts.sensors
-        self._follower = parts.follower
-        self._motion, self._step = parts.cycle.motion, parts.cycle.step
-        self._memory = parts.cycle.memory
+        self._motion, self._memory = parts.motion, parts.memory
         self._modes = ArmModes(world, parts)
-        self._drive = ArmDrive(parts, self._modes)
-        self.preparation, self.attend = self._step, self._drive.attend
+        self._step = parts.step
+        self._step.modes = self._modes
         self._controls = SimulatedArmControls(world, parts, self._modes, service_limits)
         self._cycles = SimulatedCycles(
             self._step,
@@ -98,17 +87,17 @@ class SimulatedArm(RobotArm):
             period=world.timestep,
             contact=self.contact,
             supervisor=self.supervisor,
-            read_closely=self._sensors.read,
-            imperfections=self.contact.imperfections,
+            read_disturbed=self._sensors.read,
+            observer=self.contact.observer,
             expect_load=self.contact.expect_load,
-            attend=self._attend_to_contact,
+            react=self._react_to_observer,
             supervise=self._supervise,
         )
         self.after_reset()
         # Preparations run in the order of their adding: friction acts before the arm.
-        if self.contact.imperfections is not None:
-            world.add_preparation(self.contact.imperfections)
-        world.add_actor(self)
+        if self.contact.observer is not None:
+            world.add_preparation(self.contact.observer)
+        world.add_actor(self, self._step)
 
     @override
     def read_once(self) -> RobotState:
@@ -116,18 +105,8 @@ class SimulatedArm(RobotArm):
         return self.state
 
     @override
-    def receivers(self) -> Receivers:
-        step, memory = self._step, self._memory
-        return Receivers(
-            JointReceiver(self.command_joint_positions, step, memory, POSITIONS),
-            JointReceiver(self.command_joint_velocities, step, memory, VELOCITIES),
-            TorqueReceiver(self.command_joint_torques, step, memory),
-            EndEffectorReceiver(step),
-        )
-
-    @override
-    def cycles(self) -> Cycles:
-        return self._cycles
+    def receiver(self) -> StepReceiver:
+        return StepReceiver(self._step, self._memory)
 
     @override
     def load_model(self) -> FrankaModel:
@@ -153,7 +132,7 @@ class SimulatedArm(RobotArm):
 
     @override
     def is_at_rest(self) -> bool:
-        return self._drive.is_at_rest()
+        return self._modes.is_at_rest()
 
     @override
     def start_motion(
@@ -162,7 +141,6 @@ class SimulatedArm(RobotArm):
         motion_generator_mode: MotionGeneratorMode,
     ) -> None:
         self._modes.begin_motion(controller_mode, motion_generator_mode)
-        self._drive.begin_motion()
 
     @override
     def stop_motion(self) -> None:
@@ -173,19 +151,19 @@ class SimulatedArm(RobotArm):
     def command_joint_torques(self, tau: Storage) -> None:
         if self._modes.controller is not ControllerMode.EXTERNAL_CONTROLLER:
             raise self._modes.not_commandable("joint torques")
-        self._follower.command_torques(tau)
+        self._step.command_torques(tau)
 
     @override
     def command_joint_positions(self, q: Storage) -> None:
         if self._modes.generator is not MotionGeneratorMode.JOINT_POSITION:
             raise self._modes.not_commandable("joint positions")
-        self._follower.command_joints(q)
+        self._step.command_joints(q)
 
     @override
     def command_joint_velocities(self, dq: Storage) -> None:
         if self._modes.generator is not MotionGeneratorMode.JOINT_VELOCITY:
             raise self._modes.not_commandable("joint velocities")
-        self._follower.command_joints(dq)
+        self._step.command_joints(dq)
 
     @override
     def command_cartesian_pose(
@@ -193,7 +171,7 @@ class SimulatedArm(RobotArm):
     ) -> None:
         if self._modes.generator is not MotionGeneratorMode.CARTESIAN_POSITION:
             raise self._modes.not_commandable("Cartesian pose")
-        self._follower.command_cartesian(pose, elbow, 16)
+        self._step.command_cartesian(pose, elbow, 16)
 
     @override
     def command_cartesian_velocity(
@@ -201,7 +179,7 @@ class SimulatedArm(RobotArm):
     ) -> None:
         if self._modes.generator is not MotionGeneratorMode.CARTESIAN_VELOCITY:
             raise self._modes.not_commandable("Cartesian velocity")
-        self._follower.command_cartesian(twist, elbow, 6)
+        self._step.command_cartesian(twist, elbow, 6)
 
     @override
     def set_joint_impedance(self, stiffness: Sequence[float]) -> None:
@@ -284,26 +262,26 @@ class SimulatedArm(RobotArm):
         self._faults.clear()
         self._step.has_faults = False
         self.contact.reset()
-        self.supervisor.look_again()
-        self._follower.begin(self._modes.generator)
+        self.supervisor.expect_new_pose()
+        self._modes.expect_command()
         self._sensors.read(self._cycles.seen * self.cycle_time)
-        if self.contact.imperfections is not None:
-            self.contact.imperfections.wind_up()
+        if self.contact.observer is not None:
+            self.contact.observer.settle_elasticity()
         self.frames.invalidate()
         if state.robot_mode in (RobotMode.OTHER, RobotMode.GUIDING):
             state.robot_mode = RobotMode.IDLE
 
-    def _attend_to_contact(self, found: int) -> None:
-        """Look closer at a contact; now and then a command is lost."""
-        if self.contact.attend(found) and self.state.robot_mode is RobotMode.MOVE:
+    def _react_to_observer(self, found: int) -> None:
+        """Do what the observer asks for; now and then a command is lost."""
+        if self.contact.react_to(found) and self.state.robot_mode is RobotMode.MOVE:
             self._faults.drop()
             self._step.has_faults = True
 
     def _supervise(self, found: int) -> None:
-        """Look closer at contacts and readings.
+        """Bring the contacts up to date, and find errors in the readings.
 
         Args:
-            found: What `ArmStep.after` has found.
+            found: What `ArmStep.read_joints` has found.
         """
         has_diverged = self._world.diverged_because is not None
         if has_diverged and self.state.robot_mode is not RobotMode.OTHER:
@@ -312,7 +290,7 @@ class SimulatedArm(RobotArm):
         mode = self.state.robot_mode
         if mode in _SUPERVISED:
             errors = errors + self.supervisor.examine(
-                is_quiet=not found & UNUSUAL,
+                is_quiet=not found & VIOLATION,
                 is_following=self._step.is_following,
                 is_recovering=mode is RobotMode.AUTOMATIC_ERROR_RECOVERY,
             )

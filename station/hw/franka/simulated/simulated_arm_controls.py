@@ -33,7 +33,7 @@ class SimulatedArmControls(ArmSimulation):
         self, world: World, parts: ArmParts, modes: ArmModes, limits: ServiceLimits
     ) -> None:
         self._joint_names = parts.joint_names
-        self._step = parts.cycle.step
+        self._step = parts.step
         self._world = world
         self._limits = limits
         self._modes = modes

@@ -3,11 +3,40 @@
 from collections.abc import Callable
 from typing import Protocol
 
-from station.hw.franka.arm.arm_reading import Cycles
-from station.hw.franka.arm.flags import AlertFlag, ContactFlag
 from station.hw.franka.simulated.arm_step import ArmStep
-from station.hw.franka.simulated.imperfections import Imperfections
+from station.hw.franka.simulated.friction_and_observer import (
+    LOST,
+    TOUCHED,
+    WEAK,
+    FrictionAndObserver,
+)
 from station.hw.mujoco.world_step import WorldStep
+
+# As C numbers, by the .pxd.
+_TOUCHED = TOUCHED
+_ASKS = WEAK | LOST
+
+
+class ContactFlag:
+    """Tells about the contacts of an arm.
+
+    Attributes:
+        is_quiet: Whether nothing touches the arm.
+    """
+
+    def __init__(self) -> None:
+        self.is_quiet = True
+
+
+class AlertFlag:
+    """Tells about the readings of an arm.
+
+    Attributes:
+        is_alert: Whether a reading of the last cycle was out of its range.
+    """
+
+    def __init__(self) -> None:
+        self.is_alert = False
 
 
 class TimedState(Protocol):
@@ -16,22 +45,22 @@ class TimedState(Protocol):
     time: float
 
 
-class SimulatedCycles(Cycles):
-    """The cycles of a simulated arm, as far as they are usual ones.
+class SimulatedCycles:
+    """The cycles of a simulated arm.
 
     Args:
         step: The arm's arithmetic around a step of its world.
         world: The world's steps.
         state: The arm's state; its time is written.
         period: Duration of a cycle [s], > 0.
-        contact: Estimates contacts; looked at while it is not quiet.
-        supervisor: Looks at readings; looked at while it is alert.
-        read_closely: Reads the joints at a time [s] while a load or a fault acts;
-            returns what `ArmStep.after` returns.
-        imperfections: Disturb the readings; None for an ideal arm.
-        expect_load: Tells the imperfections of a configured load, before they act.
-        attend: Attends to what the imperfections have found.
-        supervise: Looks closer, given what `ArmStep.after` has found.
+        contact: Estimates contacts; supervised while it is not quiet.
+        supervisor: Keeps the errors; called while it is alert.
+        read_disturbed: Reads the joints at a time [s] while a load or a fault acts;
+            returns what `ArmStep.read_joints` returns.
+        observer: Disturbs the readings; None for an ideal arm.
+        expect_load: Gives the observer the torques for a configured load.
+        react: Does what the observer asks for, given what its `sense` has returned.
+        supervise: Finds contacts and errors, given what `read_joints` has returned.
 
     Attributes:
         cycle: Number of the last cycle.
@@ -47,10 +76,10 @@ class SimulatedCycles(Cycles):
         period: float,
         contact: ContactFlag,
         supervisor: AlertFlag,
-        read_closely: Callable[[float], int],
-        imperfections: Imperfections | None,
+        read_disturbed: Callable[[float], int],
+        observer: FrictionAndObserver | None,
         expect_load: Callable[[], None],
-        attend: Callable[[int], None],
+        react: Callable[[int], None],
         supervise: Callable[[int], None],
     ) -> None:
         self.step = step
@@ -59,10 +88,10 @@ class SimulatedCycles(Cycles):
         self.period = period
         self.contact = contact
         self.supervisor = supervisor
-        self.read_closely = read_closely
-        self.imperfections = imperfections
+        self.read_disturbed = read_disturbed
+        self.observer = observer
         self.expect_load = expect_load
-        self.attend = attend
+        self.react = react
         self.supervise = supervise
         self.cycle = world.count
         self.seen = world.count
@@ -72,23 +101,25 @@ class SimulatedCycles(Cycles):
         world, step = self.world, self.step
         self.cycle += 1
         while world.count < self.cycle:
-            world.make()
+            world.make_step()
         steps = world.count
         if self.seen >= steps:
             return
         self.seen = steps
         time = steps * self.period
         if step.has_load or step.has_faults:
-            found = self.read_closely(time)
+            found = self.read_disturbed(time)
         else:
-            found = step.after(time)
+            found = step.read_joints(time)
             self.state.time = time
-        if self.imperfections is not None:
+        if self.observer is not None:
             if step.has_load:
                 self.expect_load()
-            unusual = self.imperfections.sense()
-            if unusual:
-                self.attend(unusual)
+            observed = self.observer.sense()
+            if observed & _TOUCHED:
+                self.contact.is_quiet = False
+            if observed & _ASKS:
+                self.react(observed)
         if (
             found
             or world.is_pushed

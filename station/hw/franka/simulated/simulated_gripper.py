@@ -25,7 +25,6 @@ class SimulatedGripper:
 
     Attributes:
         effort_limit: Largest force of the motor on each finger, from the URDF [N].
-        preparation: Sets the motor's control.
     """
 
     def __init__(
@@ -41,10 +40,9 @@ class SimulatedGripper:
         self._start_width = width
         self._memory = self._finger.simulator_memory()
         self._motor = FingerMotor(self._memory)
-        self.preparation = self._motor
         self._servo = (0.0, 0.0)
         self.hold(width)
-        world.add_actor(self)
+        world.add_actor(self, self._motor)
 
     @property
     def limits(self) -> tuple[float, float]:
@@ -101,9 +99,6 @@ class SimulatedGripper:
         """
         self._set_servo(0.0, self._damping if is_damped else 0.0)
         self._motor.force = 2.0 * force
-
-    def attend(self) -> None:
-        """Do nothing: every cycle of the motor is a usual one."""
 
     def after_reset(self) -> None:
         """Hold the width of the beginning again."""

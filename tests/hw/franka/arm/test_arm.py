@@ -3,7 +3,7 @@
 from math import inf
 
 from station.core.description.robot_files import load_robot_files
-from station.hw.franka.arm.arm_names import find_prefix, joint_names
+from station.hw.franka.arm.arm_description import find_prefix, joint_names
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 
 

@@ -5,9 +5,16 @@ from math import pi
 import numpy as np
 import pytest
 
+from station.core.numerics.arm_chain import new_links, place_links
 from station.hw.franka.arm.arm_limits import PANDA_LIMITS
-from station.hw.franka.arm.self_collision import clearance
+from station.hw.franka.arm.franka_kinematics import CHAIN
+from station.hw.franka.arm.self_collision import (
+    LINKS_OF_PAIR,
+    clearance,
+    link_distances,
+)
 from station.hw.franka.franka_parameters import INITIAL_POSITIONS
+from station.memory.doubles import doubles
 
 SAFE = 0.03
 
@@ -22,7 +29,7 @@ SAFE = 0.03
     ],
 )
 def test_ordinary_poses_are_clear(q):
-    assert clearance(q, has_hand=True).distance > 2.0 * SAFE
+    assert clearance(q, has_hand=True) > 2.0 * SAFE
 
 
 @pytest.mark.parametrize(
@@ -34,13 +41,15 @@ def test_ordinary_poses_are_clear(q):
     ],
 )
 def test_folded_arm_touches_itself(q, links):
-    found = clearance(q, has_hand=True)
-    assert (found.links, found.distance < SAFE) == (links, True)
+    distances, placed = link_distances(has_hand=True), new_links(CHAIN)
+    place_links(CHAIN, doubles(q), placed)
+    assert distances.measure(placed) < SAFE
+    assert LINKS_OF_PAIR[distances.closest] == links
 
 
 def test_without_a_hand_there_is_more_room():
     q = (0.0, 0.0, 0.0, -0.1, 0.0, 0.0, -pi / 4)
-    assert clearance(q, has_hand=False).distance > clearance(q, has_hand=True).distance
+    assert clearance(q, has_hand=False) > clearance(q, has_hand=True)
 
 
 def test_no_point_comes_closer_faster_than_the_joints_turn():
@@ -49,6 +58,6 @@ def test_no_point_comes_closer_faster_than_the_joints_turn():
     for _ in range(200):
         q = generator.uniform(low, high)
         turn = generator.uniform(-0.02, 0.02, 7)
-        before = clearance(q.tolist(), has_hand=True).distance
-        after = clearance((q + turn).tolist(), has_hand=True).distance
+        before = clearance(q.tolist(), has_hand=True)
+        after = clearance((q + turn).tolist(), has_hand=True)
         assert before - after <= 1.3 * np.abs(turn).sum()

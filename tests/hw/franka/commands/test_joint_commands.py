@@ -12,9 +12,10 @@ from station.core.description.urdf import (
     SafetyController,
 )
 from station.core.franka.franka_robot_state import RobotState
+from station.hw.franka.arm.arm_limits import PANDA_LIMITS
 from station.hw.franka.arm.control_mode import ControlMode
 from station.hw.franka.commands.joint_commands import JointCommands
-from station.hw.franka.commands.rate_limiter import PANDA_RATE_LIMITS
+from station.hw.franka.commands.rate_limiter import rate_limits_of
 
 NAMES = [f"a_joint{number}" for number in range(1, 8)]
 
@@ -38,7 +39,7 @@ def joint(name: str, *, with_safety: bool = True) -> Joint:
 @pytest.fixture
 def commands() -> JointCommands:
     commands = JointCommands(RobotState(), NAMES)
-    commands.add_limits([joint(name) for name in NAMES], PANDA_RATE_LIMITS)
+    commands.add_limits([joint(name) for name in NAMES], rate_limits_of(PANDA_LIMITS))
     return commands
 
 
@@ -98,4 +99,4 @@ def test_range_of_goals_is_that_of_the_description(commands: JointCommands) -> N
 def test_joint_without_safety_controller_is_named() -> None:
     commands = JointCommands(RobotState(), NAMES)
     joints = [joint(name, with_safety=name != "a_joint3") for name in NAMES]
-    assert commands.add_limits(joints, PANDA_RATE_LIMITS) == ["a_joint3"]
+    assert commands.add_limits(joints, rate_limits_of(PANDA_LIMITS)) == ["a_joint3"]

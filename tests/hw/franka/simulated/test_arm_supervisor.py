@@ -4,10 +4,12 @@ import pytest
 
 from station.core.franka import ArmError, RobotState
 from station.hw.franka.arm.arm_limits import PANDA_LIMITS
+from station.hw.franka.arm.franka_kinematics import CHAIN
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
-from station.hw.franka.simulated.arm_cycle import ArmCycle
+from station.hw.franka.simulated.arm_parts import new_joint_memory
 from station.hw.franka.simulated.arm_supervisor import ArmSupervisor
-from station.hw.mujoco.simulator_memory import SimulatorMemory
+from station.hw.franka.simulated.cycle_log import CycleLog
+from station.hw.franka.simulated.joint_watch import JointWatch
 
 Q = [0.0, -0.8, 0.0, -2.3, 0.0, 1.5, 0.8]
 
@@ -17,20 +19,16 @@ class Supervised:
 
     def __init__(self, state: RobotState, **limits: float) -> None:
         thresholds = SupervisorLimits(**limits)
-        cycle = ArmCycle(state, PANDA_LIMITS, thresholds, SimulatorMemory(7), 0.001)
-        self.watch = cycle.watch
-        self.supervisor = ArmSupervisor(
-            state,
-            PANDA_LIMITS,
-            thresholds,
-            cycle.watch,
-            cycle.log,
-            cycle.memory.positions,
+        memory, tool = new_joint_memory(state), state.doubles("F_T_EE")
+        self.watch = JointWatch(
+            memory, CHAIN, tool, PANDA_LIMITS, thresholds, 0.001, has_hand=False
         )
+        log = CycleLog(state.motion(), 7)
+        self.supervisor = ArmSupervisor(state, thresholds, self.watch, log)
 
     def errors(self, *, is_recovering: bool = False) -> list[ArmError]:
         is_following = False
-        is_quiet = self.watch.is_quiet(is_following)
+        is_quiet = not self.watch.check_readings(is_following)
         return self.supervisor.examine(
             is_quiet=is_quiet, is_following=is_following, is_recovering=is_recovering
         )

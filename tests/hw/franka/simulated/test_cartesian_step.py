@@ -1,10 +1,13 @@
-"""The usual cycle of a Cartesian motion: the same bits in both modes."""
+"""The cycle of a Cartesian motion: the same bits in both modes."""
+
+from dataclasses import replace
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from station.core.franka import Frame
+from station.core.franka import Frame, RobotState
+from station.hw.franka.arm.arm_limits import PANDA_LIMITS, MotionLimits
 from station.hw.franka.arm.franka_kinematics import CHAIN, IDENTITY, frame_pose
 from station.hw.franka.arm.transform_check import transform_problem
 from station.hw.franka.simulated.cartesian_step import is_transform
@@ -14,6 +17,12 @@ from tests.both_modes import arrays, assert_same, needs_both, sibling
 PERIOD = 0.001
 START = [0.0, -0.8, 0.0, -2.3, 0.0, 1.5, 0.8]
 POSE = frame_pose(Frame.END_EFFECTOR, START)
+LIMITS = replace(
+    PANDA_LIMITS,
+    lower=(-3.0,) * 7,
+    upper=(3.0,) * 7,
+    translation=MotionLimits(1.7, 13.0, 6500.0),
+)
 
 
 class Motion:
@@ -21,38 +30,25 @@ class Motion:
 
     def __init__(self, module) -> None:
         memory = sibling(module, "joint_memory").JointMemory(7, q_d=doubles(START))
-        check = sibling(module, "command_check").CommandCheck(
-            memory,
-            lower=[-3.0] * 7,
-            upper=[3.0] * 7,
-            velocity=[2.0] * 7,
-            acceleration=[15.0] * 7,
-            jerk=[7500.0] * 7,
-            torque_rate=1000.0,
-            period=PERIOD,
-        )
+        check = sibling(module, "motion_check").MotionCheck(memory, LIMITS, PERIOD)
         kinematics = sibling(module, "inverse_kinematics").InverseKinematics(
             CHAIN, memory.q_d, doubles(IDENTITY), zeros(16), zeros(7)
         )
-        self.memory = memory
-        self.parts = {
-            "pose": doubles(POSE),
-            "twist": zeros(6),
-            "acceleration": zeros(6),
-            "elbow": zeros(2),
-            "elbow_velocity": zeros(2),
-            "elbow_acceleration": zeros(2),
-        }
-        self.step = module.CartesianStep(
-            memory,
-            kinematics,
-            check,
-            **self.parts,
-            translation=[1.7, 13.0, 6500.0],
-            rotation=[2.5, 25.0, 12500.0],
-            elbow_limits=[2.2, 10.0, 5000.0],
-            period=PERIOD,
+        self.memory, self.violations = memory, check.violations
+        names = ("O_T_EE_c", "O_dP_EE_c", "O_ddP_EE_c", "elbow_c", "delbow_c")
+        state = RobotState(O_T_EE_c=POSE, elbow_c=[0.0, -1.0])
+        self.parts = {name: state.doubles(name) for name in (*names, "ddelbow_c")}
+        end_effector = sibling(module, "end_effector_state").EndEffectorState(
+            state.doubles, CHAIN, -0.467
         )
+        self.step = module.CartesianStep(
+            memory, kinematics, check, end_effector, PERIOD
+        )
+
+    def follow(self, *, may_settle: bool = True) -> int:
+        """Follow the command; return the number of violations."""
+        self.violations.clear()
+        return self.step.follow_command(False, may_settle)  # noqa: FBT003
 
     def everything(self) -> list[float]:
         """Return all numbers that a cycle can change."""
@@ -75,8 +71,8 @@ def test_both_modes_give_the_same_bits(scale, commands, state, as_pose, has_elbo
     def scenario(module):
         motion = Motion(module)
         step = motion.step
-        put(motion.parts["twist"], [scale * value for value in state[:6]])
-        put(motion.parts["acceleration"], [scale * value for value in state[6:]])
+        put(motion.parts["O_dP_EE_c"], [scale * value for value in state[:6]])
+        put(motion.parts["O_ddP_EE_c"], [scale * value for value in state[6:]])
         step.has_elbow = has_elbow
         found = []
         for command in commands:
@@ -89,11 +85,10 @@ def test_both_modes_give_the_same_bits(scale, commands, state, as_pose, has_elbo
                 ]
             put(step.command[: len(values)], values)
             step.size = len(values)
-            found += [step.follow(), *motion.everything()]
-            step.extrapolate()
-            step.accept()
-            step.move_joints()
-            found += motion.everything()
+            found += [motion.follow(), *motion.everything()]
+            found += [step.extrapolate(), *motion.everything()]
+            for error in motion.violations.errors():
+                found += [error.value, error.limit]
         return found
 
     assert_same("cartesian_step", scenario)
@@ -115,9 +110,9 @@ def test_rest_is_followed(size):
     motion = Motion(cartesian_step)
     motion.step.size = size
     put(motion.step.command[:size], [0.0] * 6 if size == 6 else POSE)
-    assert motion.step.follow()
+    assert motion.follow() == 0
     assert [*motion.memory.target] == pytest.approx(START, abs=1e-9)
-    assert [*motion.parts["pose"]] == pytest.approx(POSE, abs=1e-12)
+    assert [*motion.parts["O_T_EE_c"]] == pytest.approx(POSE, abs=1e-12)
 
 
 def settled_motion():
@@ -128,7 +123,7 @@ def settled_motion():
     motion.step.size = 16
     put(motion.step.command, POSE)
     for _ in range(5):
-        assert motion.step.follow()
+        assert motion.follow() == 0
         put(motion.memory.q_d, motion.memory.target)
     return motion
 
@@ -139,33 +134,31 @@ def test_a_pose_that_was_reached_asks_for_no_motion():
     assert motion.step.is_settled
     put(motion.step.next_pose, [7.0] * 16)  # nobody computes a next pose
 
-    assert motion.step.follow()
+    assert motion.follow() == 0
     assert motion.everything() == before
     assert [*motion.step.next_pose] == [7.0] * 16 != kinematics
 
 
-@pytest.mark.parametrize("change", ["pose", "twist", "elbow", "extrapolation"])
+@pytest.mark.parametrize("change", ["pose", "twist", "disturbance", "extrapolation"])
 def test_whatever_else_comes_is_computed(change):
     motion = settled_motion()
     step = motion.step
     put(step.next_pose, [7.0] * 16)
     if change == "pose":
         step.command[12] += 1e-9
-        assert step.follow()
+        assert motion.follow() == 0
         assert not step.is_settled  # it moves
     elif change == "twist":
         step.size = 6
         put(step.command[:6], [0.0] * 6)
-        assert step.follow()
-    elif change == "elbow":
-        step.has_elbow = True
-        assert not step.follow()
-        return
+        assert motion.follow() == 0
+    elif change == "disturbance":
+        assert motion.follow(may_settle=False) == 0
+        assert not step.is_settled
     else:
         step.extrapolate()
-        step.accept()
         assert not step.is_settled
-        assert step.follow()
+        assert motion.follow() == 0
     assert [*step.next_pose] == pytest.approx(
         [*step.command] if change == "pose" else POSE
     )
@@ -175,6 +168,6 @@ def test_rest_is_told_from_a_slow_motion():
     motion = settled_motion()
     for _ in range(3):  # 1 um/s
         motion.step.command[12] += 1e-9
-        assert motion.step.follow()
+        assert motion.follow() == 0
         put(motion.memory.q_d, motion.memory.target)
     assert not motion.step.is_settled

@@ -4,8 +4,7 @@ import pytest
 
 from station.core.description.robot_files import load_robot_files
 from station.core.description.urdf import Pose
-from station.hw.franka.simulated.combined_description import combine_descriptions
-from station.hw.franka.simulated.franka_world import ArmPlacement
+from station.hw.franka.simulated.franka_world import ArmPlacement, combine_descriptions
 
 
 def test_every_arm_stands_where_it_is_placed():

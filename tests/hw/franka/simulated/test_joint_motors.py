@@ -21,12 +21,16 @@ class Bench:
         )
         self.motors = module.JointMotors(self.memory, simulator, 0.001)
         self.motors.is_late = is_late
-        put(self.motors.stiffness, [100.0] * SIZE)
+        self.engage()
+
+    def engage(self) -> None:
+        """Let an impedance act anew."""
+        self.motors.engage([100.0] * SIZE, [0.0] * SIZE)
 
     def torques(self, *wanted: float) -> list[list[float]]:
         """Return the controls of one cycle after another."""
-        self.motors.begin()
-        self.motors.are_commands = True
+        self.engage()
+        self.motors.torques_act = True
         found = []
         for torque in wanted:
             put(self.memory.torques, [torque, -torque])
@@ -37,11 +41,11 @@ class Bench:
 
     def positions(self, *wanted: float) -> list[float]:
         """Return the first control of one cycle after another."""
-        self.motors.begin()
+        self.engage()
         found = []
         for position in wanted:
             put(self.q_d, [position, 0.0])
-            self.motors.apply_impedance(tells=False)
+            self.motors.apply_impedance(notes=False)
             found.append(self.controls[0])
         return found
 
@@ -65,7 +69,7 @@ def test_another_impedance_begins_where_the_arm_is():
 
 def test_torques_that_the_arm_computes_act_at_once():
     bench = Bench(compiled("joint_motors"), is_late=True)
-    bench.motors.begin()
+    bench.engage()
     put(bench.memory.torques, [1.0, -1.0])
     bench.motors.apply_torques()
     assert bench.controls.tolist() == [1.0, -1.0]

@@ -1,5 +1,6 @@
 """An arm is only called quiet when its end effector is, as differences show."""
 
+from dataclasses import replace
 from math import cos, dist
 
 import pytest
@@ -8,7 +9,9 @@ from hypothesis import strategies as st
 
 from station.core.franka import Frame
 from station.core.franka.joint_memory import JointMemory
+from station.hw.franka.arm.arm_limits import PANDA_LIMITS, MotionLimits
 from station.hw.franka.arm.franka_kinematics import CHAIN, IDENTITY, frame_pose
+from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.simulated.joint_watch import JointWatch
 from station.memory.doubles import doubles, put
 from tests.both_modes import arrays, assert_same, needs_both, sibling
@@ -22,20 +25,25 @@ small = st.lists(st.floats(-0.1, 0.1), min_size=SIZE, max_size=SIZE)
 TURNS_ALONE = [0.0] * 6 + [0.4]
 
 
+LIMITS = replace(
+    PANDA_LIMITS,
+    lower=(-3.0,) * SIZE,
+    upper=(3.0,) * SIZE,
+    velocity=(2.0,) * SIZE,
+    torque=(87.0,) * SIZE,
+    translation=MotionLimits(FASTEST, 13.0, 6500.0),
+)
+THRESHOLDS = SupervisorLimits(
+    position_tolerance=0.0,
+    velocity_factor=1.0,
+    power=1e4,
+    path_deviation=(FARTHEST, MOST_TURNED, ELBOW),
+)
+
+
 def watch_of(memory, watch_class=JointWatch):
     return watch_class(
-        memory,
-        CHAIN,
-        doubles(IDENTITY),
-        lower=[-3.0] * SIZE,
-        upper=[3.0] * SIZE,
-        velocity=[2.0] * SIZE,
-        torque=[87.0] * SIZE,
-        reach=1.3,
-        speed=FASTEST,
-        power=1e4,
-        deviation=(FARTHEST, MOST_TURNED, ELBOW),
-        period=0.001,
+        memory, CHAIN, doubles(IDENTITY), LIMITS, THRESHOLDS, 0.001, has_hand=True
     )
 
 
@@ -46,7 +54,7 @@ def is_quiet(q, *, dq=(0.0,) * SIZE, q_d=None, is_following=False):
     put(memory.q_d, q if q_d is None else q_d)
     watch = watch_of(memory)
     watch.room = 1.0
-    return watch.is_quiet(is_following)
+    return not watch.check_readings(is_following)
 
 
 def origin(q):
@@ -103,6 +111,9 @@ def test_both_modes_find_the_same(q, dq, q_d, is_following):
         put(memory.q_d, q_d)
         watch = watch_of(memory, module.JointWatch)
         watch.room = 1.0
-        return [float(watch.is_quiet(is_following)), watch.room, watch.total_power]
+        found = [watch.check_readings(is_following), watch.room]
+        for error in watch.violations.errors():
+            found += [error.value, error.limit]
+        return found
 
     assert_same("joint_watch", scenario)

@@ -6,7 +6,7 @@ from station.core.description.robot_files import load_robot_files
 from station.core.errors import HardwareInterfaceError
 from station.core.franka import FaultKind, RobotState
 from station.core.franka.arm_simulation import SimulatedFault
-from station.hw.franka.arm.arm_names import joint_names
+from station.hw.franka.arm.arm_description import joint_names
 from station.hw.franka.simulated.franka_world import ArmPlacement, simulate
 from station.hw.franka.simulated.sensor_faults import SensorFaults
 

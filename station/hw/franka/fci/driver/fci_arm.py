@@ -5,9 +5,11 @@ without waiting for the end of the stop, and what the arm answers in a cycle is 
 at in a later one, because the control thread waits for nothing but the next state.
 """
 
+import os
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 from typing_extensions import override
@@ -30,9 +32,7 @@ from station.hw.franka.fci.driver.arm_link import CYCLE_TIME, ArmLink
 from station.hw.franka.fci.driver.commanded_motion import CommandedMotion
 from station.hw.franka.fci.driver.fci_client import RobotAnswer
 from station.hw.franka.fci.driver.network import Network
-from station.hw.franka.fci.driver.pending_requests import PendingRequests
-from station.hw.franka.fci.driver.realtime import realtime_problem
-from station.hw.franka.fci.driver.refusals import REMEDIES
+from station.hw.franka.fci.driver.refusals import REMEDIES, refusal_of
 from station.hw.franka.fci.wire.robot_protocol import (
     PANDA,
     Command,
@@ -41,6 +41,117 @@ from station.hw.franka.fci.wire.robot_protocol import (
 )
 from station.memory.doubles import Storage
 from station.reports import ArmRecord
+
+
+class PendingRequests:
+    """Sends requests without waiting, and takes their answers. Control thread.
+
+    Args:
+        link: The link to the arm.
+
+    Attributes:
+        failure: Why the last motion, stop or recovery failed; empty if none did.
+    """
+
+    def __init__(self, link: ArmLink) -> None:
+        self._link = link
+        self._waiting: list[int] = []
+        self._stop: int | None = None
+        self._recovery: int | None = None
+        self.failure = ""
+
+    @property
+    def is_stopping(self) -> bool:
+        """Whether the answer to a stop is due."""
+        return self._stop is not None
+
+    @property
+    def is_recovering(self) -> bool:
+        """Whether the answer to a recovery is due."""
+        return self._recovery is not None
+
+    def stop(self) -> bool:
+        """Ask for a stop; return whether the arm was there to be asked."""
+        try:
+            self._stop = self._link.send(Command.STOP_MOVE)
+        except ArmCommandError:
+            return False
+        self._waiting.append(self._stop)
+        return True
+
+    def recover(self) -> None:
+        """Ask for a recovery.
+
+        Raises:
+            ArmCommandError: The arm is lost.
+        """
+        self.failure = ""
+        self._recovery = self._link.send(Command.AUTOMATIC_ERROR_RECOVERY)
+        self._waiting.append(self._recovery)
+
+    def expect(self, number: int) -> None:
+        """Take the answer to a request that was sent before, once it is there."""
+        self._waiting.append(number)
+
+    def look(self) -> None:
+        """Look whether the arm has answered; once per cycle."""
+        if not self._waiting:
+            return
+        for number in list(self._waiting):
+            answer = self._link.take(number)
+            if answer is None:
+                continue
+            self._waiting.remove(number)
+            self._stop = None if number == self._stop else self._stop
+            self._recovery = None if number == self._recovery else self._recovery
+            if answer.status:  # 0 is success for every command
+                mode = self._link.reader.robot_mode
+                self.failure = refusal_of(answer.command, answer.status, mode)
+
+    def clear(self) -> None:
+        """Expect nothing any more: the arm is lost."""
+        self._waiting.clear()
+        self._stop = self._recovery = None
+
+
+_KERNEL = Path("/sys/kernel/realtime")
+_REMEDY = (
+    "allow SCHED_FIFO and boot a real-time kernel, or set realtime_config: ignore (see "
+    "docs/real_arm.md)"
+)
+
+
+def realtime_problem(thread: int, kernel: Path = _KERNEL) -> str | None:
+    """Return why a thread is not real-time enough for an arm, and what to do.
+
+    None if it is.
+
+    Args:
+        thread: The thread's number in the operating system.
+        kernel: Where a real-time kernel says that it is one.
+
+    Source:
+        libfranka@0.9.2 src/control_loop.cpp, ControlLoop; src/control_tools.cpp.
+    """
+    try:
+        scheduler = os.sched_getscheduler(thread)
+    except (AttributeError, OSError):
+        return f"libfranka: unable to set realtime scheduling; {_REMEDY}"
+    if scheduler != os.SCHED_FIFO:
+        return (
+            "libfranka: unable to set realtime scheduling: SCHED_FIFO is not granted; "
+            f"{_REMEDY}"
+        )
+    try:
+        is_realtime = kernel.read_text("ascii").strip() == "1"
+    except OSError:
+        is_realtime = False
+    if not is_realtime:
+        return (
+            f"libfranka: Running kernel does not have realtime capabilities; {_REMEDY}"
+        )
+    return None
+
 
 _LONGEST_START = 1000
 """States within which a motion that the arm has accepted shows."""

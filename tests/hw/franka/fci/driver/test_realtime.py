@@ -2,7 +2,7 @@
 
 import os
 
-from station.hw.franka.fci.driver.realtime import realtime_problem
+from station.hw.franka.fci.driver.fci_arm import realtime_problem
 
 
 def kernel(tmp_path, text):

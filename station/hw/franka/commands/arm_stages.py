@@ -1,0 +1,175 @@
+"""Read an arm in every cycle of the loop, write to it, and tell how it is."""
+
+from typing import TYPE_CHECKING, Protocol
+
+from station.hw.franka.arm.arm_codes import MOVE
+from station.hw.franka.commands.command_sender import CommandSender
+from station.memory.doubles import Doubles
+from station.memory.finite_check import FiniteCheck
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from station.hw.franka.arm.robot_arm import RobotArm
+    from station.hw.franka.commands.motion_start import MotionStart
+
+
+_MOVE = MOVE  # as a C number, by the .pxd
+_READINGS = ("position", "velocity", "torque")
+
+
+class Fingers(Protocol):
+    """The fingers of a simulated hand."""
+
+    def write(self) -> None:
+        """Pass their commands on."""
+
+
+class ArmReading:
+    """Reads an arm once per elapsed cycle time. Control thread only.
+
+    Args:
+        arm: The arm.
+        motion: The motion that may wait for the arm.
+        sender: Sends commands in the cycles between two cycles of the loop.
+        most_lost: As many cycles as the arm is made to miss.
+        losses_that_end: Commands lost in a row that end a motion.
+
+    Attributes:
+        nominal: Cycles of the arm per cycle of the loop.
+        read_fingers: Reads the fingers; None without a simulated hand.
+    """
+
+    def __init__(
+        self,
+        arm: "RobotArm",
+        motion: "MotionStart",
+        sender: CommandSender,
+        *,
+        most_lost: int,
+        losses_that_end: int,
+    ) -> None:
+        self.arm = arm
+        self.joint_readings = arm.state.readings()
+        self.readings = FiniteCheck(self.joint_readings)
+        self.motion = motion
+        self.sender = sender
+        self.cycle_time = arm.cycle_time
+        self.most_lost = most_lost
+        self.losses_that_end = losses_that_end
+        self.read_fingers: Callable[[], object] | None = None
+        self.time_due = 0.0
+        self.nominal = 1
+        self.bad = -1  # number of a reading that is not finite
+
+    def read(self, time: float, period: float) -> None:
+        """Read the arm once for each of its cycles that has elapsed.
+
+        Args:
+            time: Station time of the cycle [s].
+            period: Time since the last cycle [s], >= 0.
+        """
+        self.time_due += period
+        share, count = self.time_due / self.cycle_time, 1
+        if self.nominal == 1 and 0.5 < share < 1.5:
+            self.time_due -= self.cycle_time
+            self.arm.read_once()
+        else:
+            count = self.catch_up()
+        if self.motion.is_waiting:
+            self.motion.advance(count)
+        self.bad = self.readings.first_bad()
+        if self.bad >= 0:
+            # A controller that used such a reading would command garbage.
+            self.arm.stop_motion()
+        if self.read_fingers is not None:
+            self.read_fingers()
+
+    def catch_up(self) -> int:
+        """Read the arm once for each cycle that is due; return how many there are.
+
+        When the loop is slower than the arm, the arm gets the last command again in its
+        cycles within a nominal period, each time through filter and limits. The cycles
+        that a late loop has missed are lost packets: the arm extrapolates its motion,
+        and stops after 20 of them. Commanded poses are extrapolated by the sender, so
+        that short delays lose no packet.
+        """
+        cycles = round(self.time_due / self.cycle_time)
+        self.time_due -= cycles * self.cycle_time
+        late = min(cycles - self.nominal, self.most_lost)
+        bridged = self.sender.bridges_gaps and late < self.losses_that_end
+        lost = 0 if bridged else max(0, late)
+        for cycle in range(min(cycles, self.nominal + late)):
+            if cycle > lost:
+                self.sender.resend_commands()
+            self.arm.read_once()
+        return cycles
+
+    def blindness(self) -> str | None:
+        """Return which reading was not finite at the last `read`; None if all were."""
+        if self.bad < 0:
+            return None
+        reading, joint = divmod(self.bad, 7)
+        value = self.joint_readings[self.bad]
+        return f"the {_READINGS[reading]} of joint{joint + 1} reads {value}"
+
+
+class ArmWriting:
+    """Sends the commands of an arm, and of its fingers.
+
+    Args:
+        sender: Sends the commands of the arm while a motion runs.
+
+    Attributes:
+        fingers: Their joints; None without a simulated hand.
+    """
+
+    def __init__(self, sender: CommandSender) -> None:
+        self.sender = sender
+        self.fingers: Fingers | None = None
+
+    def write(self, time: float, period: float) -> None:
+        """Send the commands; see `CommandSender.send_commands`.
+
+        Args:
+            time: Station time of the cycle [s].
+            period: Time since the last cycle [s], >= 0.
+        """
+        if self.fingers is not None:
+            self.fingers.write()
+        self.sender.send_commands(period)
+
+
+class ArmWatch:
+    """Tells how an arm is.
+
+    Args:
+        code: The arm's mode, one number.
+        names: Name of each mode, by its number.
+        motion: The motion that controllers command.
+    """
+
+    def __init__(
+        self,
+        code: Doubles,
+        names: dict[float, str],
+        motion: "MotionStart",
+    ) -> None:
+        self.code = code
+        self.names = names
+        self.motion = motion
+        self.last_code = code[0]
+        self.last_name = names[code[0]]
+
+    def is_interrupted(self) -> bool:
+        """Return whether the arm has left the motion that controllers command."""
+        if self.code[0] == _MOVE:
+            return False
+        return self.motion.is_active and not self.motion.is_waiting
+
+    def mode(self) -> str:
+        """Return the name of the arm's mode."""
+        code = self.code[0]
+        if code != self.last_code:
+            self.last_code, self.last_name = code, self.names[code]
+        return self.last_name

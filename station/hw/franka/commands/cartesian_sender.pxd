@@ -1,0 +1,61 @@
+cimport cython
+from station.core.franka.command_rates cimport limited, low_pass
+from station.core.numerics.rigid_motion cimport displace, rotation_between, twist_between
+from station.hw.franka.arm.receiver cimport Receiver
+from station.hw.franka.commands.pose_bridge cimport PoseBridge
+from station.memory.functions cimport square_root
+from station.memory.vectors cimport copy_into
+
+cdef double _TINY
+
+cpdef void limit_vector(
+    double[::1] vector,
+    Py_ssize_t start,
+    double[::1] last_velocity,
+    double[::1] last_acceleration,
+    double[::1] bounds,
+    double share,
+    double period,
+) noexcept
+
+cpdef bint has_elbow(double[::1] elbow) noexcept
+
+cdef class PoseRates:
+    cdef double[::1] pose
+    cdef double[::1] twist
+    cdef double[::1] acceleration
+    cdef double[::1] elbow
+    cdef double[::1] elbow_velocity
+    cdef double[::1] elbow_acceleration
+    cdef double[::1] translation
+    cdef double[::1] rotation
+    cdef double[::1] elbow_limits
+    cdef double pose_share
+    cdef double period
+    cdef public double gain
+    cdef public bint is_limiting
+    cdef readonly double[::1] sent_pose
+    cdef readonly double[::1] sent_twist
+    cdef readonly double[::1] sent_elbow
+    cdef double[::1] way
+
+    cpdef void filter_pose(self, double[::1] pose, bint passes) noexcept
+    cpdef void filter_twist(self, double[::1] twist) noexcept
+    cpdef void filter_elbow(self, double[::1] elbow, bint passes) noexcept
+    cpdef void limit(self, double[::1] twist, double rotation_share) noexcept
+
+cdef class CartesianSender:
+    cdef object arm
+    cdef Receiver receiver
+    cdef PoseRates rates
+    cdef PoseBridge bridge
+    cdef double[::1] pose
+    cdef double[::1] twist
+    cdef double[::1] pose_elbow
+    cdef double[::1] twist_elbow
+    cdef bint filters_first
+    cdef bint is_first
+    @cython.locals(is_known=bint, is_first=bint, passes=bint, elbow=double[::1], bent=list)
+    cpdef send_pose(self, bint is_new)
+    @cython.locals(elbow=double[::1], bent=list)
+    cpdef send_twist(self)

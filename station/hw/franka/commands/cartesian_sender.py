@@ -1,0 +1,305 @@
+"""Filter, limit and send the poses or the twists of a controller.
+
+Source: libfranka@0.9.2 src/lowpass_filter.cpp, cartesianLowpassFilter;
+src/rate_limiting.cpp, limitRate; src/control_loop.cpp, convertMotion.
+"""
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from station.core.franka.command_rates import limited, low_pass
+from station.core.numerics.rigid_motion import displace, rotation_between, twist_between
+from station.hw.franka.commands.pose_bridge import PoseBridge
+from station.memory.doubles import Doubles, own, zeros
+from station.memory.functions import square_root
+from station.memory.vectors import copy_into
+
+if TYPE_CHECKING:
+    from station.core.franka.franka_robot_state import RobotState
+    from station.hw.franka.arm.robot_arm import RobotArm
+
+# A shorter vector has no direction.
+_TINY = 1e-15
+
+
+def limit_vector(
+    vector: Doubles,
+    start: int,
+    last_velocity: Doubles,
+    last_acceleration: Doubles,
+    bounds: Doubles,
+    share: float,
+    period: float,
+) -> None:
+    """Replace a velocity by the nearest one that all limits allow.
+
+    Close to the velocity limit the acceleration is limited further, so that it can
+    reach zero at the limit without exceeding the jerk limit.
+
+    Args:
+        vector: Holds the new velocity [m/s or rad/s] in three numbers.
+        start: Where in all vectors the three numbers begin.
+        last_velocity: The last command.
+        last_acceleration: Its acceleration [m/s^2 or rad/s^2].
+        bounds: Largest norms of velocity, acceleration and jerk, each > 0.
+        share: Share of the bounds that is allowed, > 0.
+        period: Duration of a cycle, > 0 [s].
+
+    Source:
+        libfranka@0.9.2 src/rate_limiting.cpp, limitRate of a vector.
+    """
+    fastest, rate, jerk = share * bounds[0], share * bounds[1], share * bounds[2]
+    i, j, k = start, start + 1, start + 2
+    v0, v1, v2 = last_velocity[i], last_velocity[j], last_velocity[k]
+    a0, a1, a2 = last_acceleration[i], last_acceleration[j], last_acceleration[k]
+    x = ((vector[i] - v0) / period - a0) / period
+    y = ((vector[j] - v1) / period - a1) / period
+    z = ((vector[k] - v2) / period - a2) / period
+    size = square_root(x * x + y * y + z * z)
+    scale = 0.0
+    if size > _TINY:
+        scale = (jerk if jerk < size else size) / size
+    x, y, z = (
+        a0 + scale * x * period,
+        a1 + scale * y * period,
+        a2 + scale * z * period,
+    )
+    size = square_root(x * x + y * y + z * z)
+    step = 0.0
+    if size > _TINY:
+        x, y, z = x / size, y / size, z / size
+        along = x * v0 + y * v1 + z * v2
+        room = along * along - (v0 * v0 + v1 * v1 + v2 * v2) + fastest * fastest
+        safe = jerk / rate * (square_root(room if room > 0.0 else 0.0) - along)
+        if rate < safe:
+            safe = rate
+        if not safe > 0.0:
+            safe = 0.0
+        step = (safe if safe < size else size) * period
+    elif size <= _TINY:
+        x, y, z = 0.0, 0.0, 0.0
+    vector[i] = v0 + x * step
+    vector[j] = v1 + y * step
+    vector[k] = v2 + z * step
+
+
+class PoseRates:
+    """Filters and limits the poses or the twists that are sent to an arm.
+
+    Each command is compared with the last one, as the arm reports it.
+
+    Args:
+        state: The arm's state.
+        translation: Largest velocity, acceleration and jerk of the translation.
+        rotation: Largest velocity, acceleration and jerk of the rotation.
+        elbow: Largest velocity, acceleration and jerk of the elbow.
+        pose_share: Share of the limits of the rotation that a pose may use.
+        period: Duration of a cycle, > 0 [s].
+
+    Attributes:
+        gain: Share of a new command in the low-pass; 1 is off.
+        is_limiting: Whether the rates are limited.
+        sent_pose: The pose to send, 16 numbers.
+        sent_twist: The twist to send, shape (6,).
+        sent_elbow: The elbow to send, see `filter_elbow`.
+    """
+
+    def __init__(
+        self,
+        state: "RobotState",
+        *,
+        translation: Iterable[float],
+        rotation: Iterable[float],
+        elbow: Iterable[float],
+        pose_share: float,
+        period: float,
+    ) -> None:
+        field = state.doubles
+        self.pose = field("O_T_EE_c")
+        self.twist = field("O_dP_EE_c")
+        self.acceleration = field("O_ddP_EE_c")
+        self.elbow = field("elbow_c")
+        self.elbow_velocity = field("delbow_c")
+        self.elbow_acceleration = field("ddelbow_c")
+        self.translation = own(translation)
+        self.rotation = own(rotation)
+        self.elbow_limits = own(elbow)
+        self.pose_share = pose_share
+        self.period = period
+        self.gain = 1.0
+        self.is_limiting = False
+        self.sent_pose = zeros(16)
+        self.sent_twist = zeros(6)
+        self.sent_elbow = zeros(2)
+        self.way = zeros(6)
+
+    def filter_pose(self, pose: Doubles, passes: bool) -> None:  # noqa: FBT001 - C
+        """Compute the pose to send.
+
+        Args:
+            pose: The commanded pose, 16 numbers.
+            passes: Whether the low-pass lets this command pass unchanged.
+        """
+        last, way, sent, gain = self.pose, self.way, self.sent_pose, self.gain
+        if gain < 1.0 and not passes:
+            rotation_between(last, pose, way)
+            for i in range(3):
+                way[3 + i] = gain * way[i]
+                way[i] = gain * (pose[12 + i] - last[12 + i])
+            displace(last, way, 1.0, sent)
+        else:
+            copy_into(sent, 0, pose, 16)
+        if self.is_limiting:
+            twist_between(last, sent, self.period, way)
+            self.limit(way, self.pose_share)
+            displace(last, way, self.period, sent)
+
+    def filter_twist(self, twist: Doubles) -> None:
+        """Compute the twist to send.
+
+        Args:
+            twist: The commanded twist [m/s, rad/s], shape (6,).
+        """
+        low_pass(twist, self.twist, self.gain, self.sent_twist, 6)
+        if self.is_limiting:
+            self.limit(self.sent_twist, 1.0)
+
+    def filter_elbow(self, elbow: Doubles, passes: bool) -> None:  # noqa: FBT001 - C
+        """Compute the elbow to send.
+
+        Args:
+            elbow: Position of joint 3 [rad] and sign of joint 4, shape (2,).
+            passes: As for `filter_pose`.
+        """
+        last, sent, limits = self.elbow, self.sent_elbow, self.elbow_limits
+        low_pass(elbow, last, 1.0 if passes else self.gain, sent, 1)
+        sent[1] = elbow[1]
+        if self.is_limiting:
+            velocity = limited(
+                (sent[0] - last[0]) / self.period,
+                self.elbow_velocity[0],
+                self.elbow_acceleration[0],
+                limits[1],
+                limits[2],
+                -limits[0],
+                limits[0],
+                self.period,
+            )
+            sent[0] = last[0] + velocity * self.period
+
+    def limit(self, twist: Doubles, rotation_share: float) -> None:
+        """Replace a twist by the nearest one that all limits allow.
+
+        Args:
+            twist: The twist [m/s, rad/s], shape (6,).
+            rotation_share: Share of the limits of the rotation that is allowed.
+        """
+        v, a, period = self.twist, self.acceleration, self.period
+        limit_vector(twist, 0, v, a, self.translation, 1.0, period)
+        limit_vector(twist, 3, v, a, self.rotation, rotation_share, period)
+
+
+class CartesianSender:
+    """Sends the poses or the twists of a controller, one per cycle of the arm.
+
+    Args:
+        arm: The arm.
+        rates: Filters and limits them.
+        pose: The commanded pose, 16 numbers.
+        twist: The commanded twist [m/s, rad/s], shape (6,).
+        pose_elbow: The elbow that goes with a pose: position of joint 3 [rad] and sign
+            of joint 4, or two zeros that leave it to the arm; shape (2,).
+        twist_elbow: The elbow that goes with a twist.
+        filters_first: Whether the low-pass acts on the first pose of a motion, too.
+    """
+
+    def __init__(
+        self,
+        arm: "RobotArm",
+        rates: PoseRates,
+        *,
+        pose: Doubles,
+        twist: Doubles,
+        pose_elbow: Doubles,
+        twist_elbow: Doubles,
+        filters_first: bool,
+    ) -> None:
+        self.arm = arm
+        self.receiver = arm.receiver()
+        self.rates = rates
+        self.bridge = PoseBridge(self.rates.period)
+        self.pose = pose
+        self.twist = twist
+        self.pose_elbow = pose_elbow
+        self.twist_elbow = twist_elbow
+        self.filters_first = filters_first
+        self.is_first = False
+
+    def begin_motion(self, gain: float, is_limiting: bool) -> None:  # noqa: FBT001 - C
+        """Rest at the commanded pose; forget all earlier commands.
+
+        Args:
+            gain: Share of a new command in the low-pass; 1 is off.
+            is_limiting: Whether the rates are limited.
+        """
+        self.rates.gain = gain
+        self.rates.is_limiting = is_limiting
+        self.bridge.begin(self.pose, self.arm.state.elbow_d)
+        self.is_first = True
+
+    def send_pose(self, is_new: bool) -> None:  # noqa: FBT001 - positional in C
+        """Send a pose, the commanded one or one that bridges a gap.
+
+        Args:
+            is_new: Whether controllers have updated since the last call.
+
+        Raises:
+            InvalidCommandError: The arm refuses the pose or the elbow.
+        """
+        rates, bridge = self.rates, self.bridge
+        pose, elbow, is_known = self.pose, self.pose_elbow, False
+        is_first, self.is_first = self.is_first, False
+        if not is_new:
+            bridge.predict()
+        elif bridge.is_expected():
+            # An arm that rests there would get the same pose again: the filter has come
+            # to its end as well.
+            is_known = (
+                not is_first
+                and self.receiver.rests_at_pose()
+                and not has_elbow(elbow)
+                and bridge.repeats(pose)
+            )
+            bridge.note_next(pose, elbow)
+        else:
+            bridge.pass_on(pose, elbow)
+        if not is_new or not bridge.is_on_commands:
+            pose, elbow = bridge.pose, bridge.elbow
+        passes = is_first and not self.filters_first
+        if not is_known:
+            rates.filter_pose(pose, passes)
+        if has_elbow(elbow):
+            rates.filter_elbow(elbow, passes)
+            bent = [rates.sent_elbow[0], rates.sent_elbow[1]]
+            self.arm.command_cartesian_pose(rates.sent_pose, bent)
+        elif not self.receiver.receive_pose(rates.sent_pose):
+            self.arm.command_cartesian_pose(rates.sent_pose)
+
+    def send_twist(self) -> None:
+        """Send the commanded twist.
+
+        Raises:
+            InvalidCommandError: The arm refuses the twist or the elbow.
+        """
+        rates, elbow = self.rates, self.twist_elbow
+        bent: list[float] | None = None
+        rates.filter_twist(self.twist)
+        if has_elbow(elbow):
+            rates.filter_elbow(elbow, False)  # noqa: FBT003 - positional in C
+            bent = [rates.sent_elbow[0], rates.sent_elbow[1]]
+        self.arm.command_cartesian_velocity(rates.sent_twist, bent)
+
+
+def has_elbow(elbow: Doubles) -> bool:
+    """Return whether an elbow, shape (2,), is commanded; zeros leave it to the arm."""
+    return elbow[0] != 0.0 or elbow[1] != 0.0

@@ -1,0 +1,33 @@
+cimport cython
+from station.core.franka.command_rates cimport CommandRates
+from station.core.hardware.limits.enforced_limits cimport EnforcedLimits
+from station.hw.franka.arm.receiver cimport Receiver
+from station.hw.franka.commands.cartesian_sender cimport CartesianSender
+from station.memory.finite_check cimport FiniteCheck
+
+cdef int _MOVE
+
+cdef class CommandSender:
+    cdef object arm
+    cdef Receiver receiver
+    cdef double[::1] mode
+    cdef object joints
+    cdef object cartesian
+    cdef CartesianSender cartesian_sender
+    cdef CommandRates rates
+    cdef object update_ranges
+    cdef list checks
+    cdef list limits
+    cdef bint has_positions
+    cdef bint has_velocities
+    cdef bint has_efforts
+    cdef bint has_pose
+    cdef bint has_twist
+    cdef public object refusal
+    @cython.locals(check=FiniteCheck, limits=EnforcedLimits)
+    cpdef send_commands(self, double period)
+    cpdef resend_commands(self)
+    cpdef send_all(self, bint is_new)
+    cpdef send_positions(self)
+    cpdef send_velocities(self)
+    cpdef send_torques(self)

@@ -1,0 +1,376 @@
+"""How the joints of a real arm differ from their model: friction, noise, an estimate.
+
+    sliding:   tau_f = level / (1 + exp(-slope (dq + shift))) - its value at dq = 0
+    sticking:  tau_s = k (z + T dq),  |tau_s|, |k z| <= static / (1 + (dq / v_s)^2)
+    bending:   theta = q + compliance tau_J
+    observer:  r' = gain (tau_J - M ddq - (1 + error) bias - expected - r)
+    wrench:    J J^T F = J r, without the part of what lasts that errors explain
+
+Sliding friction is zero at rest, where the joint sticks: its z follows the joint as a
+spring with the stiffness k = static / presliding and a damping, until the largest
+static friction is reached, which the speed lessens (C. Hess, A. Soom: Friction at a
+Lubricated Line Contact Operating at Oscillating Sliding Velocities, Journal of
+Tribology 112, 1990). Both act behind the torque sensor, so the sensor reads the torque
+that overcomes them. The observer gets what a real one has: the measured torques, the
+change of the momentum at the measured velocities, and a model that is not quite right.
+
+In a direction in which J is nearly singular, an error of 1 Nm looks like 10 N and more.
+Errors of sensors and model change slowly, a blow does not. So what lasts is left out of
+the wrench there as far as errors explain it, and what is sudden shows in full.
+"""
+
+from station.core.franka.joint_memory import JointMemory
+from station.core.numerics.arm_chain import new_links, place_links, zero_jacobian
+from station.core.numerics.rigid_motion import compose
+from station.core.numerics.wrench_equation import WrenchEquation
+from station.hw.mujoco.simulator_memory import SimulatorMemory
+from station.hw.mujoco.world_step import Preparation
+from station.memory.doubles import Doubles, own, zeros
+from station.memory.functions import exponential
+
+WEAK = 1
+"""The Jacobian was computed anew, and small torques make a large wrench at it."""
+TOUCHED = 2
+"""A torque or a component of the wrench is above its lower threshold."""
+LOST = 4
+"""The next command is lost on its way."""
+
+_LARGEST_POWER = 700.0  # the exponential of more is no finite number
+# T above [s], damping over stiffness: half of the critical damping, or more.
+_RELAXATION = 0.005
+_WEAK = WEAK
+_TOUCHED = TOUCHED
+_LOST = LOST
+
+
+class FrictionAndObserver(Preparation):
+    """Disturbs n joints, and estimates what acts on them from outside.
+
+    Args:
+        memory: State of the joints; the velocities and torques are disturbed.
+        simulator: The simulator's memory of the joints, which follow one another from
+            a fixed base.
+        chain: The arm's chain of n joints, see `arm_chain`.
+        tool: End effector in the flange frame, 16 numbers; kept.
+        stiffness_frame: Stiffness frame in the end effector frame; kept.
+        noise: Random numbers of mean 0 and variance 1, used over and over.
+        estimate: Where the estimated external torques go [Nm], shape (n,).
+        theta: Where the positions of the motors go [rad], shape (n,).
+        wrench: Where the wrench goes, in the axes of the base [N, Nm], shape (6,).
+        turned: Where it goes in the axes of the stiffness frame, shape (6,).
+        period: Duration of a cycle [s], > 0.
+
+    Attributes:
+        level, slope, shift: The sliding friction [Nm, s/rad, rad/s], shape (n,).
+        static_friction: Largest torque at which a joint stays at rest [Nm], shape (n,).
+        stribeck_velocity: Speed v_s at which half of it is left [rad/s], > 0.
+        presliding: How far a joint turns before it slides [rad], > 0.
+        bristle: How far each joint bends before it slides, as a share of `presliding`.
+        compliance: Turn of the motor against the link [rad/Nm], shape (n,).
+        torque_noise: Standard deviation of the torque sensors [Nm], shape (n,).
+        torque_bias: What the torque sensors add [Nm], shape (n,).
+        velocity_noise: Standard deviation of the velocities [rad/s], shape (n,).
+        model_error: By which share the bias forces of the observer's model are too
+            large, shape (n,).
+        expected: Torques of a configured load [Nm], shape (n,).
+        lower: Thresholds of torques, then of the wrench, shape (n + 6,).
+        jacobian: Jacobian of the stiffness frame, axes of the base, column-major.
+        pose: Pose of the stiffness frame, 16 numbers, column-major.
+        place: Positions for which Jacobian and pose were computed [rad], shape (n,).
+        reach: How far a joint may be from there [rad].
+        gain: Share of the difference by which the estimate moves in a cycle, 0 to 1.
+        singular: Smallest singular value of a Jacobian that gives a wrench.
+        reliable: Singular value above which no direction is weak.
+        has_wrench: Whether the Jacobian is far enough from singular.
+        weak: In how many directions small torques make a large wrench, 0 to 6.
+        directions: Those directions, unit wrenches one after another, shape (36,).
+        shares: Part of the wrench in each, per torque of each joint, shape (6 n,).
+        doubt: Largest part in each that errors of the torques explain, shape (6,).
+        lasting_gain: Share by which `lasting` follows the estimate in a cycle, 0 to 1.
+        cycles_to_loss: After how many cycles a command is lost; 0: never.
+    """
+
+    def __init__(
+        self,
+        memory: JointMemory,
+        simulator: SimulatorMemory,
+        *,
+        chain: Doubles,
+        tool: Doubles,
+        stiffness_frame: Doubles,
+        noise: Doubles,
+        estimate: Doubles,
+        theta: Doubles,
+        wrench: Doubles,
+        turned: Doubles,
+        period: float,
+    ) -> None:
+        size = self.size = memory.size
+        self.memory = memory
+        self.simulator = simulator
+        self.chain = own(chain)
+        self.tool = tool
+        self.stiffness_frame = stiffness_frame
+        self.links = new_links(chain)
+        self.flange = self.links[16 * size :]
+        self.noise = noise
+        self.estimate = estimate
+        self.theta = theta
+        self.wrench = wrench
+        self.turned = turned
+        self.period = period
+        self.rate = 1.0 / period
+        self.level = zeros(size)
+        self.slope = zeros(size)
+        self.shift = zeros(size)
+        self.offset = zeros(size)
+        self.static_friction = zeros(size)
+        self.stribeck_velocity = 1.0
+        self.presliding = 1.0
+        self.bristle = zeros(size)
+        self.compliance = zeros(size)
+        self.torque_noise = zeros(size)
+        self.torque_bias = zeros(size)
+        self.velocity_noise = zeros(size)
+        self.model_error = zeros(size)
+        self.expected = zeros(size)
+        self.lower = zeros(size + 6)
+        self.jacobian = zeros(6 * size)
+        self.pose = zeros(16)
+        self.place = zeros(size)
+        self.reach = 0.0
+        self.gain = 1.0
+        self.singular = 0.0
+        self.reliable = 0.0
+        self.has_wrench = False
+        self.weak = 0
+        self.directions = zeros(36)
+        self.shares = zeros(6 * size)
+        self.doubt = zeros(6)
+        self.lasting = zeros(size)  # the estimate without what is sudden
+        self.lasting_gain = 1.0
+        self.following = 1.0
+        self.cycles_to_loss = 0
+        self.equation = WrenchEquation()
+        self.drawn = 0
+        self.velocity = zeros(size)  # as measured
+        self.change = zeros(size)
+        self.momentum = zeros(size)
+
+    def settle(self) -> None:
+        """Take the friction's parameters over."""
+        for i in range(self.size):
+            self.offset[i] = self.level[i] / (
+                1.0 + exponential(-self.slope[i] * self.shift[i])
+            )
+
+    def rest(self) -> None:
+        """Begin anew at rest: no estimate, and the first random numbers again."""
+        self.drawn = 0
+        for i in range(self.size):
+            self.velocity[i] = 0.0
+            self.bristle[i] = 0.0
+            self.estimate[i] = 0.0
+            self.lasting[i] = 0.0
+        self.following = 1.0
+        for i in range(6):
+            self.wrench[i] = 0.0
+            self.turned[i] = 0.0
+
+    def renew_jacobian(self) -> bool:
+        """Compute Jacobian and pose of the stiffness frame where the joints are.
+
+        Returns:
+            See `factorise_jacobian`.
+        """
+        place_links(self.chain, self.memory.positions, self.links)
+        compose(self.flange, self.tool, self.pose)
+        compose(self.pose, self.stiffness_frame, self.pose)
+        zero_jacobian(self.links, self.pose, self.jacobian)
+        return self.factorise_jacobian()
+
+    def factorise_jacobian(self) -> bool:
+        """Find out for which wrenches the Jacobian is good.
+
+        Returns:
+            Whether the weak directions are to be found: there is a wrench, and at least
+            one direction is weak. Until then there are none.
+        """
+        equation, jacobian = self.equation, self.jacobian
+        singular, reliable = self.singular, self.reliable
+        self.weak = 0
+        self.has_wrench = equation.factorise(jacobian, -singular * singular)
+        is_reliable = self.has_wrench and equation.factorise(
+            jacobian, -reliable * reliable
+        )
+        if self.has_wrench:
+            self.has_wrench = equation.factorise(jacobian, 0.0)
+        for i in range(self.size):
+            self.place[i] = self.memory.positions[i]
+        return self.has_wrench and not is_reliable
+
+    def prepare_step(self) -> None:
+        """Let the friction act in the coming step."""
+        velocities, applied = self.simulator.velocities, self.simulator.applied
+        level, slope, shift = self.level, self.slope, self.shift
+        offset, static_friction = self.offset, self.static_friction
+        bristle, share = self.bristle, 1.0 / self.stribeck_velocity
+        turn = self.period / self.presliding
+        lead = _RELAXATION / self.presliding
+        for i in range(self.size):
+            velocity = velocities[i]
+            power = -slope[i] * (velocity + shift[i])
+            if power > _LARGEST_POWER:
+                power = _LARGEST_POWER
+            sliding = level[i] / (1.0 + exponential(power)) - offset[i]
+            # Shares of the static friction: what the speed leaves, and what acts.
+            relative = velocity * share
+            most = 1.0 / (1.0 + relative * relative)
+            bend = bristle[i] + turn * velocity
+            if bend > most:
+                bend = most
+            if bend < -most:
+                bend = -most
+            bristle[i] = bend
+            bend += lead * velocity
+            if bend > most:
+                bend = most
+            if bend < -most:
+                bend = -most
+            applied[i] = -sliding - static_friction[i] * bend
+
+    def sense(self) -> int:
+        """Disturb the readings of the last step, and bring the estimates up to date.
+
+        Returns:
+            A sum of `WEAK`, `TOUCHED` and `LOST`; mostly 0.
+        """
+        self.disturb()
+        self.observe()
+        self.compute_wrench()
+        result = _TOUCHED if self.is_touched() else 0
+        positions, place, reach = self.memory.positions, self.place, self.reach
+        for i in range(self.size):
+            if abs(positions[i] - place[i]) > reach:
+                # From the next cycle on.
+                if self.renew_jacobian():
+                    result += _WEAK
+                break
+        if self.cycles_to_loss > 0:
+            self.cycles_to_loss -= 1
+            if self.cycles_to_loss == 0:
+                result += _LOST
+        return result
+
+    def disturb(self) -> None:
+        """Add noise and bias to velocities and torques, and let the joints bend."""
+        memory, noise = self.memory, self.noise
+        dq, dtheta, tau = memory.dq, memory.dtheta, memory.tau_J
+        velocity, change = self.velocity, self.change
+        positions, theta, compliance = memory.positions, self.theta, self.compliance
+        spread, bias = self.velocity_noise, self.torque_bias
+        torque_spread = self.torque_noise
+        drawn, last = self.drawn, len(noise) - 2
+        for i in range(self.size):
+            if drawn > last:
+                drawn = 0
+            measured = dtheta[i] + spread[i] * noise[drawn]
+            error = bias[i] + torque_spread[i] * noise[drawn + 1]
+            drawn += 2
+            change[i] = measured - velocity[i]
+            velocity[i] = measured
+            dq[i] = measured
+            error += tau[i]
+            tau[i] = error
+            theta[i] = positions[i] + compliance[i] * error
+        self.drawn = drawn
+
+    def settle_elasticity(self) -> None:
+        """Turn the motors against the links as the torques between them demand."""
+        memory, theta, compliance = self.memory, self.theta, self.compliance
+        positions, tau = memory.positions, memory.tau_J
+        for i in range(self.size):
+            theta[i] = positions[i] + compliance[i] * tau[i]
+
+    def observe(self) -> None:
+        """Move the estimate towards what the measured motion does not explain."""
+        simulator, momentum, change = self.simulator, self.momentum, self.change
+        inertia, diagonal = simulator.inertia, simulator.diagonal
+        bias, armature = simulator.bias, simulator.armature
+        tau, estimate, gain = self.memory.tau_J, self.estimate, self.gain
+        rate, model_error, expected = self.rate, self.model_error, self.expected
+        lasting, following = self.lasting, self.following
+        for i in range(self.size):
+            # A row of the inertia matrix ends with its diagonal element. The rotors
+            # turn before the torque sensors.
+            row = diagonal[i] - i
+            own = change[i]
+            total = (inertia[row + i] - armature[i]) * own
+            for j in range(i):
+                element = inertia[row + j]
+                total += element * change[j]
+                momentum[j] += element * own
+            momentum[i] = total
+        for i in range(self.size):
+            needed = momentum[i] * rate + (1.0 + model_error[i]) * bias[i]
+            external = tau[i] - needed - expected[i]
+            estimate[i] += gain * (external - estimate[i])
+            lasting[i] += following * (estimate[i] - lasting[i])
+        # A mean of all cycles at first: what acts from the beginning is not sudden.
+        if following > self.lasting_gain:
+            self.following = following / (1.0 + following)
+
+    def compute_wrench(self) -> None:
+        """Compute the wrench that belongs to the estimated torques, or 0."""
+        wrench, turned, pose = self.wrench, self.turned, self.pose
+        jacobian, estimate = self.jacobian, self.estimate
+        u = v = w = a = b = c = 0.0
+        if self.has_wrench:
+            for i in range(self.size):
+                torque, k = estimate[i], 6 * i
+                u += jacobian[k] * torque
+                v += jacobian[k + 1] * torque
+                w += jacobian[k + 2] * torque
+                a += jacobian[k + 3] * torque
+                b += jacobian[k + 4] * torque
+                c += jacobian[k + 5] * torque
+        wrench[0], wrench[1], wrench[2], wrench[3] = u, v, w, a
+        wrench[4], wrench[5] = b, c
+        if self.has_wrench:
+            self.equation.solve(wrench, wrench)
+            if self.weak:
+                self.doubt_wrench()
+            u, v, w = wrench[0], wrench[1], wrench[2]
+            a, b, c = wrench[3], wrench[4], wrench[5]
+        for axis in range(3):
+            x, y, z = pose[4 * axis], pose[4 * axis + 1], pose[4 * axis + 2]
+            turned[axis] = x * u + y * v + z * w
+            turned[axis + 3] = x * a + y * b + z * c
+
+    def doubt_wrench(self) -> None:
+        """Leave out of the wrench what lasts and errors of the torques explain."""
+        wrench, directions, doubt = self.wrench, self.directions, self.doubt
+        shares, lasting, size = self.shares, self.lasting, self.size
+        for j in range(self.weak):
+            k, most = 6 * j, doubt[j]
+            part = 0.0
+            for i in range(size):
+                part += shares[size * j + i] * lasting[i]
+            if part > most:
+                part = most
+            if part < -most:
+                part = -most
+            for i in range(6):
+                wrench[i] -= part * directions[k + i]
+
+    def is_touched(self) -> bool:
+        """Return whether an estimate is above its lower threshold."""
+        lower, estimate, turned = self.lower, self.estimate, self.turned
+        size = self.size
+        for i in range(size):
+            if not -lower[i] <= estimate[i] <= lower[i]:
+                return True
+        for i in range(6):
+            if not -lower[size + i] <= turned[i] <= lower[size + i]:
+                return True
+        return False

@@ -1,0 +1,241 @@
+"""Check a commanded motion as the arm receives it.
+
+Derivatives are backward differences over one cycle, from the values accepted last.
+
+Source: Franka Control Interface documentation, Robot and interface specifications,
+necessary conditions; libfranka@0.15.0 include/franka/errors.h, the position limits that
+an FR3 never reports.
+"""
+
+from math import inf
+
+from station.core.franka.joint_memory import JointMemory
+from station.hw.franka.arm.arm_limits import ArmLimits
+from station.hw.franka.simulated.violations import (
+    JOINT_POSITION,
+    JOINT_START,
+    TORQUE_RATE,
+    TRANSLATION_ACCELERATION,
+    TRANSLATION_JERK,
+    TRANSLATION_VELOCITY,
+    Violations,
+)
+from station.memory.doubles import Doubles, Storage, own, own_zeros
+from station.memory.functions import square_root
+
+START_POSITION_TOLERANCE = 0.01
+"""Largest distance of a first joint position from q_d [rad]; not published."""
+# 1 + the relative rounding error of a third difference over 1 ms of some rad.
+_ROUNDING = 1.0 + 1e-4
+# Rounding error allowed for a command at a position limit [rad].
+_AT_LIMIT = 1e-6
+# Rounding error allowed for a velocity, a difference over 1 ms of positions [rad/s].
+_AT_VELOCITY_LIMIT = 1e-9
+
+
+class MotionCheck:
+    """Compares the commands of an arm with its limits.
+
+    Every check returns how many violations there are in this cycle.
+
+    Args:
+        memory: State and commands of the joints.
+        limits: The arm's limits.
+        period: Duration of a cycle [s], > 0.
+
+    Attributes:
+        violations: What was found since the last `clear`.
+    """
+
+    def __init__(self, memory: JointMemory, limits: ArmLimits, period: float) -> None:
+        self.memory = memory
+        self.size = memory.size
+        self.limits = limits
+        self.has_curves = bool(limits.curves)
+        # Limits that depend on the position bring the velocity to 0 before the limit.
+        room = inf if self.has_curves else _AT_LIMIT
+        self.lower = own([value - room for value in limits.lower])
+        self.upper = own([value + room for value in limits.upper])
+        room = _AT_VELOCITY_LIMIT
+        self.slowest = own([-value - room for value in limits.velocity])
+        self.fastest = own([value + room for value in limits.velocity])
+        self.acceleration = own([value * _ROUNDING for value in limits.acceleration])
+        self.jerk = own([value * _ROUNDING for value in limits.jerk])
+        self.translation = own(limits.translation.bounds())
+        self.rotation = own(limits.rotation.bounds())
+        self.elbow = own(limits.elbow.bounds())
+        # With room for the rounding of a difference.
+        self.torque_step = limits.torque_rate * period * (1.0 + 1e-9)
+        self.period = period
+        self.reached = own_zeros(memory.size)
+        self.violations = Violations()
+
+    def check_start(self) -> int:
+        """Compare the first positions of a motion, in `target`, with `q_d`."""
+        q, q_d = self.memory.target, self.memory.q_d
+        for i in range(self.size):
+            away = abs(q[i] - q_d[i])
+            if away > START_POSITION_TOLERANCE:
+                self.violations.add(JOINT_START, i, away, START_POSITION_TOLERANCE)
+        return self.violations.count
+
+    def check_positions(self, code: int) -> int:
+        """Compare the positions in `target` with the limits.
+
+        Args:
+            code: `JOINT_POSITION`, or `SOLVED_POSITION` if they were computed from a
+                Cartesian command.
+        """
+        memory, period = self.memory, self.period
+        q, dq, q_d = memory.target, memory.target_dq, memory.q_d
+        for i in range(self.size):
+            dq[i] = (q[i] - q_d[i]) / period
+        return self.check_joints(q, dq, code)
+
+    def check_velocities(self) -> int:
+        """Compare the velocities in `target` with the limits."""
+        memory, period, q = self.memory, self.period, self.reached
+        dq, q_d = memory.target, memory.q_d
+        for i in range(self.size):
+            q[i] = q_d[i] + dq[i] * period
+        return self.check_joints(q, dq, JOINT_POSITION)
+
+    def check_joints(self, q: Storage, dq: Storage, code: int) -> int:
+        """Compare a step of a joint motion with the limits.
+
+        Args:
+            q: Next positions [rad], shape (7,).
+            dq: Velocities that lead there [rad/s], shape (7,).
+            code: See `check_positions`; those of the rates follow it.
+        """
+        last_dq, last_ddq = self.memory.dq_d, self.memory.ddq_d
+        lower, upper = self.lower, self.upper
+        slowest, fastest = self.slowest, self.fastest
+        accelerations, jerks, period = self.acceleration, self.jerk, self.period
+        violations = self.violations
+        if self.has_curves:
+            self.bend_velocity_limits(q, dq)
+        for i in range(self.size):
+            position, velocity = q[i], dq[i]
+            acceleration = (velocity - last_dq[i]) / period
+            jerk = (acceleration - last_ddq[i]) / period
+            # A joint beyond its limit may stay or come back, or it could never return.
+            if position > upper[i] and velocity > 0.0:
+                violations.add(code, i, position, self.limits.upper[i])
+            elif position < lower[i] and velocity < 0.0:
+                violations.add(code, i, position, self.limits.lower[i])
+            if not slowest[i] <= velocity <= fastest[i]:
+                bounds = self.limits.velocity_range(i, position - velocity * period)
+                violations.add(code + 1, i, velocity, bounds[velocity > 0.0])
+            most = accelerations[i]
+            if not -most <= acceleration <= most:
+                bound = self.limits.acceleration[i]
+                violations.add(code + 2, i, acceleration, bound)
+            most = jerks[i]
+            if not -most <= jerk <= most:
+                violations.add(code + 3, i, jerk, self.limits.jerk[i])
+        return violations.count
+
+    def bend_velocity_limits(self, q: Storage, dq: Storage) -> None:
+        """Compute the velocity limits where the joints are, before they go to `q`."""
+        for i in range(self.size):
+            low, high = self.limits.velocity_range(i, q[i] - dq[i] * self.period)
+            self.slowest[i] = low - _AT_VELOCITY_LIMIT
+            self.fastest[i] = high + _AT_VELOCITY_LIMIT
+
+    def check_torques(self) -> int:
+        """Compare the commanded torques with the limit of their rate.
+
+        They may continue the torques of the motors, which saturate, or those that were
+        commanded before.
+        """
+        memory, largest = self.memory, self.torque_step
+        lowest = -largest
+        tau, last, sent = memory.torques, memory.tau_J_d, memory.sent
+        for i in range(self.size):
+            step = tau[i] - last[i]
+            # Without the call of `abs` where this is interpreted.
+            if not lowest <= step <= largest:
+                step = min(abs(step), abs(tau[i] - sent[i]))
+                if step > largest:
+                    rate = self.limits.torque_rate
+                    self.violations.add(TORQUE_RATE, i, step / self.period, rate)
+        return self.violations.count
+
+    def check_twist(self, twist: Doubles, last: Doubles, last_rate: Doubles) -> int:
+        """Compare the next twist of the end effector with the limits, by its norms.
+
+        Args:
+            twist: Linear [m/s], then angular velocity [rad/s], shape (6,).
+            last: Twist of the step before, shape (6,).
+            last_rate: Rate of the twist in the step before, shape (6,).
+        """
+        self.check_part(0, twist, last, last_rate, self.translation)
+        self.check_part(3, twist, last, last_rate, self.rotation)
+        return self.violations.count
+
+    def check_part(
+        self,
+        first: int,
+        twist: Doubles,
+        last: Doubles,
+        last_rate: Doubles,
+        bounds: Storage,
+    ) -> None:
+        """Compare one half of a twist with its limits; see `check_twist`.
+
+        Args:
+            first: Where the half begins.
+            twist: The twist, shape (6,).
+            last: Twist of the step before, shape (6,).
+            last_rate: Rate of the twist in the step before, shape (6,).
+            bounds: Largest norms of velocity, acceleration and jerk.
+        """
+        period = self.period
+        speed = acceleration = jerk = 0.0
+        for i in range(first, first + 3):
+            velocity = twist[i]
+            rate = (velocity - last[i]) / period
+            change = (rate - last_rate[i]) / period
+            speed += velocity * velocity
+            acceleration += rate * rate
+            jerk += change * change
+        speed, acceleration = square_root(speed), square_root(acceleration)
+        self.check_bounds(first, speed, acceleration, square_root(jerk), bounds)
+
+    def check_elbow(self, velocity: float, acceleration: float, jerk: float) -> int:
+        """Compare the next step of the elbow with its limits.
+
+        Args:
+            velocity: Of joint 3 [rad/s].
+            acceleration: Of joint 3 [rad/s^2].
+            jerk: Of joint 3 [rad/s^3].
+        """
+        self.check_bounds(6, velocity, acceleration, jerk, self.elbow)
+        return self.violations.count
+
+    def check_bounds(
+        self,
+        first: int,
+        velocity: float,
+        acceleration: float,
+        jerk: float,
+        bounds: Storage,
+    ) -> None:
+        """Compare one part of the end effector's motion with its limits.
+
+        Args:
+            first: Place of its first code after `TRANSLATION_VELOCITY`.
+            velocity: Its velocity, per second.
+            acceleration: Its acceleration, per second squared.
+            jerk: Its jerk, per second cubed.
+            bounds: Their limits.
+        """
+        violations = self.violations
+        if abs(velocity) > bounds[0] * _ROUNDING:
+            violations.add(TRANSLATION_VELOCITY + first, 0, velocity, bounds[0])
+        if abs(acceleration) > bounds[1] * _ROUNDING:
+            code = TRANSLATION_ACCELERATION + first
+            violations.add(code, 0, acceleration, bounds[1])
+        if abs(jerk) > bounds[2] * _ROUNDING:
+            violations.add(TRANSLATION_JERK + first, 0, jerk, bounds[2])

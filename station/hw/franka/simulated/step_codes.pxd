@@ -1,0 +1,1 @@
+# Constants alone: a compiled module imports no other module that is not compiled.
