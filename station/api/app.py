@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fastapi import APIRouter, FastAPI
@@ -32,6 +33,9 @@ from station.api.services import Services
 from station.api.streams import Broadcaster
 from station.core.facade.station import Station
 from station.events import Alarms, EventLog
+from station.library.gain_sets import GainSets
+from station.library.path_player import PathPlayer
+from station.library.waypoint_paths import WaypointPaths
 from station.trials.background_experiments import BackgroundExperiments
 from station.trials.live_bench import LiveBench
 from station.web.failed_logins import FailedLogins
@@ -56,11 +60,15 @@ class Kept:
         events: Where events are recorded; a log in memory when left out.
         recorder: Records every cycle; None for a station that records nothing.
         experiments: Runs experiments; None for a station that runs none.
+        gain_sets: Folder of the gain sets; the user's own when None.
+        waypoint_paths: Folder of the waypoint paths; the user's own when None.
     """
 
     events: EventLog = field(default_factory=EventLog)
     recorder: "Recorder | None" = None
     experiments: BackgroundExperiments | None = None
+    gain_sets: Path | None = None
+    waypoint_paths: Path | None = None
 
 
 def create_app(
@@ -98,6 +106,7 @@ def create_app(
     )
     kept = Kept() if kept is None else kept
     event_recorder = EventRecorder(kept.events)
+    paths = WaypointPaths(station.loop, station.manager, kept.waypoint_paths)
     app.state.services = Services(
         station=station,
         authenticator=authenticator,
@@ -114,6 +123,9 @@ def create_app(
         dashboard_url=dashboard_url,
         recorder=kept.recorder,
         experiments=kept.experiments,
+        gain_sets=GainSets(station.tuning, kept.gain_sets),
+        waypoint_paths=paths,
+        path_player=PathPlayer(station.loop, station.manager, station.motion, paths),
     )
     add_error_handlers(app)
     app.router.routes.extend(_shared_routes())

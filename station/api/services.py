@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from station.api.streams import Broadcaster
     from station.core.facade.station import Station
     from station.events import Alarms
+    from station.library.gain_sets import GainSets
+    from station.library.path_player import PathPlayer
+    from station.library.waypoint_paths import WaypointPaths
     from station.records.recorder import Recorder
     from station.trials.background_experiments import BackgroundExperiments
     from station.trials.live_bench import LiveBench
@@ -39,6 +42,9 @@ class Services:
         dashboard_url: Returns the address of the dashboard; None while it is unknown.
         recorder: Records every cycle; None for a station that records nothing.
         experiments: Runs experiments; None for a station that runs none.
+        gain_sets: Named sets of gains on the disk.
+        waypoint_paths: Named waypoint paths on the disk.
+        path_player: Plays waypoint paths.
         command_streams: Number of open streams of set-points.
     """
 
@@ -55,6 +61,9 @@ class Services:
     dashboard_url: Callable[[], str | None]
     recorder: "Recorder | None"
     experiments: "BackgroundExperiments | None"
+    gain_sets: "GainSets"
+    waypoint_paths: "WaypointPaths"
+    path_player: "PathPlayer"
     command_streams: int = 0
 
 

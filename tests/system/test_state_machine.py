@@ -22,7 +22,6 @@ from station.api.app import Kept, create_app
 from station.api.auth import Authenticator
 from station.client import ApiError, StationClient
 from station.core.control.controller import ControllerState
-from station.core.facade.gain_sets import GainSets
 from station.records.record_store import RecordStore
 from station.records.recorder import Recorder
 from station.reports import LoopState
@@ -58,15 +57,15 @@ class Requests(RuleBasedStateMachine):
         super().__init__()
         self.folder = TemporaryDirectory()
         self.station = make_franka_station()
-        sets = GainSets(self.station.tuning, Path(self.folder.name, "gains"))
-        self.station.gain_sets = sets
         self.recorder = Recorder(
             self.station, RecordStore(Path(self.folder.name, "recordings"))
         )
         app = create_app(
             self.station,
             Authenticator(OPERATOR, VIEWER),
-            kept=Kept(recorder=self.recorder),
+            kept=Kept(
+                recorder=self.recorder, gain_sets=Path(self.folder.name, "gains")
+            ),
         )
         self.client = StationClient(URL, OPERATOR, transport=AppTransport(app))
         self.other = StationClient(URL, OPERATOR, transport=AppTransport(app))

@@ -199,7 +199,7 @@ def preview_experiment(
 def apply_experiment(
     name: Name,
     _: BackgroundDep,
-    station: StationDep,
+    services: ServicesDep,
     request: ExperimentApplyRequest | None = None,
 ) -> GainsChanges:
     """Put the gains of a trial into force, those of all controllers in the same cycle.
@@ -210,8 +210,8 @@ def apply_experiment(
     asked = request or ExperimentApplyRequest()
     with Results.open(file_of(name)) as results:
         wanted = gains_of(results, reports.chosen_trial(results, asked.trial))
-    changes = _apply(station, wanted, asked)
-    station.gain_sets.save(name, list(wanted))
+    changes = _apply(services.station, wanted, asked)
+    services.gain_sets.save(name, list(wanted))
     return GainsChanges.model_validate({"changes": changes})
 
 

@@ -4,10 +4,10 @@ from typing import Annotated
 
 from fastapi import APIRouter, Path
 
-from station.api.dependencies import Operator, StationDep, Viewer
+from station.api.dependencies import Operator, ServicesDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
-from station.core.facade.path_player import PlayOptions
+from station.library.path_player import PlayOptions
 from station.reports import Playback, Waypoint, WaypointPath
 from station.wire import (
     CaptureRequest,
@@ -26,15 +26,15 @@ Name = Annotated[PathName, Path(description="Name of the path.", examples=["wave
 
 
 @router.get("/waypoint-paths", responses=problems())
-def list_waypoint_paths(station: StationDep) -> WaypointPaths:
+def list_waypoint_paths(services: ServicesDep) -> WaypointPaths:
     """List the saved waypoint paths."""
-    return WaypointPaths(waypoint_paths=station.waypoint_paths.names())
+    return WaypointPaths(waypoint_paths=services.waypoint_paths.names())
 
 
 @router.get("/waypoint-paths/{name}", responses=problems(404, 422))
-def get_waypoint_path(name: Name, station: StationDep) -> WaypointPath:
+def get_waypoint_path(name: Name, services: ServicesDep) -> WaypointPath:
     """Return a path with its waypoints."""
-    return station.waypoint_paths.get(name)
+    return services.waypoint_paths.get(name)
 
 
 @router.put(
@@ -43,21 +43,21 @@ def get_waypoint_path(name: Name, station: StationDep) -> WaypointPath:
     responses=problems(404, 413, 422),
 )
 def save_waypoint_path(
-    name: Name, request: WaypointPathRequest, station: StationDep
+    name: Name, request: WaypointPathRequest, services: ServicesDep
 ) -> WaypointPath:
     """Save the waypoints of a path; a path of that name is replaced."""
     found = [
         Waypoint(each.name, each.duration, each.positions) for each in request.waypoints
     ]
-    return station.waypoint_paths.save(name, found)
+    return services.waypoint_paths.save(name, found)
 
 
 @router.delete(
     "/waypoint-paths/{name}", dependencies=[Operator], responses=problems(404, 422)
 )
-def delete_waypoint_path(name: Name, station: StationDep) -> WaypointPath:
+def delete_waypoint_path(name: Name, services: ServicesDep) -> WaypointPath:
     """Delete a path; return what it was."""
-    return station.waypoint_paths.delete(name)
+    return services.waypoint_paths.delete(name)
 
 
 @router.post(
@@ -66,7 +66,7 @@ def delete_waypoint_path(name: Name, station: StationDep) -> WaypointPath:
     responses=problems(404, 413, 422, 503),
 )
 def capture_waypoint(
-    name: Name, station: StationDep, request: CaptureRequest | None = None
+    name: Name, services: ServicesDep, request: CaptureRequest | None = None
 ) -> WaypointPath:
     """Add where the joints are now to the end of a path; the first one makes it.
 
@@ -74,7 +74,7 @@ def capture_waypoint(
     controller, all joints.
     """
     wanted = request or CaptureRequest()
-    return station.waypoint_paths.capture(name, wanted.name or "", wanted.duration)
+    return services.waypoint_paths.capture(name, wanted.name or "", wanted.duration)
 
 
 @router.post(
@@ -83,7 +83,7 @@ def capture_waypoint(
     responses=problems(404, 409, 413, 422, 423, 503),
 )
 def play_waypoint_path(
-    name: Name, station: StationDep, request: PlayRequest | None = None
+    name: Name, services: ServicesDep, request: PlayRequest | None = None
 ) -> Playback:
     """Move along a path; a path that plays is replaced.
 
@@ -93,13 +93,13 @@ def play_waypoint_path(
     """
     wanted = request or PlayRequest()
     options = PlayOptions(**wanted.model_dump())
-    return station.path_player.play(name, options)
+    return services.path_player.play(name, options)
 
 
 @router.get("/playback", responses=problems())
-def get_playback(station: StationDep) -> LastPlayback:
+def get_playback(services: ServicesDep) -> LastPlayback:
     """Return the path that plays, or how the last one ended."""
-    found = station.path_player.state()
+    found = services.path_player.state()
     return LastPlayback.model_validate({"playback": found})
 
 
@@ -108,9 +108,9 @@ def get_playback(station: StationDep) -> LastPlayback:
     dependencies=[Operator],
     responses=problems(404, 409, 413, 422, 423, 503),
 )
-def change_playback(request: PlaybackPatch, station: StationDep) -> Playback:
+def change_playback(request: PlaybackPatch, services: ServicesDep) -> Playback:
     """Pause or resume the path that plays; change its speed, or whether it loops."""
-    player = station.path_player
+    player = services.path_player
     found = player.adjust(speed=request.speed, loop=request.loop)
     if request.paused is not None:
         found = player.pause() if request.paused else player.resume()
@@ -118,6 +118,6 @@ def change_playback(request: PlaybackPatch, station: StationDep) -> Playback:
 
 
 @router.delete("/playback", dependencies=[Operator], responses=problems(404, 409))
-def cancel_playback(station: StationDep) -> Playback:
+def cancel_playback(services: ServicesDep) -> Playback:
     """End the path that plays; the robot holds where it is."""
-    return station.path_player.cancel()
+    return services.path_player.cancel()

@@ -8,7 +8,6 @@ import threading
 import uuid
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 
 from station.compiled import present_status
 from station.core.control.controller import ControllerSample
@@ -22,17 +21,14 @@ from station.core.errors import (
     LoopError,
     ParameterError,
 )
-from station.core.facade.gain_sets import GainSets
 from station.core.facade.gain_tuning import GainTuning
 from station.core.facade.hardware_report import HardwareReport, report_hardware
 from station.core.facade.input_log import InputLog
 from station.core.facade.motion_commands import MotionCommands
 from station.core.facade.parameter_server import ParameterServer
-from station.core.facade.path_player import PathPlayer
 from station.core.facade.robots import Robots
 from station.core.facade.simulation_control import SimulationControl
 from station.core.facade.station_status import StationStatus, label_robot
-from station.core.facade.waypoint_paths import WaypointPaths
 from station.core.hardware.robot_report import (
     ContactReport,
     MovingBaseReport,
@@ -57,8 +53,6 @@ class Station:
         parameters: The root of the parameter tree; controllers live under their name.
         robot_type: Type of the robot for the status.
         reserved: Names at the root of the tree that no controller may have.
-        gain_sets: Where gain sets are kept; the user's own folder when None.
-        waypoint_paths: Where waypoint paths are kept; the user's own folder when None.
 
     Attributes:
         loop: The loop.
@@ -68,9 +62,6 @@ class Station:
         motion: What makes the robot move: set-points, trajectories and goals.
         robots: The robots, their services and recovery.
         tuning: Gains of several controllers at once, and the last change taken back.
-        gain_sets: Named sets of gains on disk.
-        waypoint_paths: Named waypoint paths on disk.
-        path_player: Plays waypoint paths.
         parameter_server: The tree of parameters, read and changed.
         simulation: Pause, step and reset of a simulated robot.
         watchdog_failure: Why no watchdog looks after the station at the moment; None
@@ -84,8 +75,6 @@ class Station:
         parameters: Parameters,
         robot_type: str = "",
         reserved: frozenset[str] = frozenset(),
-        gain_sets: Path | None = None,
-        waypoint_paths: Path | None = None,
     ) -> None:
         self.loop = loop
         self.manager = manager
@@ -101,9 +90,6 @@ class Station:
         self._change_lock = threading.Lock()
         self._loading: set[str] = set()
         self.tuning = GainTuning(loop, manager, self._change_lock, self.inputs)
-        self.gain_sets = GainSets(self.tuning, gain_sets)
-        self.waypoint_paths = WaypointPaths(loop, manager, waypoint_paths)
-        self.path_player = PathPlayer(loop, manager, self.motion, self.waypoint_paths)
         self.parameter_server = ParameterServer(
             parameters, self._change_lock, self._loading, reserved
         )

@@ -8,8 +8,8 @@ from station.core.errors import (
     PathRefusedError,
     WaypointPathNotFoundError,
 )
-from station.core.facade.path_player import PathPlayer, PlayOptions
-from station.core.facade.waypoint_paths import WaypointPaths
+from station.library.path_player import PathPlayer, PlayOptions
+from station.library.waypoint_paths import WaypointPaths
 from station.reports import PlaybackState, Waypoint
 from tests.two_joint_station import make_station
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 from station.core.control.controller_manager import ControllerManager
 from station.core.errors import PathRefusedError, StationError
 from station.core.facade.motion_commands import MotionCommands
-from station.core.facade.path_plan import plan_path
-from station.core.facade.waypoint_paths import WaypointPaths
 from station.core.loop.control_loop import ControlLoop
 from station.core.ports.goal import Goal, GoalStatus
+from station.library.path_plan import plan_path
+from station.library.waypoint_paths import WaypointPaths
 from station.reports import Playback, PlaybackState, WaypointPath
 
 SLOWEST, FASTEST = 0.05, 2.0

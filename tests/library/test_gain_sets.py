@@ -8,7 +8,7 @@ from station.core.errors import (
     GainSetNotFoundError,
     InvalidGainError,
 )
-from station.core.facade.gain_sets import GainSets, default_folder
+from station.library.gain_sets import GainSets, default_folder
 from station.reports import GainDifference
 from tests.api.spring import make_station
 

@@ -47,7 +47,7 @@ class FileKind:
         return self.noun.replace(" ", "_")
 
 
-class NamedFiles:
+class YamlFolder:
     """The files of one kind. Any thread.
 
     Args:

@@ -12,7 +12,7 @@ from station.core.errors import (
     WaypointPathError,
     WaypointPathNotFoundError,
 )
-from station.core.facade.waypoint_paths import MOST_WAYPOINTS, WaypointPaths
+from station.library.waypoint_paths import MOST_WAYPOINTS, WaypointPaths
 from station.reports import Waypoint
 from tests.two_joint_station import make_station
 

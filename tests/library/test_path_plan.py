@@ -3,8 +3,8 @@
 import pytest
 
 from station.core.errors import InvalidTrajectoryError
-from station.core.facade.path_plan import plan_path
 from station.core.hardware.limits import JointLimits
+from station.library.path_plan import plan_path
 from station.reports import Waypoint, WaypointPath
 
 PATH = WaypointPath(

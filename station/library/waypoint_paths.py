@@ -16,8 +16,8 @@ from station.core.errors import (
     show,
     suggest,
 )
-from station.core.facade.named_files import FileKind, NamedFiles
 from station.core.loop.control_loop import ControlLoop
+from station.library.yaml_folder import FileKind, YamlFolder
 from station.reports import Waypoint, WaypointPath
 
 MOST_WAYPOINTS = 500
@@ -43,7 +43,7 @@ class WaypointPaths:
     ) -> None:
         self._loop = loop
         self._manager = manager
-        self._files = NamedFiles(_KIND, folder)
+        self._files = YamlFolder(_KIND, folder)
 
     def names(self) -> list[str]:
         """Return the names of all paths, sorted."""

@@ -5,15 +5,15 @@ import os
 import pytest
 
 from station.core.errors import GainSetError, GainSetNotFoundError
-from station.core.facade.named_files import FileKind, NamedFiles
 from station.core.yaml_reader import FILE
+from station.library.yaml_folder import FileKind, YamlFolder
 
 KIND = FileKind("gain set", "gain-sets", GainSetNotFoundError, GainSetError)
 
 
 @pytest.fixture
 def files(tmp_path):
-    return NamedFiles(KIND, tmp_path / "files")
+    return YamlFolder(KIND, tmp_path / "files")
 
 
 def test_what_was_written_is_read_listed_and_deleted(files):

@@ -14,8 +14,8 @@ from station.core.errors import (
     suggest,
 )
 from station.core.facade.gain_tuning import GainTuning
-from station.core.facade.named_files import FileKind, NamedFiles
 from station.core.user_files import user_folder
+from station.library.yaml_folder import FileKind, YamlFolder
 from station.reports import GainDifference, GainsChange
 
 _KIND = FileKind("gain set", "gain-sets", GainSetNotFoundError, GainSetError)
@@ -54,7 +54,7 @@ class GainSets:
 
     def __init__(self, tuning: GainTuning, folder: Path | None = None) -> None:
         self._tuning = tuning
-        self._files = NamedFiles(_KIND, folder)
+        self._files = YamlFolder(_KIND, folder)
 
     @property
     def folder(self) -> Path:

@@ -1,0 +1,1 @@
+"""Gain sets and waypoint paths: what operators keep by name on the disk."""
