@@ -85,6 +85,7 @@ class Dashboard:
     Attributes:
         views: What each session sees in the 3D view.
         triangles: How many triangles the drawn robots have.
+        not_drawn: Why no robot is shown; empty if no robot was requested.
     """
 
     def __init__(
@@ -111,6 +112,7 @@ class Dashboard:
             prepare_room(server)
         else:
             not_drawn = self._draw(robot, beside) or not_drawn
+        self.not_drawn = not_drawn
         placed = _placed(() if self._scene is None else (robot, *beside))
         self.triangles = sum(one.model.triangles() for one in placed)
         pushing = Pushing(push, self._reporter.refused)

@@ -44,12 +44,14 @@ class HandDesk:
     Attributes:
         jog: The controller that held buttons command, or why there is none.
         target: The controller that goes to a pose, or why there is none.
+        message: Why the motion waits or slows down; empty when it does not.
         speed: How fast held buttons move it, unless its controller allows less.
     """
 
     def __init__(self, arm: str = "") -> None:
         self.jog = Operated()
         self.target = Operated()
+        self.message = ""
         self.speed = HandSpeed()
         self._arm = arm
         self._epoch: int | None = None
@@ -68,6 +70,8 @@ class HandDesk:
             self._pose.let_go()
             self._desired = []
         self.jog, self.target, self._epoch = jog, target, view.epoch
+        messages = (view.messages.get(one.name, "") for one in (jog, target))
+        self.message = next(filter(None, messages), "")
         sample = view.samples.get(target.name)
         if sample is not None and len(sample.desired) == len(POSE):
             known = [value for value in sample.desired if value is not None]
@@ -211,6 +215,7 @@ def _told(desk: HandDesk) -> dict[str, object]:
     return {
         "jog": {"controller": desk.jog.name, "reason": desk.jog.reason},
         "target": {"controller": desk.target.name, "reason": desk.target.reason},
+        "message": desk.message,
         "fastest": None if most is None else [most.along, most.about],
     }
 

@@ -274,7 +274,11 @@ def _gateway(
             relay=relay,
             api=forwarded,
             workspace=WorkspaceParts(
-                dashboard.view, access, dashboard.triangles, dashboard.movers
+                dashboard.view,
+                access,
+                dashboard.triangles,
+                dashboard.not_drawn,
+                dashboard.movers,
             ),
             views=dashboard.shown_views(),
             origins=OriginPolicy(config.host, config.host_names),

@@ -34,9 +34,14 @@ class Operated:
     reason: str = ""
 
 
+def is_of_hand(elements: Sequence[CommandElement]) -> bool:
+    """Return whether a set-point is a pose or a velocity of an end effector."""
+    return bool(elements) and elements[0].name in _OF_THE_END_EFFECTOR
+
+
 def is_of_joints(elements: Sequence[CommandElement]) -> bool:
     """Return whether a set-point has one number per joint."""
-    return bool(elements) and elements[0].name not in _OF_THE_END_EFFECTOR
+    return bool(elements) and not is_of_hand(elements)
 
 
 def choose_operated(view: StationView) -> Operated:

@@ -14,6 +14,7 @@ from pydantic import ValidationError
 from station.client import ApiError, AsyncStationClient
 from station.ui.layers.scene_facts import ARM_FIELDS, ArmFacts, arm_facts
 from station.ui.moving_base import base_positions
+from station.ui.operate_model import is_of_hand
 from station.ui.plot_history import PlotHistory
 from station.ui.station_view import StationView
 from station.wire import (
@@ -82,6 +83,7 @@ class StationLink:
         self.wants_contacts = False
         self._elements: dict[str, tuple[CommandElement, ...]] = {}
         self._samples: dict[str, ControllerSample] = {}
+        self._messages: dict[str, str] = {}
         self._limits: dict[str, tuple[float, float]] = {}
         self._limits_of = ""  # the boot_id of the station that they come from
         self._followers: dict[str, asyncio.Task[None]] = {}
@@ -140,6 +142,7 @@ class StationLink:
             positions=dict(self._positions),
             elements=dict(self._elements),
             samples=dict(self._samples),
+            messages=dict(self._messages),
             sliding=self._sliding,
             limits=dict(self._limits),
         )
@@ -247,6 +250,8 @@ class StationLink:
             del self._elements[name]
         for name in running - self._elements.keys():
             self._elements[name] = await self._elements_of(name)
+        hands = [n for n in running if is_of_hand(self._elements[n])]
+        self._messages = {name: await self._message_of(name) for name in hands}
         self._controllers = controllers
         self._heard()
 
@@ -262,6 +267,16 @@ class StationLink:
             if error.status == 0:
                 raise
             return ()
+
+    async def _message_of(self, name: str) -> str:
+        """Return what keeps an end effector from its motion; empty when nothing does.
+
+        Raises:
+            ApiError: The station does not answer.
+        """
+        # A stream has no messages of a controller, so they are asked for.
+        published = (await self.client.controller_state(name)).published
+        return str(published.get("state", {}).get("message", ""))
 
     def _heard(self) -> None:
         self._heard_at = self.now()

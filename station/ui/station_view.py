@@ -22,6 +22,7 @@ Limits = Mapping[str, tuple[float, float]]
 _NO_LIMITS: Limits = MappingProxyType({})
 _NO_POSITIONS: Mapping[str, float] = MappingProxyType({})
 _NO_ELEMENTS: Mapping[str, tuple[CommandElement, ...]] = MappingProxyType({})
+_NO_MESSAGES: Mapping[str, str] = MappingProxyType({})
 _NO_SAMPLES: Mapping[str, ControllerSample] = MappingProxyType({})
 
 
@@ -39,6 +40,7 @@ class StationView:
         positions: Joint positions by name [rad] or [m].
         elements: What running controllers take as set-point, by controller.
         samples: What watched controllers did last, by controller.
+        messages: Why a motion of an end effector waits or slows down, by controller.
         sliding: The drawn joints whose positions are lengths.
         limits: Position limits that the robot keeps; joints without are not in it.
     """
@@ -54,6 +56,7 @@ class StationView:
         default_factory=lambda: _NO_ELEMENTS
     )
     samples: Mapping[str, ControllerSample] = field(default_factory=lambda: _NO_SAMPLES)
+    messages: Mapping[str, str] = field(default_factory=lambda: _NO_MESSAGES)
     sliding: frozenset[str] = frozenset()
     limits: Limits = field(default_factory=lambda: _NO_LIMITS)
 

@@ -55,12 +55,14 @@ class WorkspaceParts:
         view: Returns what is known of the station; callable by any thread.
         access: The credentials of the sessions at the station.
         triangles: How many triangles the drawn robots have.
+        not_drawn: Why no robot is drawn; empty when there is no such reason.
         movers: Who moves which joint, shared by all that command joints.
     """
 
     view: Callable[[], StationView]
     access: SessionAccess
     triangles: int = 0
+    not_drawn: str = ""
     movers: Movers = field(default_factory=Movers)
 
 
@@ -96,8 +98,11 @@ class WorkspaceRoutes:
     async def _state(self, request: "Request") -> Response:
         if self._find(request) is None:
             return _no_session()
-        state = workspace_state(self._parts.view())
-        return JSONResponse({**state, "triangles": self._parts.triangles})
+        drawing = {
+            "triangles": self._parts.triangles,
+            "not_drawn": self._parts.not_drawn,
+        }
+        return JSONResponse({**workspace_state(self._parts.view()), **drawing})
 
     async def _example(self, request: "Request") -> Response:
         """Answer a free name, and parameters with which a type loads on this robot."""

@@ -52,6 +52,13 @@ def test_without_a_controller_it_says_what_to_start(desk):
     assert desk.step(0.1) is None
 
 
+def test_what_keeps_the_hand_from_its_motion_is_told(desks):
+    desks.refresh(_view(POSE, messages={"hand": "A singular pose is near."}))
+    assert desks.told()[""]["message"] == "A singular pose is near."
+    desks.refresh(_view(POSE))
+    assert desks.told()[""]["message"] == ""
+
+
 def test_a_stop_ends_the_motion(desk):
     desk.refresh(_view(POSE))
     desk.go([0.4, 0.1, 0.6], now=0.0)

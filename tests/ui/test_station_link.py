@@ -50,6 +50,19 @@ def test_joints_controllers_types_and_status_arrive(fake_station):
     _follow(fake_station.url, script)
 
 
+def test_what_keeps_an_end_effector_from_its_motion_arrives(fake_station):
+    fake_station.message = "A singular pose is near; the arm waits there."
+    jog = "franka_controllers/CartesianJogController"
+    fake_station.load("jog", jog, running=True)
+    fake_station.load("arm", running=True)
+
+    async def script(link):
+        await _until(lambda: link.view().messages)
+        assert link.view().messages == {"jog": fake_station.message}
+
+    _follow(fake_station.url, script)
+
+
 def test_a_link_that_is_woken_asks_at_once(fake_station, monkeypatch):
     monkeypatch.setattr(station_link, "_CONTROLLERS_PERIOD", 60.0)
 

@@ -274,7 +274,7 @@ function start() {
     openDock("timeline");
     element("dock-timeline").choose("alarms");
   });
-  watchScene(element("view"), element("progress"), () => store.docks?.triangles ?? null);
+  watchScene(element("view"), element("progress"), () => store.docks);
   showViewTools(element("view-tools"));
   showTour(element("tour"), openDock);
   showLoaded();

@@ -2,12 +2,14 @@
 import { h, holdButton, kept, number, show, typed } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { refusals } from "../lib/refusals.js";
-import { api, desk } from "../lib/station.js";
+import { act, api, desk } from "../lib/station.js";
 import { store, switchTo } from "../lib/store.js";
 
 const AXES = ["x", "y", "z", "about x", "about y", "about z"];
 const JOG = "CartesianJogController";
 const TARGETS = "CartesianStreamingController";
+/** In whose axes a jog moves the hand, by the value of its gain `frame`. */
+const FRAMES = ["the base", "the end effector"];
 /** Speeds at first, and the most that is offered until a controller says its own [m/s], [rad/s]. */
 const SPEEDS = { along: 0.05, about: 0.3 };
 const MOST = { along: 0.3, about: 1 };
@@ -30,6 +32,9 @@ class Hand extends Panel {
       return input;
     });
     this.reach = h("button", { class: "s", type: "button", title: "Move the hand there; it keeps its orientation", onclick: () => this.go() }, "Go there");
+    this.axes = h("select", { title: "In whose axes the buttons move the hand" }, ...FRAMES.map((frame, i) => h("option", { value: String(i) }, frame)));
+    this.axes.setAttribute("aria-label", "Axes of the jog");
+    this.axes.addEventListener("change", () => this.setFrame());
     const here = h("button", { class: "s", type: "button", title: "Fill in where the hand is", onclick: () => this.fillIn() }, "Here");
     desk.addEventListener("change", () => this.isShown && this.refresh());
     store.addEventListener("gains", () => (this.framed = "")); // the axes are a gain of the jog
@@ -42,6 +47,7 @@ class Hand extends Panel {
         this.state,
         h("div", { class: "line" }, this.startJog, this.startTarget),
         this.buildSpeeds(),
+        h("div", { class: "line" }, h("label", {}, "axes of ", this.axes)),
         h("div", { class: "jog" }, ...this.handButtons),
         h("div", { class: "line" }, ...fields, " m", here, this.reach),
       ),
@@ -114,16 +120,26 @@ class Hand extends Panel {
     this.framed = name;
     const gains = await api("GET", `/controllers/${name}/gains`).catch(() => null);
     if (name !== this.framed) return;
-    if (gains) this.frame = gains.values.frame;
-    else this.framed = ""; // asked again
+    if (gains) {
+      this.frame = gains.values.frame;
+      this.axes.value = String(this.frame);
+    } else this.framed = ""; // asked again
+  }
+
+  /** Let a running jog controller move the hand in other axes. */
+  async setFrame() {
+    const { controller } = this.told.jog;
+    await act("PATCH", `/controllers/${controller}/gains`, { values: { frame: Number(this.axes.value) } });
+    this.framed = ""; // asked again, also when it was refused
   }
 
   refresh() {
     if (!this.told) return;
-    const { jog, target, fastest } = this.told;
+    const { jog, target, message, fastest } = this.told;
     const isOf = ({ controller, reason }) => Boolean(controller) && !reason;
     for (const button of this.handButtons) button.disabled = !isOf(jog);
     this.reach.disabled = !isOf(target);
+    this.axes.disabled = !isOf(jog) || !store.isOperator;
     this.startJog.hidden = Boolean(jog.controller) || !store.isOperator;
     this.startTarget.hidden = Boolean(target.controller) || !store.isOperator;
     if (isOf(jog) && jog.controller !== this.framed) this.askFrame(jog.controller);
@@ -133,12 +149,13 @@ class Hand extends Panel {
       input.max = most;
       tell();
     });
-    const axes = this.frame === 1 ? "of the end effector" : "of the base";
-    const text = isOf(jog)
-      ? `Hold a button: ${jog.controller} moves the hand in the axes ${axes}.`
-      : isOf(target)
-        ? `${target.controller} moves the hand to a place that you type here, or to where you drag the arrows at the hand in the 3D view.`
-        : "Start one of the two: a jog while a button is held, or targets that the hand goes to. What moves single joints stops then.";
+    const text = message
+      ? `⚠ ${message}`
+      : isOf(jog)
+        ? `Hold a button: ${jog.controller} moves the hand in the axes of ${FRAMES[this.frame] ?? FRAMES[0]}.`
+        : isOf(target)
+          ? `${target.controller} moves the hand to a place that you type here, or to where you drag the arrows at the hand in the 3D view.`
+          : "Start one of the two: a jog while a button is held, or targets that the hand goes to. What moves single joints stops then.";
     show(this.state, text);
   }
 }
