@@ -1,4 +1,4 @@
-"""Build the dashboard: the robot in 3D, the tabs, and the loop that updates them.
+"""Build the dashboard: the robot in 3D, Viser's panel, and the loop that updates them.
 
 Everything that touches Viser runs on Viser's own event loop, so that no two threads
 ever set widgets at the same time.
@@ -13,41 +13,31 @@ from typing import TYPE_CHECKING
 import viser
 
 from station.client import ApiError, AsyncStationClient
-from station.ui.cartesian_model import bases_of_hands
-from station.ui.color_scheme import paint
-from station.ui.gateway_state import BarState, bar_state
-from station.ui.layers.push_layer import Pusher, Pushing
-from station.ui.layers.scene_facts import (
-    PlacedRobot,
-    SceneFacts,
-    commanded_positions,
-    commanding,
+from station.ui.link.station_link import StationLink
+from station.ui.link.station_view import StationView
+from station.ui.page.page_state import BarState, bar_state
+from station.ui.page.view_routes import ShownViews
+from station.ui.scene.layers.layer import PlacedRobot, SceneFacts
+from station.ui.scene.layers.push_layer import Pusher, Pushing
+from station.ui.scene.layers.trail_layer import Trails
+from station.ui.scene.moving_base import base_positions
+from station.ui.scene.robot_model import RobotModel, RobotModelError
+from station.ui.scene.robot_scene import RobotScene, prepare_room
+from station.ui.scene.scene_objects import SceneObjects
+from station.ui.scene.scene_views import SceneViews, paint
+from station.ui.teleoperation.reporter import Reporter
+from station.ui.teleoperation.set_point_ramp import Movers
+from station.ui.teleoperation.teleoperation import SEND_PERIOD, Teleoperation
+from station.ui.teleoperation.viser_panel import (
+    GainSliders,
+    HandArrows,
+    JointSliders,
+    bases_of_hands,
 )
-from station.ui.layers.trail_layer import Trails
-from station.ui.markup import warning
-from station.ui.operate_model import Movers, choose_all_operated
-from station.ui.panels.commanding_panel import CommandingPanel
-from station.ui.panels.controllers_panel import ControllersPanel
-from station.ui.panels.jog_panel import JogPanel
-from station.ui.panels.operate_panel import OperatePanel
-from station.ui.panels.recovery_panel import RecoveryPanel
-from station.ui.panels.simulation_panel import SimulationPanel
-from station.ui.panels.target_panel import TargetPanel
-from station.ui.panels.tune_panel import TunePanel
-from station.ui.reporter import Reporter
-from station.ui.robot_model import RobotModel, RobotModelError
-from station.ui.scene import RobotScene, prepare_room
-from station.ui.scene_objects import SceneObjects
-from station.ui.scene_views import SceneViews
-from station.ui.station_link import StationLink
-from station.ui.station_view import StationView
-from station.ui.view_routes import ShownViews
 from station.wire import ExternalForce
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
-
-    from station.ui.panels.panel import Panel
 
 _logger = logging.getLogger(__name__)
 
@@ -86,6 +76,7 @@ class Dashboard:
         views: What each session sees in the 3D view.
         triangles: How many triangles the drawn robots have.
         not_drawn: Why no robot is shown; empty if no robot was requested.
+        movers: Who moves which joint, shared by all that command joints.
     """
 
     def __init__(
@@ -120,30 +111,26 @@ class Dashboard:
             placed, session_key, pushing, lambda: server.initial_camera.position
         )
         self._trails = Trails(placed)
+        self.movers = Movers()
+        self._teleoperation = Teleoperation(
+            client, self._link.view, self.movers, now=self._link.now
+        )
         _arrange(server)
-        recovery = RecoveryPanel(server.gui, self._link, self._reporter)
-        if not_drawn:
-            server.gui.add_html(warning(f"There is no picture. {not_drawn}"))
         tabs = server.gui.add_tab_group()
-        with tabs.add_tab("Operate"):
-            limits = {} if robot is None else robot.joint_limits()
-            for other in beside:
-                limits |= other.joint_limits()
-            self._operate = OperatePanel(server.gui, self._link, self._reporter, limits)
-            self._hands = self._add_hands([one.arm_id for one in robots])
-        with tabs.add_tab("Controllers"):
-            controllers = ControllersPanel(server.gui, self._link, self._reporter)
-        with tabs.add_tab("Tune"):
-            self._tune = TunePanel(server.gui, self._link, self._reporter)
-        with tabs.add_tab("Simulation"):
-            simulation = SimulationPanel(server.gui, self._link, self._reporter)
-        self._panels: list[Panel] = [
-            recovery,
-            self._operate,
-            *self._hands,
-            controllers,
-            self._tune,
-            simulation,
+        with tabs.add_tab("Joints"):
+            limits: dict[str, tuple[float, float]] = {}
+            for one in robots:
+                limits |= one.joint_limits()
+            self._sliders = JointSliders(
+                server.gui, self._teleoperation, self._reporter, limits
+            )
+        with tabs.add_tab("Gains"):
+            self._gains = GainSliders(server.gui, self._link, self._reporter)
+        nodes = [one.base for one in (self._scene, *self._beside) if one]
+        bases = bases_of_hands([one.arm_id for one in robots], nodes)
+        self._arrows = [
+            HandArrows(server, self._teleoperation, base, arm)
+            for arm, base in bases.items()
         ]
         self._running: Future[None] | None = None
         self._task: asyncio.Task[None] | None = None
@@ -160,16 +147,6 @@ class Dashboard:
             _logger.warning("%s", error)
             return str(error)
         return ""
-
-    def _add_hands(self, arms: Sequence[str]) -> list[JogPanel | TargetPanel]:
-        """Add the widgets that move the end effector of each arm."""
-        bases = [one.base for one in (self._scene, *self._beside) if one]
-        server, link, reporter = self._server, self._link, self._reporter
-        panels: list[JogPanel | TargetPanel] = []
-        for arm, base in bases_of_hands(arms, bases).items():
-            panels.append(JogPanel(server.gui, link, reporter, arm))
-            panels.append(TargetPanel(server, link, reporter, base, arm))
-        return panels
 
     def start(self) -> None:
         """Start to follow the station."""
@@ -192,11 +169,6 @@ class Dashboard:
         if self._task is not None:
             self._task.cancel()
             await asyncio.wait({self._task})
-
-    @property
-    def movers(self) -> Movers:
-        """Who moves which joint, shared by all that command joints."""
-        return self._operate.movers
 
     def bar(self) -> BarState:
         """Return the present content of the status strip; callable by any thread."""
@@ -230,9 +202,7 @@ class Dashboard:
             lease: What some browser of this dashboard holds; None for none.
         """
         self._client.lease.act_under(lease)
-        for panel in self._panels:
-            if isinstance(panel, CommandingPanel):
-                panel.let_go()
+        self._teleoperation.let_go()
 
     # Viser calls coroutines in its event loop, where the views belong.
     async def _on_connect(self, client: viser.ClientHandle) -> None:
@@ -245,28 +215,32 @@ class Dashboard:
         self._task = asyncio.current_task()
         async with self._client, asyncio.TaskGroup() as tasks:
             tasks.create_task(self._link.run())
-            tasks.create_task(self._operate.run())
-            for panel in (*self._hands, self._tune):
-                tasks.create_task(panel.run())
+            tasks.create_task(self._gains.run())
+            tasks.create_task(self._send_set_points())
             tasks.create_task(self._follow_robot())
             tasks.create_task(self._repeat(self._refresh_views, VIEWS_PERIOD))
-            tasks.create_task(self._repeat(self._refresh_panels, PANEL_PERIOD))
+            tasks.create_task(self._repeat(self._refresh_panel, PANEL_PERIOD))
+
+    def _drawn(self) -> dict[str, float]:
+        """Return the positions of all joints, those of a moving base included."""
+        base = self._link.base
+        positions = self._link.positions
+        return positions if base is None else {**positions, **base_positions(base)}
 
     def _show_robot(self) -> None:
         self._objects.show(self._link.objects)
-        if self._scene is not None:
-            self._scene.show(self._link.drawn)
-        for scene in self._beside:
-            scene.show(self._link.drawn)
+        for scene in (self._scene, *self._beside):
+            if scene is not None:
+                scene.show(self._drawn())
 
     def _refresh_views(self) -> None:
         self._link.wants_contacts = "forces" in self.views.wanted()
         view = self._link.view()
-        positions = self._link.drawn
+        positions = self._drawn()
         self.views.refresh(
             SceneFacts(
                 positions=positions,
-                commanded=commanded_positions(view),
+                commanded=view.commanded_positions(),
                 limits=view.limits,
                 arms=self._link.arms,
                 contacts=self._link.contacts,
@@ -274,17 +248,26 @@ class Dashboard:
             )
         )
 
-    def _refresh_panels(self) -> None:
+    def _refresh_panel(self) -> None:
         view = self._link.view()
-        watched: set[str] = set()
-        for panel in self._panels:
-            panel.refresh(view)
-            watched |= panel.watched()
-        # The desks of the page start from where each controller was told to be.
-        watched |= {one.name for one in choose_all_operated(view) if one.name}
+        self._sliders.refresh(view)
+        self._gains.refresh(view)
+        for arrows in self._arrows:
+            arrows.refresh(view)
+        # A motion begins where its controller was told to be, which its samples say.
+        asked = self._teleoperation
+        watched = {*asked.joints.controllers, *asked.hands.targets()}
         if "command" in self.views.wanted():
-            watched |= commanding(view)
+            watched |= view.commanding_positions()
         self._link.watch(watched)
+
+    async def _send_set_points(self) -> None:
+        """Send what a person asks of Viser's panel, until cancelled."""
+        while True:
+            await asyncio.sleep(SEND_PERIOD)
+            for refusal in await self._teleoperation.send_set_points():
+                text = f"{refusal.detail} {refusal.remedy}".rstrip()
+                self._reporter.say(refusal.code, text, None)
 
     async def _repeat(self, refresh: Callable[[], None], period: float) -> None:
         """Call `refresh` until cancelled."""

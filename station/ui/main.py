@@ -13,19 +13,18 @@ from starlette.applications import Starlette
 from typing_extensions import override
 
 from station.client import ApiError, AsyncStationClient
-from station.ui.api_relay import ApiRelay
 from station.ui.dashboard import Dashboard
-from station.ui.gateway import GatewayParts, build_gateway
-from station.ui.origins import OriginPolicy
-from station.ui.robot_model import RobotModel, RobotModelError, load_robot
-from station.ui.session_access import SessionAccess
-from station.ui.session_pusher import SessionPusher
-from station.ui.sessions import Role, Session, Sessions, SessionStore
-from station.ui.station_follower import StationAccess, StationFollower
-from station.ui.stop_button import StopButton
-from station.ui.viser_door import open_viser
-from station.ui.viser_relay import ViserRelay
-from station.ui.workspace_routes import WorkspaceParts
+from station.ui.gateway.api_relay import ApiRelay
+from station.ui.gateway.gateway import GatewayParts, build_gateway
+from station.ui.gateway.guard import OriginPolicy
+from station.ui.gateway.stop_button import StopButton
+from station.ui.gateway.viser_relay import ViserRelay
+from station.ui.gateway.viser_server import open_viser
+from station.ui.link.station_access import StationAccess, StationFollower
+from station.ui.page.workspace_routes import WorkspaceParts
+from station.ui.scene.robot_model import RobotModel, RobotModelError, load_robot
+from station.ui.sessions.session_access import SessionAccess, SessionPusher
+from station.ui.sessions.sessions import Role, Session, Sessions, SessionStore
 from station.web.limited_server import LimitedServer, connection_share
 from station.wire import StopState
 

@@ -1,0 +1,1 @@
+"""Who has logged in, what they may do, and who holds control."""

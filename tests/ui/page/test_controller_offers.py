@@ -1,0 +1,98 @@
+"""What the Controllers panel offers."""
+
+from dataclasses import replace
+
+import pytest
+
+from station.ui.page.controller_offers import (
+    Offer,
+    claims_text,
+    command_units,
+    offer_for,
+)
+from station.wire import ClaimedResources
+from tests.ui.views import arm, controller, status, view
+
+
+def test_a_free_controller_can_be_started_and_unloaded():
+    assert offer_for(view(controller("arm")), "arm") == Offer(start=True, unload=True)
+
+
+def test_a_running_controller_can_only_be_stopped():
+    offer = offer_for(view(controller("arm", "running")), "arm")
+    assert (offer.start, offer.stop, offer.unload) == (False, True, False)
+    assert "Stop it before" in offer.reason
+
+
+def test_the_holder_of_its_joints_is_named():
+    seen = view(controller("arm"), controller("other", "running"))
+    offer = offer_for(seen, "arm")
+    assert (offer.start, offer.replaces) == (False, ("other",))
+    assert "other" in offer.reason
+
+
+@pytest.mark.parametrize("starts", ["joints", "hand"])
+def test_a_motion_of_the_hand_and_one_of_its_joints_replace_each_other(starts):
+    """An arm whose joints are held by torques would ignore where its hand shall go."""
+    joints = [f"panda_joint{i}" for i in range(1, 8)]
+    claims = {"joints": joints, "hand": ["panda_robot"]}
+    running = next(name for name in claims if name != starts)
+    seen = view(
+        controller(starts, joints=claims[starts]),
+        controller(running, "running", claims[running]),
+        controller("fingers", "running", ["panda_finger_joint1"]),
+        controller("neighbour", "running", ["panda_2_joint1"]),
+        positions=dict.fromkeys([*joints, "panda_finger_joint1", "panda_2_joint1"], 0),
+    )
+    seen = replace(seen, status=status(robots=[arm("panda", "move")]))
+    assert offer_for(seen, starts).replaces == (running,)
+
+
+def test_other_joints_do_not_conflict():
+    seen = view(controller("arm"), controller("leg", "running", ["leg1"]))
+    assert offer_for(seen, "arm").start
+
+
+@pytest.mark.parametrize("seen", [view(), view(controller("arm"), age=9.0)])
+def test_nothing_is_offered_without_controller_or_link(seen):
+    offer = offer_for(seen, "arm")
+    assert (offer.start, offer.stop, offer.unload) == (False, False, False)
+    assert offer.reason
+
+
+def test_nothing_is_started_while_stopped():
+    offer = offer_for(view(controller("arm"), stop_state="stopped"), "arm")
+    assert not offer.start
+    assert "stopped" in offer.reason
+
+
+@pytest.mark.parametrize(
+    ("joints", "text"),
+    [
+        ([], "nothing"),
+        (["a", "b"], "EffortJoint: a, b"),
+        ([f"panda_joint{i}" for i in range(1, 8)], "EffortJoint: panda_joint1…7"),
+        (["hip", "knee", "toe"], "EffortJoint: hip and 2 more"),
+    ],
+)
+def test_claims_fit_a_table_cell(joints, text):
+    assert claims_text(controller("arm", joints=joints)) == text
+
+
+@pytest.mark.parametrize(
+    ("interface", "units"),
+    [
+        ("EffortJointInterface", {"turn": "Nm", "slide": "N"}),
+        ("PositionJointInterface", {"turn": "rad", "slide": "m"}),
+        ("PosVelJointInterface", {"turn": "rad", "slide": "m"}),
+        ("VelocityJointInterface", {"turn": "rad/s", "slide": "m/s"}),
+        ("JointStateInterface", {}),
+    ],
+)
+def test_commands_have_the_unit_of_their_interface(interface, units):
+    claim = ClaimedResources(
+        hardware_interface=f"hardware_interface::{interface}",
+        resources=["turn", "slide"],
+    )
+    commanding = controller("arm").model_copy(update={"claimed_resources": [claim]})
+    assert command_units(commanding, {"slide"}) == units
