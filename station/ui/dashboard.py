@@ -25,15 +25,10 @@ from station.ui.scene.robot_model import RobotModel, RobotModelError
 from station.ui.scene.robot_scene import RobotScene, prepare_room
 from station.ui.scene.scene_objects import SceneObjects
 from station.ui.scene.scene_views import SceneViews, paint
+from station.ui.teleoperation.joint_teleoperation import Movers
 from station.ui.teleoperation.reporter import Reporter
-from station.ui.teleoperation.set_point_ramp import Movers
 from station.ui.teleoperation.teleoperation import SEND_PERIOD, Teleoperation
-from station.ui.teleoperation.viser_panel import (
-    GainSliders,
-    HandArrows,
-    JointSliders,
-    bases_of_hands,
-)
+from station.ui.teleoperation.viser_panel import GainSliders, HandArrows, JointSliders, bases_of_hands
 from station.wire import ExternalForce
 
 if TYPE_CHECKING:

@@ -20,7 +20,7 @@ from station.ui.page.load_examples import example_parameters, suggested_name
 from station.ui.page.page_state import workspace_state
 from station.ui.sessions.session_access import SessionAccess
 from station.ui.sessions.sessions import Role, Session, Sessions
-from station.ui.teleoperation.set_point_ramp import Movers
+from station.ui.teleoperation.joint_teleoperation import Movers
 from station.ui.teleoperation.teleoperation import Teleoperation
 from station.ui.teleoperation.teleoperation_socket import TeleoperationSocket
 

@@ -11,7 +11,7 @@ from websockets.sync.client import connect
 
 from station.client import ApiError
 from station.ui.teleoperation import teleoperation_socket
-from station.ui.teleoperation.set_point_ramp import Movers
+from station.ui.teleoperation.joint_teleoperation import Movers
 from station.ui.teleoperation.teleoperation import Teleoperation
 from station.ui.teleoperation.teleoperation_socket import TeleoperationSocket
 from tests.ui.served import Served
