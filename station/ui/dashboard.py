@@ -7,7 +7,7 @@ ever set widgets at the same time.
 import asyncio
 import contextlib
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import viser
@@ -28,7 +28,12 @@ from station.ui.scene.scene_views import SceneViews, paint
 from station.ui.teleoperation.joint_teleoperation import Movers
 from station.ui.teleoperation.reporter import Reporter
 from station.ui.teleoperation.teleoperation import SEND_PERIOD, Teleoperation
-from station.ui.teleoperation.viser_panel import GainSliders, HandArrows, JointSliders, bases_of_hands
+from station.ui.teleoperation.viser_panel import (
+    GainSliders,
+    HandArrows,
+    JointSliders,
+    bases_of_hands,
+)
 from station.wire import ExternalForce
 
 if TYPE_CHECKING:
@@ -216,29 +221,24 @@ class Dashboard:
             tasks.create_task(self._repeat(self._refresh_views, VIEWS_PERIOD))
             tasks.create_task(self._repeat(self._refresh_panel, PANEL_PERIOD))
 
-    def _drawn(self) -> dict[str, float]:
-        """Return the positions of all joints, those of a moving base included."""
-        base = self._link.base
-        positions = self._link.positions
-        return positions if base is None else {**positions, **base_positions(base)}
-
     def _show_robot(self) -> None:
-        self._objects.show(self._link.objects)
+        view = self._link.view()
+        self._objects.show(view.objects)
         for scene in (self._scene, *self._beside):
             if scene is not None:
-                scene.show(self._drawn())
+                scene.show(_drawn(view))
 
     def _refresh_views(self) -> None:
         self._link.wants_contacts = "forces" in self.views.wanted()
         view = self._link.view()
-        positions = self._drawn()
+        positions = _drawn(view)
         self.views.refresh(
             SceneFacts(
                 positions=positions,
                 commanded=view.commanded_positions(),
                 limits=view.limits,
-                arms=self._link.arms,
-                contacts=self._link.contacts,
+                arms=view.arms,
+                contacts=view.contacts,
                 trails=self._trails.note(positions) if positions else (),
             )
         )
@@ -285,6 +285,13 @@ class Dashboard:
             if self._failures in {1, 10, 100, 1000}:
                 _logger.exception("update %d of the screen failed", self._failures)
             self._reporter.say("The dashboard failed", repr(error), None)
+
+
+def _drawn(view: StationView) -> Mapping[str, float]:
+    """Return the positions of all joints, those that carry a moving base included."""
+    if view.base is None:
+        return view.positions
+    return {**view.positions, **base_positions(view.base)}
 
 
 def _placed(robots: Sequence[RobotModel | None]) -> list[PlacedRobot]:

@@ -7,25 +7,29 @@ succeeds; meanwhile the age of the data grows, and the panels show the data as o
 import asyncio
 import contextlib
 import time
-from collections.abc import AsyncIterator, Awaitable, Callable, Collection, Sequence
+from collections.abc import (
+    AsyncIterator,
+    Awaitable,
+    Callable,
+    Collection,
+    Coroutine,
+    Sequence,
+)
+from dataclasses import replace
+from typing import Any
 
 from pydantic import ValidationError
 
 from station.client import ApiError, AsyncStationClient
-from station.ui.link.arm_facts import ARM_FIELDS, ArmFacts, arm_facts
+from station.ui.link.arm_facts import ARM_FIELDS, arm_facts
 from station.ui.link.station_view import StationView, moves_hand
 from station.wire import (
     CommandElement,
     Contact,
     ControllerSample,
-    ControllerState,
-    ControllerType,
     Hardware,
     JointStates,
-    MovingBase,
     Scene,
-    SceneObject,
-    Status,
     StreamFrame,
 )
 
@@ -41,10 +45,11 @@ _STATUS_PERIOD = 0.5
 _CONTROLLERS_PERIOD = 0.4
 _SCENE_PERIOD = 0.1
 _RETRY = 0.5
+_SAMPLES, _ARMS, _SCENE = "controller_state/", "robot_state/", "scene"
 
 
 class StationLink:
-    """What the dashboard knows of the station, kept up to date by `run`.
+    """The dashboard's knowledge of the station, kept up to date by `run`.
 
     Args:
         client: The station; owned by the caller.
@@ -54,7 +59,7 @@ class StationLink:
     Attributes:
         client: As given.
         now: As given.
-        wants_contacts: Whether somebody looks at `contacts`.
+        wants_contacts: Whether somebody looks at the contacts of a simulated world.
     """
 
     def __init__(
@@ -64,56 +69,16 @@ class StationLink:
         sliding: Collection[str] = (),
     ) -> None:
         self.client = client
-        self._sliding = frozenset(sliding)
         self.now = now
-        self._heard_at: float | None = None
-        self._failure = ""
-        self._status: Status | None = None
-        self._controllers: tuple[ControllerState, ...] = ()
-        self._types: tuple[ControllerType, ...] = ()
-        self._positions: dict[str, float] = {}
-        self._base: MovingBase | None = None
-        self._objects: tuple[SceneObject, ...] = ()
-        self._scene_of = ""
-        self._contacts: tuple[Contact, ...] = ()
         self.wants_contacts = False
-        self._elements: dict[str, tuple[CommandElement, ...]] = {}
-        self._samples: dict[str, ControllerSample] = {}
-        self._messages: dict[str, str] = {}
-        self._limits: dict[str, tuple[float, float]] = {}
-        self._limits_of = ""  # the boot_id of the station that they come from
-        self._followers: dict[str, asyncio.Task[None]] = {}
-        self._arm_followers: dict[str, asyncio.Task[None]] = {}
-        self._arms: dict[str, ArmFacts] = {}
-        self._base_follower: asyncio.Task[None] | None = None
+        # Replaced as a whole, so that any thread may read it.
+        self._view = StationView(sliding=frozenset(sliding))
+        self._scene_of = ""  # the boot_id of the station that it comes from
+        self._limits_of = ""
+        self._followers: dict[str, asyncio.Task[None]] = {}  # by topic
         self._moved = asyncio.Event()
         self._woken = asyncio.Event()
         self._wakes = 0
-
-    @property
-    def positions(self) -> dict[str, float]:
-        """The newest joint positions by name [rad] or [m]; not to be changed."""
-        return self._positions
-
-    @property
-    def base(self) -> MovingBase | None:
-        """Where a floating or driving base is; None without one."""
-        return self._base
-
-    @property
-    def objects(self) -> tuple[SceneObject, ...]:
-        """The objects around a simulated robot with their last known poses."""
-        return self._objects
-
-    @property
-    def arms(self) -> dict[str, ArmFacts]:
-        """What the Franka arms say of their tools, by arm_id; not to be changed."""
-        return self._arms
-
-    @property
-    def contacts(self) -> tuple[Contact, ...]:
-        """Where bodies of a simulated world touch; empty while nobody wants to know."""
-        return self._contacts
 
     async def wait_for_motion(self, most: float) -> None:
         """Wait for the next positions of the joints or of a base; one task may wait.
@@ -127,21 +92,8 @@ class StationLink:
         self._moved.clear()
 
     def view(self) -> StationView:
-        """Return a frozen view of the newest data."""
-        return StationView(
-            now=self.now(),
-            heard_at=self._heard_at,
-            failure=self._failure,
-            status=self._status,
-            controllers=self._controllers,
-            types=self._types,
-            positions=dict(self._positions),
-            elements=dict(self._elements),
-            samples=dict(self._samples),
-            messages=dict(self._messages),
-            sliding=self._sliding,
-            limits=dict(self._limits),
-        )
+        """Return a frozen view of the newest data; callable by any thread."""
+        return replace(self._view, now=self.now())
 
     async def run(self) -> None:
         """Keep up until cancelled."""
@@ -155,12 +107,9 @@ class StationLink:
                     self._repeat(self.refresh_controllers, _CONTROLLERS_PERIOD)
                 )
         finally:
-            followers = [*self._followers.values(), *self._arm_followers.values()]
-            if self._base_follower is not None:
-                self._base_follower.cancel()
-                followers.append(self._base_follower)
-            self.watch(())
-            self._follow_arms(())
+            followers = list(self._followers.values())
+            for follower in followers:
+                follower.cancel()
             await asyncio.gather(*followers, return_exceptions=True)
 
     def wake(self) -> None:
@@ -186,68 +135,83 @@ class StationLink:
 
     def watch(self, names: Collection[str]) -> None:
         """Follow the samples of exactly these controllers."""
-        for name in [name for name in self._followers if name not in names]:
-            self._followers.pop(name).cancel()
-            self._samples.pop(name, None)
-        for name in names:
-            task = self._followers.get(name)
-            if task is None or task.done():
-                self._followers[name] = asyncio.create_task(self._follow_sample(name))
+        self._follow_only(_SAMPLES, names, self._follow_sample)
+        samples = self._view.samples
+        self._note(samples={name: samples[name] for name in samples if name in names})
 
-    def _follow_arms(self, names: Collection[str]) -> None:
-        """Follow exactly these Franka arms."""
-        for name in [name for name in self._arm_followers if name not in names]:
-            self._arm_followers.pop(name).cancel()
-            self._arms.pop(name, None)
-        for name in names:
-            if name not in self._arm_followers:
-                task = asyncio.create_task(self._follow_arm(name))
-                self._arm_followers[name] = task
+    def _follow_only(
+        self,
+        kind: str,
+        names: Collection[str],
+        follow: Callable[[str], Coroutine[None, None, None]],
+    ) -> None:
+        """Follow the streams of one kind with exactly these names."""
+        topics = {kind + name: name for name in names}
+        for topic in list(self._followers):
+            if topic.startswith(kind) and topic not in topics:
+                self._followers.pop(topic).cancel()
+        for topic, name in topics.items():
+            task = self._followers.get(topic)
+            if task is None or task.done():
+                self._followers[topic] = asyncio.create_task(follow(name))
 
     async def refresh_status(self) -> None:
         """Request the status; after a restart of the station, request everything."""
         status = await self.client.status()
-        restarted = self._status is not None and status.boot_id != self._status.boot_id
-        if restarted or not self._types:
-            self._elements.clear()
-            self._types = tuple(await self.client.controller_types())
-        self._status = status
-        self._heard()
-        self._follow_arms([arm.arm_id for arm in status.robots])
+        before = self._view.status
+        restarted = before is not None and status.boot_id != before.boot_id
+        if restarted or not self._view.types:
+            types = tuple(await self.client.controller_types())
+            self._note(elements={}, types=types)
+        self._hear(status=status)
+        arms = {arm.arm_id for arm in status.robots}
+        self._follow_only(_ARMS, arms, self._follow_arm)
+        known = self._view.arms
+        self._note(arms={name: known[name] for name in known if name in arms})
         if self._limits_of != status.boot_id:
-            self._limits = _position_limits(await self.client.hardware())
+            self._note(limits=_position_limits(await self.client.hardware()))
             self._limits_of = status.boot_id
 
     async def refresh_scene(self) -> None:
         """Request the objects of the scene; only once if none of them can move."""
-        boot_id = "" if self._status is None else self._status.boot_id
-        if self._scene_of == boot_id and not any(o.mass > 0.0 for o in self._objects):
+        status = self._view.status
+        boot_id = "" if status is None else status.boot_id
+        is_still = not any(thing.mass > 0.0 for thing in self._view.objects)
+        if self._scene_of == boot_id and is_still:
             return
-        self._objects = tuple(await self.client.scene())
-        if self._base_follower is None and await self.client.simulation.bases():
-            self._base_follower = asyncio.create_task(self._follow_base())
+        self._note(objects=tuple(await self.client.scene()))
+        if await self.client.simulation.bases():
+            self._follow_only(_SCENE, {""}, self._follow_base)
         self._scene_of = boot_id
 
     async def refresh_contacts(self) -> None:
         """Request what touches what, while somebody wants to know."""
-        simulated = self._status is not None and self._status.simulation is not None
+        status = self._view.status
+        simulated = status is not None and status.simulation is not None
+        contacts: tuple[Contact, ...] = ()
         if self.wants_contacts and simulated:
-            self._contacts = tuple(await self.client.simulation.contacts())
-        else:
-            self._contacts = ()
+            contacts = tuple(await self.client.simulation.contacts())
+        self._note(contacts=contacts)
 
     async def refresh_controllers(self) -> None:
         """Request the controllers, and the set-points that running controllers take."""
         controllers = tuple(await self.client.controllers())
         running = {c.name for c in controllers if c.state == "running"}
-        for name in [name for name in self._elements if name not in running]:
-            del self._elements[name]
-        for name in running - self._elements.keys():
-            self._elements[name] = await self._elements_of(name)
-        hands = [n for n in running if moves_hand(self._elements[n])]
-        self._messages = {name: await self._message_of(name) for name in hands}
-        self._controllers = controllers
-        self._heard()
+        new = {
+            name: await self._elements_of(name)
+            for name in running - self._view.elements.keys()
+        }
+        elements = {**self._view.elements, **new}
+        hands = [n for n in running if moves_hand(elements.get(n, ()))]
+        messages = {name: await self._message_of(name) for name in hands}
+        # Read again: after a restart of the station the former elements are forgotten
+        # while the answers are awaited.
+        elements = {**self._view.elements, **new}
+        self._hear(
+            controllers=controllers,
+            elements={n: elements[n] for n in elements if n in running},
+            messages=messages,
+        )
 
     async def _elements_of(self, name: str) -> tuple[CommandElement, ...]:
         """Return the elements of a controller's set-point; empty without set-points.
@@ -272,9 +236,12 @@ class StationLink:
         published = (await self.client.controller_state(name)).published
         return str(published.get("state", {}).get("message", ""))
 
-    def _heard(self) -> None:
-        self._heard_at = self.now()
-        self._failure = ""
+    def _note(self, **changes: Any) -> None:  # noqa: ANN401 - fields of the view
+        self._view = replace(self._view, **changes)
+
+    def _hear(self, **changes: Any) -> None:  # noqa: ANN401 - fields of the view
+        """Note news, and that the station was heard."""
+        self._note(heard_at=self.now(), failure="", **changes)
 
     async def _repeat(
         self, refresh: Callable[[], Awaitable[None]], period: float
@@ -284,38 +251,33 @@ class StationLink:
             try:
                 await refresh()
             except ApiError as error:
-                self._failure = str(error)
+                self._note(failure=str(error))
             await self._pause(period, wakes)
 
     async def _follow_joints(self) -> None:
         async for frame in self._frames("joint_states", JOINT_RATE):
             joints = _joint_states(frame)
             if joints is not None:
-                self._positions = {
-                    name: position
-                    for name, position in zip(joints.name, joints.position, strict=True)
-                    if position is not None
-                }
+                pairs = zip(joints.name, joints.position, strict=True)
+                self._hear(positions={n: q for n, q in pairs if q is not None})
                 self._moved.set()
-                self._heard()
 
-    async def _follow_base(self) -> None:
-        async for frame in self._frames("scene", BASE_RATE, ("bases",)):
+    async def _follow_base(self, _name: str) -> None:
+        async for frame in self._frames(_SCENE, BASE_RATE, ("bases",)):
             scene = Scene.model_validate({"objects": [], **frame.data})
             # The names of the drawn joints have no robot in them: one base can move.
-            self._base = scene.bases[0] if scene.bases else None
+            self._note(base=scene.bases[0] if scene.bases else None)
             self._moved.set()
 
     async def _follow_sample(self, name: str) -> None:
-        async for frame in self._frames(f"controller_state/{name}", SAMPLE_RATE):
+        async for frame in self._frames(_SAMPLES + name, SAMPLE_RATE):
             sample = _controller_sample(frame)
             if sample is not None:
-                self._samples[name] = sample
+                self._note(samples={**self._view.samples, name: sample})
 
     async def _follow_arm(self, name: str) -> None:
-        topic = f"robot_state/{name}"
-        async for frame in self._frames(topic, ARM_RATE, ARM_FIELDS):
-            self._arms[name] = arm_facts(frame.data)
+        async for frame in self._frames(_ARMS + name, ARM_RATE, ARM_FIELDS):
+            self._note(arms={**self._view.arms, name: arm_facts(frame.data)})
 
     async def _frames(
         self, topic: str, rate: float, fields: Sequence[str] = ()

@@ -4,11 +4,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
+from station.ui.link.arm_facts import ArmFacts
 from station.wire import (
     CommandElement,
+    Contact,
     ControllerSample,
     ControllerState,
     ControllerType,
+    MovingBase,
+    SceneObject,
     Status,
 )
 
@@ -28,6 +32,7 @@ _NO_LIMITS: Limits = MappingProxyType({})
 _NO_POSITIONS: Mapping[str, float] = MappingProxyType({})
 _NO_ELEMENTS: Mapping[str, tuple[CommandElement, ...]] = MappingProxyType({})
 _NO_MESSAGES: Mapping[str, str] = MappingProxyType({})
+_NO_ARMS: Mapping[str, ArmFacts] = MappingProxyType({})
 _NO_SAMPLES: Mapping[str, ControllerSample] = MappingProxyType({})
 
 
@@ -48,6 +53,10 @@ class StationView:
         messages: Why a motion of an end effector waits or slows down, by controller.
         sliding: The drawn joints whose positions are lengths.
         limits: Position limits that the robot keeps; joints without are not in it.
+        arms: The tools of the Franka arms and the forces on them, by arm_id.
+        base: Pose of a floating or driving base; None without one.
+        objects: The objects around a simulated robot with their last known poses.
+        contacts: Where bodies of a simulated world touch; empty while nobody looks.
     """
 
     now: float = 0.0
@@ -64,6 +73,10 @@ class StationView:
     messages: Mapping[str, str] = field(default_factory=lambda: _NO_MESSAGES)
     sliding: frozenset[str] = frozenset()
     limits: Limits = field(default_factory=lambda: _NO_LIMITS)
+    arms: Mapping[str, ArmFacts] = field(default_factory=lambda: _NO_ARMS)
+    base: MovingBase | None = None
+    objects: tuple[SceneObject, ...] = ()
+    contacts: tuple[Contact, ...] = ()
 
     @property
     def age(self) -> float | None:

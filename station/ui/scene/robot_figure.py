@@ -2,7 +2,13 @@
 
 from collections.abc import Mapping
 
-from station.ui.scene.joint_frames import MovingFrame, MovingFrames, Place, is_drawn_moving, link_path
+from station.ui.scene.joint_frames import (
+    MovingFrame,
+    MovingFrames,
+    Place,
+    is_drawn_moving,
+    link_path,
+)
 from station.ui.scene.robot_model import RobotModel
 
 Colour = tuple[int, int, int]

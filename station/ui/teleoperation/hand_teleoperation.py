@@ -10,7 +10,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from station.ui.link.station_view import POSE, TWIST, StationView
-from station.ui.teleoperation.commanded_controller import CommandedController, arms_to_move, choose_for_hand
+from station.ui.teleoperation.commanded_controller import (
+    CommandedController,
+    arms_to_move,
+    choose_for_hand,
+)
 from station.ui.teleoperation.joint_teleoperation import HELD_FOR, SetPoint
 
 JOG_KIND = "CartesianJogController"

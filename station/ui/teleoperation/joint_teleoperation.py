@@ -9,7 +9,10 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from station.ui.link.station_view import POSITION_UNITS, StationView
-from station.ui.teleoperation.commanded_controller import CommandedController, choose_for_joints
+from station.ui.teleoperation.commanded_controller import (
+    CommandedController,
+    choose_for_joints,
+)
 from station.wire import CommandElement
 
 HELD_FOR = 0.3

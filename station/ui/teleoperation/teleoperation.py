@@ -7,7 +7,12 @@ from dataclasses import dataclass
 from station.client import ApiError, AsyncStationClient
 from station.ui.link.station_view import StationView
 from station.ui.teleoperation.hand_teleoperation import HandsTeleoperation
-from station.ui.teleoperation.joint_teleoperation import HELD_FOR, JointTeleoperation, Movers, SetPoint
+from station.ui.teleoperation.joint_teleoperation import (
+    HELD_FOR,
+    JointTeleoperation,
+    Movers,
+    SetPoint,
+)
 
 SEND_PERIOD = 0.04
 """Time between two set-points [s]."""

@@ -36,7 +36,7 @@ def test_joints_controllers_types_and_status_arrive(fake_station):
     fake_station.load("arm", running=True)
 
     async def script(link):
-        await _until(lambda: link.positions and link.view().elements)
+        await _until(lambda: link.view().positions and link.view().elements)
         await _until(lambda: link.view().limits)
         view = link.view()
         assert view.positions == dict(zip(JOINTS, START, strict=True))
@@ -102,7 +102,7 @@ def test_who_draws_the_robot_is_woken_by_its_positions(fake_station):
     async def script(link):
         async with asyncio.timeout(5.0):
             await link.wait_for_motion(60.0)
-        assert link.positions
+        assert link.view().positions
 
     _follow(fake_station.url, script)
 
@@ -111,7 +111,7 @@ def test_who_draws_the_robot_is_woken_in_time_when_nothing_moves():
     async def script(link):
         async with asyncio.timeout(5.0):
             await link.wait_for_motion(0.0)
-        assert not link.positions
+        assert not link.view().positions
 
     _follow("http://127.0.0.1:9", script)
 

@@ -17,6 +17,7 @@ def running(bench, panel):
     """A group controller runs, and the sliders follow it."""
     bench.station.load("arm", running=True)
     assert bench.wait(lambda: _value(bench, panel) is not None)
+    assert bench.wait(lambda: not panel._sliders["panda_joint1"].slider.disabled)
     return bench
 
 
