@@ -9,10 +9,10 @@ import contextlib
 import re
 import ssl
 from collections.abc import AsyncIterator, Awaitable, Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 import httpx
-from starlette.responses import JSONResponse, Response, StreamingResponse
+from starlette.responses import Response, StreamingResponse
 from starlette.websockets import WebSocket, WebSocketDisconnect
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus, WebSocketException
@@ -20,6 +20,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus, WebSocketExce
 from station.ui.gateway.forwarded_routes import may_ask, may_forward, may_stream
 from station.ui.link.socket_ends import close_socket, send_frame, until_first
 from station.ui.sessions.session_access import SessionAccess
+from station.ui.sessions.session_routes import RefusedError
 from station.ui.sessions.sessions import Session
 from station.wire.protocol import PREFIX
 
@@ -77,19 +78,22 @@ class ApiRelay:
             session: The browser's session.
 
         Returns:
-            The answer; 404 for a route that is not on the list, 403 for what the
-            session's role does not allow, 502 when the station does not answer.
+            The station's answer.
+
+        Raises:
+            RefusedError: The route is not on the list (404), the session's role does
+                not allow it (403), or the station does not answer (502).
         """
         path = request.url.path.removeprefix(PREFIX)
         if not may_forward(request.method, path):
             detail = f"The dashboard does not forward {request.method} {path}."
-            return _problem(404, "not_forwarded", detail, "Use the station's API.")
+            raise RefusedError(404, "not_forwarded", detail, "Use the station's API.")
         if not may_ask(session.role, request.method, path):
-            return _problem(
+            raise RefusedError(
                 403, "forbidden", "Viewers only watch.", "Log in as operator."
             )
         if self._access.is_lost:
-            return _unreachable("The station has ended, or is just being started anew")
+            _refuse_unreachable("The station has ended, or is just being started anew")
         outgoing = self._http.build_request(
             request.method,
             f"{self._access.url}{PREFIX}{path}",
@@ -103,7 +107,7 @@ class ApiRelay:
             detail = f"The station does not answer ({type(error).__name__})"
             if request.method != "GET" and not isinstance(error, _UNSENT):
                 detail += ". It is not known whether it was done"
-            return _unreachable(detail)
+            _refuse_unreachable(detail, error)
         self._access.promptness.hear(answer.headers)
         headers = {
             name: answer.headers[name]
@@ -229,11 +233,6 @@ async def _body(answer: httpx.Response) -> AsyncIterator[bytes]:
         await answer.aclose()
 
 
-def _unreachable(detail: str) -> JSONResponse:
+def _refuse_unreachable(detail: str, cause: Exception | None = None) -> NoReturn:
     remedy = "Look whether `station run` still runs; this page reconnects."
-    return _problem(502, "unreachable", f"{detail}.", remedy)
-
-
-def _problem(status: int, code: str, detail: str, remedy: str) -> JSONResponse:
-    body = {"status": status, "code": code, "detail": detail, "remedy": remedy}
-    return JSONResponse(body, status, media_type="application/problem+json")
+    raise RefusedError(502, "unreachable", f"{detail}.", remedy) from cause

@@ -23,9 +23,9 @@ from starlette.routing import Route, WebSocketRoute
 
 from station.client import ApiError
 from station.ui.gateway.guard import GatewayGuard, session_cookie
-from station.ui.page.control_routes import refused
 from station.ui.page.view_routes import ShownViews, ViewRoutes
 from station.ui.page.workspace_routes import WorkspaceParts, WorkspaceRoutes
+from station.ui.sessions.session_routes import RefusedError, SessionRoutes
 from station.ui.sessions.sessions import Role, Session, Sessions
 from station.web.failed_logins import FailedLogins
 from station.wire.protocol import PREFIX
@@ -95,22 +95,23 @@ def build_gateway(parts: GatewayParts) -> Starlette:
     gateway = _Gateway(parts)
     workspace = WorkspaceRoutes(parts.workspace, parts.sessions, gateway.find_session)
     views = ViewRoutes(parts.views, gateway.find_session)
+    make = SessionRoutes(gateway.find_session)
     return Starlette(
         routes=[
             Route("/", gateway.page),
             Route("/login", gateway.login_page),
             Route("/login", gateway.login, methods=["POST"]),
             Route("/logout", gateway.logout, methods=["POST"]),
-            Route("/session", gateway.session),
-            Route("/state", gateway.state),
-            Route("/stop", gateway.stop, methods=["POST"]),
-            Route("/release", gateway.release, methods=["POST"]),
-            Route("/arm", gateway.arm, methods=["POST"]),
+            make.route("GET", "/session", gateway.session),
+            make.route("GET", "/state", gateway.state),
+            make.route("POST", "/stop", gateway.stop),
+            make.route("POST", "/release", gateway.release, operators_only=True),
+            make.route("POST", "/arm", gateway.arm, operators_only=True),
             Route("/static/{name:path}", _static),
             *workspace.routes(),
             *views.routes(),
             WebSocketRoute(PREFIX + "/streams/{topic:path}", gateway.stream),
-            Route(PREFIX + "/{path:path}", gateway.api, methods=_METHODS),
+            *(make.route(m, PREFIX + "/{path:path}", gateway.api) for m in _METHODS),
             Route("/ui/", gateway.viser_page),
             WebSocketRoute("/ui", gateway.viser_socket),
             WebSocketRoute("/ui/", gateway.viser_socket),
@@ -171,49 +172,48 @@ class _Gateway:
         answer.delete_cookie(name, httponly=True, samesite="strict")
         return answer
 
-    async def session(self, request: "Request") -> Response:
-        session = self.find_session(request)
-        return _no_session() if session is None else _json({"role": session.role.value})
+    async def session(self, session: Session, _request: "Request") -> Response:
+        return JSONResponse({"role": session.role.value})
 
-    async def state(self, request: "Request") -> Response:
-        session = self.find_session(request)
-        if session is None:
-            return _no_session()
-        return _json({**asdict(self._parts.bar()), "role": session.role.value})
+    async def state(self, session: Session, _request: "Request") -> Response:
+        return JSONResponse({**asdict(self._parts.bar()), "role": session.role.value})
 
-    async def stop(self, request: "Request") -> Response:
-        if self.find_session(request) is None:
-            return _no_session()
-        return await _answer(self._parts.stop())
+    async def stop(self, _session: Session, _request: "Request") -> Response:
+        return _told(await self._parts.stop())
 
-    async def release(self, request: "Request") -> Response:
-        return await self._let_go(request, arm=False)
+    async def release(self, session: Session, _request: "Request") -> Response:
+        self._refuse_if_lost()
+        return _told(await self._parts.release(session, arm=False))
 
-    async def arm(self, request: "Request") -> Response:
-        return await self._let_go(request, arm=True)
+    async def arm(self, session: Session, _request: "Request") -> Response:
+        self._refuse_if_lost()
+        return _told(await self._parts.release(session, arm=True))
 
-    async def _let_go(self, request: "Request", *, arm: bool) -> Response:
-        session = self.find_session(request)
-        if session is None:
-            return _no_session()
-        if session.role is not Role.OPERATOR:
-            return _json({"code": "forbidden", "detail": "Viewers only watch."}, 403)
-        if self._parts.bar().link == "lost":
-            return _lost()
-        return await _answer(self._parts.release(session, arm=arm))
-
-    async def api(self, request: "Request") -> Response:
-        session = self.find_session(request)
-        if session is None:
-            return _no_session()
-        if request.url.path != _STOP and self._parts.bar().link == "lost":
-            return _lost()
+    async def api(self, session: Session, request: "Request") -> Response:
+        if request.url.path != _STOP:
+            self._refuse_if_lost()
         access = self._parts.workspace.access
         token = access.token_of(session)
         answer = await self._parts.api.forward(request, session)
         if answer.status_code == 401 and access.is_withdrawn(session, token):
             self._parts.sessions.close(session.identifier)
         return answer
+
+    def _refuse_if_lost(self) -> None:
+        """Refuse what a lost station cannot do now.
+
+        Raises:
+            RefusedError: The station is lost. A browser has six connections, and one of
+                them is for the stop; and what a person asks for is not to be done when
+                the station is back.
+        """
+        if self._parts.bar().link == "lost":
+            raise RefusedError(
+                502,
+                "unreachable",
+                "The station does not answer.",
+                "STOP works. Look whether `station run` still runs.",
+            )
 
     async def stream(self, socket: "WebSocket") -> None:
         session = self.find_session(socket)
@@ -249,13 +249,8 @@ class _Gateway:
         )
 
 
-async def _answer(request: "Awaitable[StopState]") -> Response:
-    try:
-        state = await request
-    except ApiError as error:
-        body = {"code": error.code, "detail": error.detail, "remedy": error.remedy}
-        return _json(dict(body), error.status or 502)
-    return _json({"state": state.state, "epoch": state.epoch})
+def _told(state: "StopState") -> Response:
+    return JSONResponse({"state": state.state, "epoch": state.epoch})
 
 
 async def _static(request: "Request") -> Response:
@@ -285,21 +280,3 @@ def _file(name: str, media_type: str) -> Response:
         resources.files("station.ui").joinpath("static", *name.split("/")).read_bytes()
     )
     return Response(content, media_type=media_type)
-
-
-def _json(content: dict[str, object], status: int = 200) -> Response:
-    return JSONResponse(content, status)
-
-
-def _lost() -> Response:
-    """Refuse what a lost station cannot do now.
-
-    A browser has six connections, and one of them is for the stop. What a person asks
-    for is not to be done when the station is back.
-    """
-    remedy = "STOP works. Look whether `station run` still runs."
-    return refused(502, "unreachable", "The station does not answer.", remedy)
-
-
-def _no_session() -> Response:
-    return _json({"code": "no_session", "detail": "Log in first."}, 401)

@@ -9,18 +9,18 @@ import time
 from collections.abc import Awaitable, Callable
 from typing import TYPE_CHECKING
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field
 from starlette.responses import JSONResponse, Response
-from starlette.routing import Route
 
 from station.client import ApiError, AsyncStationClient, StationUnreachableError
 from station.ui.sessions.session_access import SessionAccess
-from station.ui.sessions.sessions import Role, Session
+from station.ui.sessions.session_routes import Body, FindSession, SessionRoutes
 
 if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.routing import BaseRoute
 
+    from station.ui.sessions.sessions import Session
     from station.wire import ControlState
 
 TTL = 10.0
@@ -29,14 +29,12 @@ BEAT_PERIOD = 3.0
 """Time between two heartbeats while a page of the holder is open [s]."""
 
 
-class _Taking(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True)
+class _Taking(Body):
     owner: str = Field(default="", max_length=100)
     force: bool = False
 
 
-class _Offer(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True)
+class _Offer(Body):
     hand_over_to: str = Field(min_length=1, max_length=100)
 
 
@@ -52,7 +50,7 @@ class ControlRoutes:
     def __init__(
         self,
         access: SessionAccess,
-        find: "Callable[[Request], Session | None]",
+        find: FindSession,
         now: Callable[[], float] = time.monotonic,
     ) -> None:
         self._access = access
@@ -61,15 +59,15 @@ class ControlRoutes:
 
     def routes(self) -> "list[BaseRoute]":
         """Return the routes."""
-        path = "/workspace/control"
+        path, make = "/workspace/control", SessionRoutes(self._find)
         return [
-            Route(path, self._show),
-            Route(path, self._take, methods=["POST"]),
-            Route(path, self._offer, methods=["PATCH"]),
-            Route(path, self._release, methods=["DELETE"]),
+            make.route("GET", path, self._show),
+            make.route_of("POST", path, _Taking, self._take, operators_only=True),
+            make.route_of("PATCH", path, _Offer, self._offer, operators_only=True),
+            make.route("DELETE", path, self._release, operators_only=True),
         ]
 
-    async def keep(self, session: Session) -> None:
+    async def keep(self, session: "Session") -> None:
         """Send heartbeats while the session holds control; runs until cancelled.
 
         Whoever calls does so for as long as a page of the session is open.
@@ -78,7 +76,7 @@ class ControlRoutes:
             await asyncio.sleep(BEAT_PERIOD)
             await self.beat(session)
 
-    async def beat(self, session: Session) -> None:
+    async def beat(self, session: "Session") -> None:
         """Send one heartbeat if the session holds control; note when it is lost."""
         key = self._access.lease_of(session)
         if key is None:
@@ -90,79 +88,38 @@ class ControlRoutes:
         except ApiError:
             self._access.lose(key)
 
-    async def _show(self, request: "Request") -> Response:
+    async def _show(self, session: "Session", _request: "Request") -> Response:
+        return await self._answer(session, lambda client: client.lease.state())
+
+    async def _take(self, session: "Session", wanted: _Taking) -> Response:
+        owner, force = wanted.owner or None, wanted.force
         return await self._answer(
-            request, lambda client: client.lease.state(), may_watch=True
+            session, lambda client: client.lease.take(owner, ttl=TTL, force=force)
         )
 
-    async def _take(self, request: "Request") -> Response:
-        try:
-            wanted = _Taking.model_validate_json(await request.body())
-        except ValidationError as error:
-            return _invalid(error)
+    async def _offer(self, session: "Session", wanted: _Offer) -> Response:
+        to = wanted.hand_over_to
         return await self._answer(
-            request,
-            lambda client: client.lease.take(
-                wanted.owner or None, ttl=TTL, force=wanted.force
-            ),
+            session, lambda client: client.lease.renew(hand_over_to=to)
         )
 
-    async def _offer(self, request: "Request") -> Response:
-        try:
-            wanted = _Offer.model_validate_json(await request.body())
-        except ValidationError as error:
-            return _invalid(error)
-        return await self._answer(
-            request,
-            lambda client: client.lease.renew(hand_over_to=wanted.hand_over_to),
-        )
-
-    async def _release(self, request: "Request") -> Response:
-        return await self._answer(request, lambda client: client.lease.release())
+    async def _release(self, session: "Session", _request: "Request") -> Response:
+        return await self._answer(session, lambda client: client.lease.release())
 
     async def _answer(
         self,
-        request: "Request",
+        session: "Session",
         ask: "Callable[[AsyncStationClient], Awaitable[ControlState]]",
-        *,
-        may_watch: bool = False,
     ) -> Response:
-        session = self._find(request)
-        if session is None:
-            return refused(401, "no_session", "Log in first.")
-        if session.role is not Role.OPERATOR and not may_watch:
-            return refused(403, "forbidden", "Viewers only watch.")
-        try:
-            told = await self._ask(session, ask)
-        except ApiError as error:
-            return refused(error.status or 502, error.code, error.detail, error.remedy)
+        told = await self._ask(session, ask)
         return JSONResponse(told.model_dump(exclude={"lease"}))
 
     async def _ask(
         self,
-        session: Session,
+        session: "Session",
         ask: "Callable[[AsyncStationClient], Awaitable[ControlState]]",
     ) -> "ControlState":
         key, asked_at = self._access.lease_of(session), self._now()
         told = await ask(self._access.acting_for(session))
         self._access.note(session, told, key, asked_at)
         return told
-
-
-def refused(status: int, code: str, detail: str, remedy: str = "") -> Response:
-    """Return a refusal of the gateway, in the form of the station's.
-
-    Args:
-        status: HTTP status.
-        code: For programs.
-        detail: What is wrong.
-        remedy: What to do; empty if nothing helps.
-    """
-    body = {"status": status, "code": code, "detail": detail, "remedy": remedy}
-    return JSONResponse(body, status, media_type="application/problem+json")
-
-
-def _invalid(error: ValidationError) -> Response:
-    first = error.errors()[0]
-    place = ".".join(str(part) for part in first["loc"])
-    return refused(422, "invalid_request", f"{place}: {first['msg']}.")

@@ -73,7 +73,7 @@ def enabling(view: StationView) -> Enabling:
     )
 
 
-def workspace_state(view: StationView) -> dict[str, object]:
+def page_state(view: StationView) -> dict[str, object]:
     """Return what the docks show of `view`, ready for JSON."""
     operated = choose_for_joints(view)
     status = view.status

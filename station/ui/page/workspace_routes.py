@@ -1,24 +1,30 @@
-"""Requests of the page that the gateway answers itself: docks, examples, the desk."""
+"""Requests of the page that the dashboard answers itself."""
 
 import asyncio
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Protocol, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import anyio
 import anyio.to_thread
 import yaml
-from pydantic import BaseModel, JsonValue, ValidationError
+from pydantic import JsonValue, ValidationError
 from starlette.responses import JSONResponse, Response
-from starlette.routing import Route, WebSocketRoute
+from starlette.routing import WebSocketRoute
 
 from station.core.config_error import ConfigError
 from station.core.yaml_reader import FORM, parse_yaml
 from station.ui.link.station_view import StationView
-from station.ui.page.control_routes import ControlRoutes, refused
+from station.ui.page.control_routes import ControlRoutes
 from station.ui.page.load_examples import example_parameters, suggested_name
-from station.ui.page.page_state import workspace_state
+from station.ui.page.page_state import page_state
 from station.ui.sessions.session_access import SessionAccess
+from station.ui.sessions.session_routes import (
+    Body,
+    FindSession,
+    RefusedError,
+    SessionRoutes,
+)
 from station.ui.sessions.sessions import Role, Session, Sessions
 from station.ui.teleoperation.joint_teleoperation import Movers
 from station.ui.teleoperation.teleoperation import Teleoperation
@@ -34,18 +40,10 @@ _NOT_LOGGED_IN = 4401
 _FORBIDDEN = 4403
 
 
-class _Parameters(BaseModel):
+class _Parameters(Body):
     """Parameters of a controller, as the fields of the page have them."""
 
     params: dict[str, JsonValue]
-
-
-class FindSession(Protocol):
-    """Finds the session of a connection."""
-
-    def __call__(self, connection: "Request | WebSocket") -> Session | None:
-        """Return the session of a connection, or None."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,28 +85,27 @@ class WorkspaceRoutes:
 
     def routes(self) -> "list[BaseRoute]":
         """Return the routes."""
+        make = SessionRoutes(self._find)
+        read, write = "/workspace/parameters", "/workspace/yaml"
         return [
-            Route("/workspace/state", self._state),
-            Route("/workspace/example", self._example),
-            Route("/workspace/parameters", self._read_yaml, methods=["POST"]),
-            Route("/workspace/yaml", self._write_yaml, methods=["POST"]),
-            WebSocketRoute("/workspace/desk", self._desk),
+            make.route("GET", "/workspace/state", self._state),
+            make.route("GET", "/workspace/example", self._example),
+            # Only operators load controllers.
+            make.route("POST", read, self._read_yaml, operators_only=True),
+            make.route("POST", write, self._write_yaml, operators_only=True),
+            WebSocketRoute("/workspace/teleoperation", self._teleoperate),
             *self._control.routes(),
         ]
 
-    async def _state(self, request: "Request") -> Response:
-        if self._find(request) is None:
-            return _no_session()
+    async def _state(self, _session: Session, _request: "Request") -> Response:
         drawing = {
             "triangles": self._parts.triangles,
             "not_drawn": self._parts.not_drawn,
         }
-        return JSONResponse({**workspace_state(self._parts.view()), **drawing})
+        return JSONResponse({**page_state(self._parts.view()), **drawing})
 
-    async def _example(self, request: "Request") -> Response:
+    async def _example(self, _session: Session, request: "Request") -> Response:
         """Answer a free name, and parameters with which a type loads on this robot."""
-        if self._find(request) is None:
-            return _no_session()
         kind = request.query_params.get("type", "")
         view = self._parts.view()
         arm = request.query_params.get("arm", "")
@@ -119,46 +116,42 @@ class WorkspaceRoutes:
             "params": parse_yaml(text, "Example", FORM).values,
         })
 
-    async def _read_yaml(self, request: "Request") -> Response:
-        """Answer the parameters that a text in YAML means, or where it is wrong."""
-        refusal = self._refusal(request)
-        if refusal is not None:
-            return refusal
+    async def _read_yaml(self, _session: Session, request: "Request") -> Response:
+        """Answer the parameters that a text in YAML means.
+
+        Raises:
+            RefusedError: The text is not valid; the refusal says where.
+        """
         text = (await request.body()).decode("utf-8", errors="replace")
         try:
             read = await self._aside(lambda: parse_yaml(text, "Parameters", FORM))
         except ConfigError as error:
-            return refused(422, "invalid_yaml", error.message, error.remedy)
+            raise RefusedError(
+                422, "invalid_yaml", error.message, error.remedy
+            ) from error
         try:
             return JSONResponse({"params": read.values})
-        except ValueError:
+        except ValueError as error:
             detail = "A number is infinite or none; JSON has finite numbers alone."
-            return refused(422, "invalid_yaml", detail)
+            raise RefusedError(422, "invalid_yaml", detail) from error
 
-    async def _write_yaml(self, request: "Request") -> Response:
-        """Answer parameters, the JSON under `params`, as a text in YAML."""
-        refusal = self._refusal(request)
-        if refusal is not None:
-            return refusal
+    async def _write_yaml(self, _session: Session, request: "Request") -> Response:
+        """Answer parameters, the JSON under `params`, as a text in YAML.
+
+        Raises:
+            RefusedError: The body is too large, or has no such parameters.
+        """
         body = await request.body()
         if len(body) > FORM.characters:
             detail = f"The parameters have more than {FORM.characters} characters."
-            return refused(413, "body_too_large", detail, "Shorten them.")
+            raise RefusedError(413, "body_too_large", detail, "Shorten them.")
         try:
             params = _Parameters.model_validate_json(body).params
-        except ValidationError:
-            return refused(422, "invalid_request", "The body must be `{params: {…}}`.")
+        except ValidationError as error:
+            detail = "The body must be `{params: {…}}`."
+            raise RefusedError(422, "invalid_request", detail) from error
         text = await self._aside(lambda: _written(params))
         return JSONResponse({"yaml": text if params else ""})
-
-    def _refusal(self, request: "Request") -> Response | None:
-        """Return the refusal of who is no operator; only operators load controllers."""
-        session = self._find(request)
-        if session is None:
-            return _no_session()
-        if session.role is not Role.OPERATOR:
-            return refused(403, "forbidden", "Viewers only watch.")
-        return None
 
     async def _aside(self, read: Callable[[], _T]) -> _T:
         """Call `read` beside the event loop, which answers STOP: YAML is slow.
@@ -168,7 +161,7 @@ class WorkspaceRoutes:
         """
         return await anyio.to_thread.run_sync(read, limiter=self._one_text)
 
-    async def _desk(self, socket: "WebSocket") -> None:
+    async def _teleoperate(self, socket: "WebSocket") -> None:
         session = self._find(socket)
         if session is None or session.role is not Role.OPERATOR:
             # A browser learns the code only of a socket that was opened.
@@ -197,7 +190,3 @@ def _written(params: dict[str, JsonValue]) -> str:
     return yaml.safe_dump(
         params, allow_unicode=True, default_flow_style=None, sort_keys=False
     )
-
-
-def _no_session() -> Response:
-    return refused(401, "no_session", "Log in first.")

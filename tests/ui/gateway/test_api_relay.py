@@ -17,6 +17,7 @@ from station.local.tls import trust
 from station.ui.gateway.api_relay import ApiRelay
 from station.ui.link.station_access import StationAccess
 from station.ui.sessions.session_access import BEGIN_WITHIN, SessionAccess
+from station.ui.sessions.session_routes import SessionRoutes
 from station.ui.sessions.sessions import Role, Session
 from tests.api.spring import make_station
 from tests.certificates import make_certificate
@@ -40,8 +41,8 @@ class _Page:
         self.session = Session("cookie", Role.OPERATOR, OPERATOR)
         self.logged_out = asyncio.Event()
 
-    async def forward(self, request):
-        return await self.relay.forward(request, self.session)
+    async def forward(self, session, request):
+        return await self.relay.forward(request, session)
 
     async def stream(self, socket):
         await self.relay.socket(socket, self.session, self.logged_out.wait)
@@ -60,6 +61,7 @@ class _Page:
 
         station = _station(self.url)
         methods = ["GET", "POST", "PUT", "DELETE"]
+        make = SessionRoutes(lambda _: self.session)
         return Starlette(
             routes=[
                 Route("/close", close),
@@ -68,7 +70,7 @@ class _Page:
                 Route("/find", does(lambda: self.access.move_to(station))),
                 Route("/log_out", does(self.logged_out.set)),
                 WebSocketRoute("/api/v1/streams/{topic:path}", self.stream),
-                Route("/api/v1/{path:path}", self.forward, methods=methods),
+                *(make.route(m, "/api/v1/{path:path}", self.forward) for m in methods),
             ]
         )
 

@@ -214,7 +214,8 @@ def test_an_unconfirmed_stop_is_said_to_be_one(browser, station):
     station.failure = ApiError("Not now.", status=503, code="loop", remedy="Wait.")
     answer = browser.post("/stop", headers=_own(browser))
     assert answer.status_code == 503
-    assert answer.json() == {"code": "loop", "detail": "Not now.", "remedy": "Wait."}
+    told = {"code": "loop", "detail": "Not now.", "remedy": "Wait."}
+    assert answer.json() == {"status": 503, **told}
 
 
 def test_viewers_cannot_release(browser, station):
@@ -270,7 +271,7 @@ def test_foreign_pages_reach_no_route_of_the_api(browser, origin):
     assert browser.put("/api/v1/x", headers=headers).status_code == 403
 
 
-@pytest.mark.parametrize("path", ["/workspace/desk", "/api/v1/streams/loop"])
+@pytest.mark.parametrize("path", ["/workspace/teleoperation", "/api/v1/streams/loop"])
 def test_foreign_pages_get_no_stream_and_no_desk(browser, path):
     _log_in(browser)
     with (

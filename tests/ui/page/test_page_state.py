@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from station.ui.page.page_state import enabling, workspace_state
+from station.ui.page.page_state import enabling, page_state
 from station.wire import ClaimedResources, ControllerType
 from tests.ui.views import arm, controller, element, status, view
 
@@ -60,7 +60,7 @@ def test_a_stopped_station_says_why_not_now():
 
 def test_the_state_is_json_with_all_that_the_docks_need():
     shown = view(_group("one"), limits={"joint1": (-1.0, 1.0)})
-    told = json.loads(json.dumps(workspace_state(shown)))
+    told = json.loads(json.dumps(page_state(shown)))
     row = told["controllers"][0]
     assert (row["name"], row["claims_short"]) == ("one", ["effort 1-2"])
     assert told["limits"] == {"joint1": [-1.0, 1.0]}
@@ -81,7 +81,7 @@ def test_a_claim_is_told_in_few_words(resources, words):
     claim = ClaimedResources(hardware_interface=kind, resources=resources)
     shown = view(_group("one").model_copy(update={"claimed_resources": [claim]}))
     arms = status(robots=[arm("panda", "idle")])
-    told = workspace_state(type(shown)(**{**_fields(shown), "status": arms}))
+    told = page_state(type(shown)(**{**_fields(shown), "status": arms}))
     assert told["controllers"][0]["claims_short"] == [words]
 
 

@@ -106,7 +106,7 @@ def desk(served, bench):
 
 
 def _address(served):
-    return f"{served[1]}/workspace/desk".replace("http", "ws", 1)
+    return f"{served[1]}/workspace/teleoperation".replace("http", "ws", 1)
 
 
 def _read_to_the_end(desk):

@@ -191,7 +191,7 @@ class Desk extends EventTarget {
   }
 
   connect() {
-    this.socket ??= new Socket("/workspace/desk", (told) => {
+    this.socket ??= new Socket("/workspace/teleoperation", (told) => {
       if (told.refused)
         refusals.add(
           new Refusal(409, { code: told.code ?? "not_sent", detail: told.refused, remedy: told.remedy }),
