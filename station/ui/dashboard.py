@@ -73,10 +73,10 @@ class Dashboard:
         push: Pushes a link for a session.
 
     Attributes:
-        views: What each session sees in the 3D view.
+        views: The views of all sessions.
         triangles: How many triangles the drawn robots have.
         not_drawn: Why no robot is shown; empty if no robot was requested.
-        movers: Who moves which joint, shared by all that command joints.
+        movers: Shared by everybody who commands joints.
     """
 
     def __init__(
@@ -175,7 +175,7 @@ class Dashboard:
         return bar_state(self._link.view(), self._reporter.message)
 
     def view(self) -> StationView:
-        """Return what is known of the station; callable by any thread."""
+        """Return the dashboard's knowledge of the station; callable by any thread."""
         return self._link.view()
 
     def shown_views(self) -> ShownViews:
@@ -196,10 +196,10 @@ class Dashboard:
     def act_under(self, lease: str | None) -> None:
         """Act under another lease of control; in Viser's event loop.
 
-        What was asked for under the former one does not go on by itself.
+        A motion that was asked for under the former lease does not go on by itself.
 
         Args:
-            lease: What some browser of this dashboard holds; None for none.
+            lease: The lease of a browser of this dashboard; None without one.
         """
         self._client.lease.act_under(lease)
         self._teleoperation.let_go()
@@ -249,7 +249,7 @@ class Dashboard:
         self._gains.refresh(view)
         for arrows in self._arrows:
             arrows.refresh(view)
-        # A motion begins where its controller was told to be, which its samples say.
+        # A motion begins at the last set-point of its controller, which samples have.
         asked = self._teleoperation
         watched = {*asked.joints.controllers, *asked.hands.targets()}
         if "command" in self.views.wanted():
@@ -257,7 +257,7 @@ class Dashboard:
         self._link.watch(watched)
 
     async def _send_set_points(self) -> None:
-        """Send what a person asks of Viser's panel, until cancelled."""
+        """Send the set-points of Viser's panel, until cancelled."""
         while True:
             await asyncio.sleep(SEND_PERIOD)
             for refusal in await self._teleoperation.send_set_points():

@@ -53,7 +53,7 @@ class DrawnRobot:
 
 @dataclass(frozen=True, slots=True)
 class DashboardConfig:
-    """What the dashboard needs to know.
+    """The configuration of a dashboard.
 
     Attributes:
         url: The station's API, e.g. `http://127.0.0.1:8000`.
@@ -72,9 +72,9 @@ class DashboardConfig:
             on this machine, or of the system.
         viewer_token: The viewer's token, for viewers whose session outlives a station;
             empty when it is not known.
-        sessions: Keeps who is logged in beyond the life of this process; None: nobody
-            is when the dashboard is started anew.
-        follower: Tells which station takes the place of one that has crashed, and when
+        sessions: Keeps logins beyond the life of this process; without it, everybody
+            logs in anew after a restart of the dashboard.
+        follower: Says which station takes the place of one that has crashed, and when
             to end; None stays with the station at `url` until a signal comes.
     """
 
@@ -98,12 +98,12 @@ class DashboardConfig:
 def run_dashboard(
     config: DashboardConfig, on_ready: Callable[[str], None] = lambda _: None
 ) -> int:
-    """Run the dashboard until SIGINT, SIGTERM, or the word of its follower.
+    """Run the dashboard until SIGINT, SIGTERM, or the end that its follower announces.
 
     A robot that cannot be drawn leaves a dashboard that says so.
 
     Args:
-        config: What it needs to know.
+        config: Its configuration.
         on_ready: Called with the dashboard's address once it answers.
 
     Returns:
@@ -208,7 +208,7 @@ def _client(config: DashboardConfig) -> AsyncStationClient:
 
 
 def _load(config: DashboardConfig) -> tuple[list[RobotModel], str]:
-    """Return the robots, or none and why they cannot be drawn."""
+    """Return the robots, or none and the reason why they cannot be drawn."""
     if not config.robot_description:
         return [], ""
     try:
@@ -233,7 +233,7 @@ async def _wait_for_end(
     follower: StationFollower | None,
     move_to: Callable[[StationAccess | None], None],
 ) -> None:
-    """Wait for a signal, the server's end or the follower's word."""
+    """Wait for a signal, the end of the server, or the end that a follower says."""
     access = None if follower is None else follower.access
     if follower is not None:
         follower.is_serving = True
@@ -291,7 +291,7 @@ async def ask_role(url: str, token: str, ca: str | None = None) -> Role | None:
 
     Args:
         url: The station's API.
-        token: What somebody entered.
+        token: The text that a person entered.
         ca: File of the certificates to trust with https, see `DashboardConfig`.
 
     Returns:

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from starlette.requests import Request
 
 ANSWER_TIME = 70.0
-"""How long the station may take to answer, e.g. while it loads a controller [s]."""
+"""Longest time for an answer of the station, e.g. while it loads a controller [s]."""
 _CONNECT_TIME = 2.0
 # The station closes a connection that was idle for 5 s. A request sent at that moment
 # would be lost, on a busy machine sooner, so older connections are not used again.
@@ -220,7 +220,7 @@ async def _to_browser(browser: WebSocket, upstream: ClientConnection) -> None:
 
 
 async def _until_gone(browser: WebSocket) -> None:
-    """Return when the browser has closed; what it sends is dropped."""
+    """Return when the browser has closed; its messages are dropped."""
     while (await browser.receive())["type"] != "websocket.disconnect":
         pass
 

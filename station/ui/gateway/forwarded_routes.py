@@ -1,7 +1,7 @@
-"""Which requests of the dashboard's pages the gateway forwards to the station.
+"""The requests of the dashboard's pages that the gateway forwards to the station.
 
 The list is closed: a route that no panel needs cannot be reached through the
-dashboard's cookie. The station still decides by role and state what it does.
+dashboard's cookie. The station still decides by role and state.
 """
 
 import re

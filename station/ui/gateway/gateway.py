@@ -59,7 +59,7 @@ class Release(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class GatewayParts:
-    """What the gateway is made of.
+    """The parts of the dashboard that the gateway connects.
 
     Attributes:
         role_of: Asks the station which role a token has; None for a wrong token.
@@ -67,14 +67,14 @@ class GatewayParts:
         stop: Stops the robot. Raises `ApiError` when that is not confirmed.
         release: Takes a stop back for a session; with True, the second step: allows
             motion again.
-        bar: Returns what the status strip shows now.
+        bar: Returns the present content of the status strip.
         relay: The way to Viser.
         api: The way to the station for the pages' own requests.
-        workspace: What the docks of the page are made of.
-        views: What the sessions see in the 3D view.
-        origins: Which Host and Origin headers are answered.
+        workspace: The parts that the docks of the page need.
+        views: The views of all sessions.
+        origins: Decides which Host and Origin headers are answered.
         sessions: The logged-in browsers.
-        failed_logins: Who has sent wrong tokens.
+        failed_logins: The addresses that have sent wrong tokens.
     """
 
     role_of: Callable[[str], Awaitable[Role | None]]
@@ -179,15 +179,15 @@ class _Gateway:
         return JSONResponse({**asdict(self._parts.bar()), "role": session.role.value})
 
     async def stop(self, _session: Session, _request: "Request") -> Response:
-        return _told(await self._parts.stop())
+        return _stop_answer(await self._parts.stop())
 
     async def release(self, session: Session, _request: "Request") -> Response:
         self._refuse_if_lost()
-        return _told(await self._parts.release(session, arm=False))
+        return _stop_answer(await self._parts.release(session, arm=False))
 
     async def arm(self, session: Session, _request: "Request") -> Response:
         self._refuse_if_lost()
-        return _told(await self._parts.release(session, arm=True))
+        return _stop_answer(await self._parts.release(session, arm=True))
 
     async def api(self, session: Session, request: "Request") -> Response:
         if request.url.path != _STOP:
@@ -200,13 +200,13 @@ class _Gateway:
         return answer
 
     def _refuse_if_lost(self) -> None:
-        """Refuse what a lost station cannot do now.
+        """Refuse a request while the station is lost.
 
         Raises:
-            RefusedError: The station is lost. A browser has six connections, and one of
-                them is for the stop; and what a person asks for is not to be done when
-                the station is back.
+            RefusedError: The station is lost.
         """
+        # A browser has six connections, and one of them must be left for the stop. A
+        # request that waited would be carried out when nobody expects it any more.
         if self._parts.bar().link == "lost":
             raise RefusedError(
                 502,
@@ -249,7 +249,7 @@ class _Gateway:
         )
 
 
-def _told(state: "StopState") -> Response:
+def _stop_answer(state: "StopState") -> Response:
     return JSONResponse({"state": state.state, "epoch": state.epoch})
 
 

@@ -88,11 +88,11 @@ class OriginPolicy:
 
 
 class GatewayGuard:
-    """ASGI middleware: refuses foreign hosts and pages, and seals the answers.
+    """ASGI middleware that refuses foreign hosts and pages, and seals the answers.
 
     Args:
-        app: What it stands before.
-        origins: Which Host and Origin headers are answered.
+        app: The application that it guards.
+        origins: Decides which Host and Origin headers are answered.
     """
 
     def __init__(self, app: "ASGIApp", origins: OriginPolicy) -> None:

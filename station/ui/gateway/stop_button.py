@@ -1,4 +1,4 @@
-"""What the gateway's stop button does: it asks the station, then the watchdog."""
+"""Stop the robot for the button of the page: ask the station, then the watchdog."""
 
 import asyncio
 
@@ -8,7 +8,7 @@ from station.client import AsyncStationClient, StationUnreachableError
 from station.wire import StopState
 
 ANSWER_TIME = 0.5
-"""How long the station may take to answer before the watchdog is asked [s]."""
+"""Longest time for an answer of the station before the watchdog is asked [s]."""
 _WATCHDOG_TIME = 2.0
 _REASON = "stop button of the dashboard"
 
@@ -66,12 +66,12 @@ class StopButton:
                     timeout=_WATCHDOG_TIME,
                 )
                 answer.raise_for_status()
-                told = answer.json()
+                report = answer.json()
         except httpx.HTTPError as error:
             raise StationUnreachableError(self._api.url, cause) from error
         return StopState(
             state="stopped",
-            reason=told["detail"],
+            reason=report["detail"],
             epoch=0,  # only the station knows it
-            pending=not told["carried_out"],
+            pending=not report["carried_out"],
         )

@@ -40,7 +40,7 @@ class ViserRelay:
 
     Args:
         port: Loopback port Viser listens on.
-        secret: What opens its door.
+        secret: The secret that Viser asks for.
     """
 
     def __init__(self, port: int, secret: str) -> None:

@@ -1,9 +1,9 @@
 """Start Viser so that only the gateway can talk to it.
 
-Viser has no login. It listens on a loopback port and refuses whoever does not bring
-the gateway's secret, because other users of the same machine reach loopback too. The
-check hooks into the `serve` that Viser calls, a private spot: `viser` is pinned and
-`tests/ui/test_viser_door.py` fails when the hook no longer holds.
+Viser has no login. It listens on a loopback port and refuses connections without the
+gateway's secret, because other users of the same machine reach loopback too. The check
+hooks into the `serve` that Viser calls, a private spot: `viser` is pinned and
+`tests/ui/gateway/test_viser_server.py` fails when the hook no longer holds.
 """
 
 import contextlib
@@ -31,12 +31,12 @@ _ProcessRequest = Callable[[ServerConnection, Request], Response | None]
 
 @dataclass(frozen=True, slots=True)
 class GuardedViser:
-    """A Viser server behind its door.
+    """A Viser server that only the gateway can reach.
 
     Attributes:
         server: The Viser server, listening on 127.0.0.1.
         port: The port it listens on.
-        secret: What the gateway sends as `SECRET_HEADER`.
+        secret: The value of `SECRET_HEADER` that opens it.
     """
 
     server: viser.ViserServer
@@ -59,7 +59,7 @@ class GuardedViser:
 
 
 def open_viser(label: str) -> GuardedViser:
-    """Start a Viser server on a free loopback port, with a door before it.
+    """Start a Viser server on a free loopback port that asks for a secret.
 
     Args:
         label: Title of its control panel.
@@ -68,7 +68,7 @@ def open_viser(label: str) -> GuardedViser:
         The running server and the secret that opens it.
     """
     secret = secrets.token_urlsafe(32)
-    with _quiet(), _door_before_serve(secret):
+    with _quiet(), _secret_before_serve(secret):
         server = viser.ViserServer(host="127.0.0.1", port=0, label=label, verbose=False)
     connection = server._websock_server  # noqa: SLF001 - Viser has no public way
     connection.unregister_handler(viser_messages.ShareUrlRequest)
@@ -77,7 +77,7 @@ def open_viser(label: str) -> GuardedViser:
 
 
 @contextlib.contextmanager
-def _door_before_serve(secret: str) -> Iterator[None]:
+def _secret_before_serve(secret: str) -> Iterator[None]:
     """Let every WebSocket server that starts inside this block ask for the secret."""
     serve = Serve
     expected = secret.encode()
@@ -87,7 +87,9 @@ def _door_before_serve(secret: str) -> Iterator[None]:
         process_request: _ProcessRequest | None = None,
         **kwargs: Any,  # noqa: ANN401 - whatever Viser passes
     ) -> Serve:
-        return serve(*args, process_request=_door(expected, process_request), **kwargs)
+        return serve(
+            *args, process_request=_secret_check(expected, process_request), **kwargs
+        )
 
     websockets.asyncio.server.serve = guarded_serve  # type: ignore[misc, assignment]  # the hook
     try:
@@ -96,7 +98,7 @@ def _door_before_serve(secret: str) -> Iterator[None]:
         websockets.asyncio.server.serve = serve  # type: ignore[misc]  # as it was
 
 
-def _door(
+def _secret_check(
     expected: bytes,
     inner: _ProcessRequest | None,
 ) -> _ProcessRequest:
@@ -116,6 +118,6 @@ def _door(
 
 @contextlib.contextmanager
 def _quiet() -> Iterator[None]:
-    """Keep Viser from printing an address that nobody may open."""
+    """Keep Viser from printing an address that must not be opened."""
     with contextlib.redirect_stdout(io.StringIO()):
         yield

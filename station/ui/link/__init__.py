@@ -1,1 +1,1 @@
-"""What the dashboard knows of the station, and how it keeps that up to date."""
+"""The dashboard's knowledge of the station, kept up to date."""

@@ -9,7 +9,7 @@ from station.core.description.urdf import Pose, Vector3
 _IDENTITY = (*(1.0, 0.0, 0.0, 0.0, 0.0) * 3, 1.0)
 
 ARM_FIELDS = ("F_T_EE", "EE_T_K", "O_F_ext_hat_K")
-"""What of an arm's state `arm_facts` reads."""
+"""Fields of an arm's state that `arm_facts` reads."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,13 +29,13 @@ class ArmFacts:
 
 
 def arm_facts(state: Mapping[str, object]) -> ArmFacts:
-    """Return what the scene shows of an arm's state.
+    """Return the tool of an arm and the force on it.
 
     Args:
         state: The fields of `FrankaState` that `ARM_FIELDS` names.
     """
     wrench = _numbers(state, "O_F_ext_hat_K", 6)
-    # The arm tells the wrench that it exerts; what acts on it is the opposite.
+    # The arm reports the wrench that it exerts; the opposite acts on it.
     force = None if wrench is None else (-wrench[0], -wrench[1], -wrench[2])
     return ArmFacts(
         pose_of(_numbers(state, "F_T_EE", 16) or _IDENTITY),

@@ -1,4 +1,4 @@
-"""Choose how the arms are recovered after an error or a user stop."""
+"""Choose the recovery of arms after an error or a user stop."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ _MOST_ERRORS = 3
 
 @dataclass(frozen=True, slots=True)
 class Recovery:
-    """What the recovery button does at present.
+    """The present action of the recovery button.
 
     Attributes:
         action: `recover` all arms, `release` the user stops of `arms`, or an empty text
@@ -21,7 +21,7 @@ class Recovery:
         label: Text of the button.
         arms: The arms with an error or a pressed user stop.
         trouble: The errors, for people; empty without an error.
-        reason: What the button will do, or why the button is disabled.
+        reason: The effect of the button, or the reason why it is disabled.
     """
 
     action: Literal["recover", "release", ""] = ""
@@ -75,8 +75,8 @@ def _names(arms: Sequence[ArmReport]) -> str:
 
 
 def _trouble(arm: ArmReport) -> str:
-    told = [error.description for error in arm.errors[:_MOST_ERRORS]]
-    more = len(arm.errors) - len(told)
+    errors = [error.description for error in arm.errors[:_MOST_ERRORS]]
+    more = len(arm.errors) - len(errors)
     if more > 0:
-        told.append(f"{more} more")
-    return f"{arm.arm_id} stopped itself: {', '.join(told) or 'an error'}"
+        errors.append(f"{more} more")
+    return f"{arm.arm_id} stopped itself: {', '.join(errors) or 'an error'}"

@@ -10,10 +10,10 @@ async def until_first(*ends: "asyncio.Future[None]") -> None:
     """Wait for the first of these, and cancel the others.
 
     Args:
-        ends: What may end the socket; all are over when this returns.
+        ends: The possible ends of the socket; all are over when this returns.
 
     Raises:
-        BaseException: Whatever one of them raised: an end that is expected returns.
+        BaseException: One of them raised it: an end that is expected returns.
     """
     try:
         await asyncio.wait(ends, return_when=asyncio.FIRST_COMPLETED)
@@ -42,7 +42,7 @@ async def send_frame(browser: WebSocket, frame: str | bytes) -> bool:
     except WebSocketDisconnect:
         return False
     except RuntimeError:
-        # Uvicorn has answered the browser's close, which nobody has received yet.
+        # Uvicorn has answered the browser's close, which was not received here yet.
         return False
     return True
 

@@ -1,4 +1,4 @@
-"""How a dashboard learns which station it belongs to. Imports nothing heavy."""
+"""The access of a dashboard to its station. Imports nothing heavy."""
 
 from dataclasses import dataclass, field
 from typing import Protocol
@@ -6,7 +6,7 @@ from typing import Protocol
 
 @dataclass(frozen=True, slots=True)
 class StationAccess:
-    """How to reach a station.
+    """The address of a station and its tokens.
 
     Attributes:
         url: The API.
@@ -22,12 +22,12 @@ class StationAccess:
 
 
 class StationFollower(Protocol):
-    """Tells a dashboard which station it belongs to, and when it has to end.
+    """Says to which station a dashboard belongs, and when it has to end.
 
     Attributes:
-        access: How to reach the station; None once it has ended, until another station
-            takes its place. Whoever answers at its address meanwhile must not be sent
-            its tokens, and does not know them.
+        access: The access to the station; None once it has ended, until another station
+            takes its place. Another program that answers at its address meanwhile
+            must not be sent its tokens.
         is_over: The dashboard has to end.
         is_serving: Set by the dashboard once it answers.
     """

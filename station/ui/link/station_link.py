@@ -1,4 +1,4 @@
-"""Keep up with a station: streams and polls it, and says how old the data is.
+"""Keep up with a station by its streams and by polls.
 
 Everything here runs on one event loop. A request that fails is repeated until it
 succeeds; meanwhile the age of the data grows, and the panels show the data as old.

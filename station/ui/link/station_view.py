@@ -48,15 +48,16 @@ class StationView:
         controllers: All loaded controllers.
         types: Controller types that can be loaded.
         positions: Joint positions by name [rad] or [m].
-        elements: What running controllers take as set-point, by controller.
-        samples: What watched controllers did last, by controller.
+        elements: The set-points that running controllers take, by controller.
+        samples: The last samples of watched controllers, by controller.
         messages: Why a motion of an end effector waits or slows down, by controller.
         sliding: The drawn joints whose positions are lengths.
         limits: Position limits that the robot keeps; joints without are not in it.
         arms: The tools of the Franka arms and the forces on them, by arm_id.
         base: Pose of a floating or driving base; None without one.
         objects: The objects around a simulated robot with their last known poses.
-        contacts: Where bodies of a simulated world touch; empty while nobody looks.
+        contacts: The points at which bodies of a simulated world touch; empty while no
+            browser shows them.
     """
 
     now: float = 0.0
@@ -80,7 +81,7 @@ class StationView:
 
     @property
     def age(self) -> float | None:
-        """How old the newest data is [s]; None before the first."""
+        """Age of the newest data [s]; None before the first."""
         return None if self.heard_at is None else max(self.now - self.heard_at, 0.0)
 
     @property
@@ -100,13 +101,6 @@ class StationView:
     def is_stopped(self) -> bool:
         """Whether the stop is engaged, or released while motion is not allowed yet."""
         return self.status is not None and self.status.stop_state != "armed"
-
-    def controller(self, name: str) -> ControllerState | None:
-        """Return a loaded controller by name, or None."""
-        for controller in self.controllers:
-            if controller.name == name:
-                return controller
-        return None
 
     def arms_of(self, controller: ControllerState) -> tuple[str, ...]:
         """Return the arms that a controller claims, whole or some of their joints."""
@@ -163,7 +157,7 @@ class StationView:
         if self.link != "live":
             return f"The link to the station is {self.link}."
         if self.status is None:
-            return "The station has not said yet how it is."
+            return "The state of the station is not known yet."
         if self.status.stop_state == "stopped":
             return "The robot is stopped. Release the stop and allow motion first."
         if self.status.stop_state == "released":

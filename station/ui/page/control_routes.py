@@ -1,4 +1,4 @@
-"""Who holds control: shown, taken, handed over and given back from the page.
+"""Show, take, hand over and give back control from the page.
 
 The station's answers name the lease to its holder. These routes take it out of them
 and keep it in the gateway, so that no script of a page ever has it.
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from station.wire import ControlState
 
 TTL = 10.0
-"""How long control lasts after the page that holds it was closed or cut off [s]."""
+"""Time for which control lasts after its page was closed or cut off [s]."""
 BEAT_PERIOD = 3.0
 """Time between two heartbeats while a page of the holder is open [s]."""
 
@@ -70,7 +70,7 @@ class ControlRoutes:
     async def keep(self, session: "Session") -> None:
         """Send heartbeats while the session holds control; runs until cancelled.
 
-        Whoever calls does so for as long as a page of the session is open.
+        It is to be called while a page of the session is open.
         """
         while True:
             await asyncio.sleep(BEAT_PERIOD)
@@ -111,8 +111,9 @@ class ControlRoutes:
         session: "Session",
         ask: "Callable[[AsyncStationClient], Awaitable[ControlState]]",
     ) -> Response:
-        told = await self._ask(session, ask)
-        return JSONResponse(told.model_dump(exclude={"lease"}))
+        state = await self._ask(session, ask)
+        # No script of a page may have the lease: it would act beside the dashboard.
+        return JSONResponse(state.model_dump(exclude={"lease"}))
 
     async def _ask(
         self,
@@ -120,6 +121,6 @@ class ControlRoutes:
         ask: "Callable[[AsyncStationClient], Awaitable[ControlState]]",
     ) -> "ControlState":
         key, asked_at = self._access.lease_of(session), self._now()
-        told = await ask(self._access.acting_for(session))
-        self._access.note(session, told, key, asked_at)
-        return told
+        state = await ask(self._access.acting_for(session))
+        self._access.note(session, state, key, asked_at)
+        return state

@@ -12,24 +12,18 @@ _UNITS = {
     "Velocity": ("rad/s", "m/s"),
     "Effort": ("Nm", "N"),
 }
-"""Units of what is written to an interface, for joints that turn and that slide."""
+"""Units of the commands to an interface, for joints that turn and that slide."""
 
 
 @dataclass(frozen=True, slots=True)
 class Offer:
-    """The actions that one controller allows at present.
+    """The start of a controller, as it is possible at present.
 
     Attributes:
-        start: Whether it can be started without stopping another controller.
-        stop: Whether it can be stopped.
-        unload: Whether it can be unloaded.
         replaces: Running controllers that must stop before it can start.
         reason: Why it cannot be started without stopping others; empty if it can.
     """
 
-    start: bool = False
-    stop: bool = False
-    unload: bool = False
     replaces: tuple[str, ...] = ()
     reason: str = ""
 
@@ -45,24 +39,16 @@ def claims_text(controller: ControllerState) -> str:
     return "; ".join(parts) or "nothing"
 
 
-def offer_for(view: StationView, name: str) -> Offer:
-    """Return the actions that the controller of that name allows."""
-    controller = view.controller(name)
-    if controller is None:
-        return Offer(reason="No controller is loaded. Load one below.")
+def offer_for(view: StationView, controller: ControllerState) -> Offer:
+    """Return how a controller can be started."""
     if view.link != "live":
         return Offer(reason=view.blocked())
     if controller.state == "running":
-        return Offer(stop=True, reason="It runs. Stop it before unloading it.")
+        return Offer(reason="It runs. Stop it before unloading it.")
     holders = _holders(view, controller)
     if holders:
-        return Offer(
-            unload=True,
-            replaces=holders,
-            reason=f"Its joints are held by {', '.join(holders)}.",
-        )
-    blocked = view.blocked()
-    return Offer(start=not blocked, unload=True, reason=blocked)
+        return Offer(holders, f"Its joints are held by {', '.join(holders)}.")
+    return Offer(reason=view.blocked())
 
 
 def _holders(view: StationView, controller: ControllerState) -> tuple[str, ...]:
@@ -70,7 +56,7 @@ def _holders(view: StationView, controller: ControllerState) -> tuple[str, ...]:
 
     A Franka runs a motion of its hand beside torques of its joints, but the torques
     alone decide where the arm goes: a controller of one kind holds the joints of the
-    other, so that whoever starts one of them is not left with an arm that ignores it.
+    other, because an arm whose joints are held ignores a motion of its hand.
     """
     wanted = _joints_of(view, controller)
     return tuple(
@@ -81,7 +67,7 @@ def _holders(view: StationView, controller: ControllerState) -> tuple[str, ...]:
 
 
 def _joints_of(view: StationView, controller: ControllerState) -> frozenset[str]:
-    """Return what a controller claims; a whole arm also as the joints of that arm."""
+    """Return the claims of a controller; a whole arm also as the joints of that arm."""
     claimed = resources_of(controller)
     arms = () if view.status is None else view.status.robots
     stems = tuple(
@@ -93,7 +79,7 @@ def _joints_of(view: StationView, controller: ControllerState) -> frozenset[str]
 def command_units(
     controller: ControllerState, sliding: Collection[str]
 ) -> dict[str, str]:
-    """Return the unit of what a controller commands, by joint.
+    """Return the unit of the commands of a controller, by joint.
 
     Args:
         controller: The controller.

@@ -14,15 +14,6 @@ _PID_BY_NUMBER = {
 _OF_SEVERAL_JOINTS = ("Group", "Trajectory", "Streaming", "Jog")
 
 
-def usefulness(controller_type: str) -> tuple[bool, bool, str]:
-    """Return a key that sorts the most useful types to the front."""
-    return (
-        "Group" not in controller_type,
-        "Position" not in controller_type,
-        controller_type,
-    )
-
-
 def suggested_name(controller_type: str, taken: Iterable[str]) -> str:
     """Return a free controller name for a type, e.g. `effort_position`."""
     family, _, kind = controller_type.rpartition("/")

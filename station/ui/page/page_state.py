@@ -21,7 +21,7 @@ _STARTABLE = frozenset({"initialized", "stopped"})
 
 @dataclass(frozen=True, slots=True)
 class Enabling:
-    """What the button "Enable sliders" does.
+    """The action of the button "Enable sliders".
 
     Attributes:
         name: The controller to start; empty when there is nothing to enable.
@@ -41,7 +41,7 @@ class Enabling:
 
 
 def enabling(view: StationView) -> Enabling:
-    """Return what makes the joints take values, if nothing that runs does.
+    """Return the controller that makes the joints take values, if none of them runs.
 
     The first loaded group position controller is the default, and with it those of
     other joints, e.g. of a second arm; a station without one gets one over all its
@@ -55,7 +55,7 @@ def enabling(view: StationView) -> Enabling:
         if controller.type.endswith(_DEFAULT_KIND) and controller.state in _STARTABLE
     )
     if default:
-        replaces = (r for c in default for r in offer_for(view, c.name).replaces)
+        replaces = (r for c in default for r in offer_for(view, c).replaces)
         return Enabling(
             default[0].name,
             tuple(controller.name for controller in default[1:]),
@@ -74,7 +74,7 @@ def enabling(view: StationView) -> Enabling:
 
 
 def page_state(view: StationView) -> dict[str, object]:
-    """Return what the docks show of `view`, ready for JSON."""
+    """Return the state of the docks, ready for JSON."""
     operated = choose_for_joints(view)
     status = view.status
     return {
@@ -150,7 +150,7 @@ def _without(name: str, prefixes: Sequence[str]) -> str:
 
 
 def _row(view: StationView, controller: ControllerState) -> dict[str, object]:
-    offer = offer_for(view, controller.name)
+    offer = offer_for(view, controller)
     return {
         "name": controller.name,
         "type": controller.type,
@@ -175,13 +175,13 @@ def _row(view: StationView, controller: ControllerState) -> dict[str, object]:
 
 @dataclass(frozen=True, slots=True)
 class BarState:
-    """The status strip: is the station there, how does it do, may the robot move.
+    """The content of the status strip.
 
     Attributes:
         link: `live`, `stale` (data too old to trust) or `lost` (no answer).
         age: How old the newest data is [s]; None before the first.
         robot: `SIMULATION` or `REAL ARM` with its address; empty while unknown.
-        mode: What the robot says it does, and its errors if it has some.
+        mode: The robot's mode, and its errors if it has some.
         stop_state: `armed`, `stopped` or `released`; empty while unknown.
         stop_reason: Why the stop was engaged last.
         rate_hz: Measured rate of the control loop [Hz].
@@ -189,8 +189,8 @@ class BarState:
         real_time_factor: Station time over wall time, as measured; None while unknown.
         paused: Simulated time stands still.
         epoch: Changes at each stop, reset and recovery.
-        message: The last refusal or failure, as the station words it.
-        refused: The last refusal alone while it is recent: of Viser's panel or a pull.
+        message: The last refusal or failure, in the words of the station.
+        refused: The last refusal of Viser's panel or of a pull while it is recent.
     """
 
     link: str
@@ -209,10 +209,10 @@ class BarState:
 
 
 def bar_state(view: StationView, message: str) -> BarState:
-    """Return what the bar shows of `view`.
+    """Return the content of the status strip.
 
     Args:
-        view: What is known of the station.
+        view: The dashboard's knowledge of the station.
         message: The last refusal; the reason of a broken link takes its place when
             there is none.
     """
@@ -238,7 +238,7 @@ def bar_state(view: StationView, message: str) -> BarState:
 
 
 def _mode(status: Status) -> str:
-    """Return the robot's mode; with what is wrong and what to do when it is halted."""
+    """Return the robot's mode, with errors and remedies when an arm is halted."""
     wrong = []
     for arm in status.robots:
         if arm.remedy:

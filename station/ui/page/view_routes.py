@@ -2,8 +2,8 @@
 
 `POST /ui/ghost` shows a second, translucent robot in the browsers of the session that
 asks, e.g. a recorded or a planned pose; `DELETE /ui/ghost` hides it. A ghost is a
-picture: no controller is told of it, so a viewer may show one, too. `PUT /ui/layers`
-chooses what is laid over the robots, and `POST /ui/camera` from where they are seen.
+picture: no controller hears of it, so a viewer may show one, too. `PUT /ui/layers`
+chooses the layers over the robots, `POST /ui/camera` the place from which to look.
 `POST /ui/opened` says how much of the view a page hides that has just opened.
 `PUT /ui/scheme` says whether the page is dark, so that its 3D view is, too.
 A page in which links can be pulled says with `POST /ui/alive` that it lives.
@@ -42,7 +42,7 @@ class GhostRequest(Body):
     Attributes:
         positions: Joint positions by name [rad] or [m]; joints that are not named stay
             as they were drawn last.
-        label: What the pose is, e.g. `recorded, 3.2 s`.
+        label: A name of the pose, e.g. `recorded, 3.2 s`.
     """
 
     positions: dict[str, _Finite] = Field(min_length=1, max_length=_MOST_JOINTS)
@@ -50,7 +50,7 @@ class GhostRequest(Body):
 
 
 class LayersRequest(Body):
-    """What to lay over the robots.
+    """A choice of layers over the robots.
 
     Attributes:
         shown: Names of layers; everything else is hidden.
@@ -60,7 +60,7 @@ class LayersRequest(Body):
 
 
 class SchemeRequest(Body):
-    """How the page looks.
+    """The colour scheme of the page.
 
     Attributes:
         dark: Whether it is dark.
@@ -70,7 +70,7 @@ class SchemeRequest(Body):
 
 
 class CameraRequest(Body):
-    """From where to look.
+    """A place from which to look.
 
     Attributes:
         preset: Name of the place.
@@ -82,7 +82,7 @@ class CameraRequest(Body):
 
 
 class OpenedRequest(Body):
-    """What a page hides that has just opened.
+    """The part of the 3D view that a page hides when it opens.
 
     Attributes:
         covered: Part of the picture at its left that the page covers by something else.
@@ -93,7 +93,7 @@ class OpenedRequest(Body):
 
 @dataclass(frozen=True, slots=True)
 class ShownViews:
-    """What the sessions see, as another thread than Viser's reaches it.
+    """The views of all sessions, as another thread than Viser's reaches them.
 
     Attributes:
         views: The views; only what never changes may be read.
@@ -108,7 +108,7 @@ class ViewRoutes:
     """The routes below `/ui` besides those that Viser answers.
 
     Args:
-        shown: What the sessions see.
+        shown: The views of all sessions.
         find: Returns the session of a connection.
     """
 

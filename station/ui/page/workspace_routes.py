@@ -48,10 +48,10 @@ class _Parameters(Body):
 
 @dataclass(frozen=True, slots=True)
 class WorkspaceParts:
-    """What the workspace is made of.
+    """The parts of the dashboard that the docks need.
 
     Attributes:
-        view: Returns what is known of the station; callable by any thread.
+        view: Returns the dashboard's knowledge of the station; callable by any thread.
         access: The credentials of the sessions at the station.
         triangles: How many triangles the drawn robots have.
         not_drawn: Why no robot is drawn; empty when there is no such reason.

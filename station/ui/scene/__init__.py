@@ -1,1 +1,1 @@
-"""The robots in 3D, and what a browser can lay over them."""
+"""The robots in 3D, and the layers over them."""

@@ -13,7 +13,7 @@ import viser
 from station.core.description.urdf import Joint, JointType, Pose, Urdf
 
 Place = viser.ViserServer | viser.ClientHandle
-"""Where something is drawn: in all browsers, or in one."""
+"""All browsers, or one."""
 _SMALLEST_STEP = 1e-4
 
 
@@ -114,10 +114,6 @@ class MovingFrames:
         self._place = place
         self._frames = frames
         self.shown: dict[str, float] = {}
-
-    def frame_of(self, joint: str) -> viser.FrameHandle:
-        """Return the frame that a joint moves."""
-        return next(f.handle for f in self._frames if f.joint.name == joint)
 
     def show(self, positions: Mapping[str, float]) -> None:
         """Move the joints.

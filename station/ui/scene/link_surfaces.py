@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
+import viser
 from numpy.typing import NDArray
 
 from station.core.description.urdf import Pose, Shape, Urdf
@@ -22,6 +23,39 @@ class Surface:
 
     vertices: NDArray[np.float32]
     faces: NDArray[np.uint32]
+
+    def draw(
+        self,
+        scene: viser.SceneApi,
+        path: str,
+        colour: tuple[int, int, int],
+        opacity: float,
+        *,
+        scale: float = 1.0,
+        is_flat: bool = True,
+    ) -> viser.MeshHandle:
+        """Draw the surface, translucent.
+
+        Args:
+            scene: Where it is drawn.
+            path: Its scene node.
+            colour: Its colour.
+            opacity: 0 to 1.
+            scale: Its size over its real size.
+            is_flat: Whether each triangle is of one shade.
+        """
+        # Without shadows, which would draw the surface four times.
+        return scene.add_mesh_simple(
+            path,
+            self.vertices,
+            self.faces,
+            color=colour,
+            opacity=opacity,
+            scale=scale,
+            flat_shading=is_flat,
+            cast_shadow=False,
+            receive_shadow=False,
+        )
 
 
 def link_surfaces(

@@ -1,4 +1,4 @@
-"""A second, translucent figure of a robot: where it was told to be, or would be."""
+"""A second, translucent figure of a robot at a commanded or planned pose."""
 
 from collections.abc import Mapping
 
@@ -17,7 +17,7 @@ Colour = tuple[int, int, int]
 class RobotFigure:
     """The collision geometry of a robot, drawn as one figure. Viser's event loop only.
 
-    The collision geometry has a hundredth of the triangles of what a robot looks like,
+    The collision geometry has a hundredth of the triangles of the visual meshes,
     so that every browser can have figures of its own.
 
     Args:
@@ -49,16 +49,7 @@ class RobotFigure:
                 moving.append(MovingFrame(joint, handle))
             surface = robot.surfaces.get(joint.child)
             if surface is not None:
-                scene.add_mesh_simple(
-                    f"{path}/surface",
-                    surface.vertices,
-                    surface.faces,
-                    color=colour,
-                    opacity=opacity,
-                    flat_shading=True,
-                    cast_shadow=False,
-                    receive_shadow=False,
-                )
+                surface.draw(scene, f"{path}/surface", colour, opacity)
         self._frames = MovingFrames(place, moving)
 
     @property

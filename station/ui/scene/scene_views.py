@@ -1,7 +1,7 @@
-"""What each browser session sees in the 3D view besides what all of them see.
+"""The views of browser sessions: layers, ghosts and cameras of their own.
 
-Viser knows browsers, the gateway knows sessions: the relay tells Viser's door the key
-of the session, so that a session's choice is drawn in its own browsers alone.
+Viser knows browsers, the gateway knows sessions: the relay hands Viser the key of the
+session, so that a session's choice is drawn in its own browsers alone.
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -35,12 +35,12 @@ MOST_KEPT = 512
 PUSH = "push"
 """The layer in which links are pulled."""
 AT_FIRST = frozenset({"command", "forces", "limits"})
-"""What is shown to a session that has not chosen."""
+"""The layers of a session that has not chosen."""
 _GHOST_COLOUR = (138, 84, 214)
 _LABEL_HEIGHT = 0.05  # [m]
 _SAME_PLACE = 1e-3  # [m]
 _UNPLACED = (3.0, 3.0, 3.0)
-"""Where a page of Viser looks from until it has read where it is to begin [m]."""
+"""The place of the camera of a page that has not read its first place yet [m]."""
 
 
 class CollisionLayer(Layer):
@@ -57,15 +57,11 @@ class CollisionLayer(Layer):
         super().__init__(client, robots)
         for robot in self.robots:
             for link, surface in robot.model.surfaces.items():
-                node = client.scene.add_mesh_simple(
+                node = surface.draw(
+                    client.scene,
                     f"{robot.node_of(link)}/collision",
-                    surface.vertices,
-                    surface.faces,
-                    color=_COLLISION_COLOUR,
-                    opacity=_COLLISION_OPACITY,
-                    flat_shading=True,
-                    cast_shadow=False,
-                    receive_shadow=False,
+                    _COLLISION_COLOUR,
+                    _COLLISION_OPACITY,
                 )
                 self.nodes.append(node)
 
@@ -82,16 +78,16 @@ LAYERS: Mapping[str, type[Layer]] = {
     "frames": FramesLayer,
     "collision": CollisionLayer,
 }
-"""What can be laid over the robots for everybody to look at."""
+"""The layers that any session may choose."""
 
 
 @dataclass(frozen=True, slots=True)
 class Ghost:
-    """A pose that a session looks at: recorded, or one that a motion would go to.
+    """A pose that a session looks at, recorded or planned.
 
     Attributes:
         positions: Joint positions by name [rad] or [m].
-        label: What the pose is, shown above it; may be empty.
+        label: The name of the pose, shown above it; may be empty.
     """
 
     positions: Mapping[str, float]
@@ -100,7 +96,7 @@ class Ghost:
 
 @dataclass(slots=True)
 class _Drawn:
-    """What one browser shows of its session's choice."""
+    """The choice of a session as one browser shows it."""
 
     client: viser.ClientHandle
     is_framed: bool = False
@@ -199,7 +195,7 @@ class SceneViews:
             look(drawn.client, preset, self._robots, positions, covered)
 
     def opened(self, key: str, covered: float) -> None:
-        """Fit the robots beside what the page of a session hides when it opens.
+        """Fit the robots beside the part of the picture that a page has just hidden.
 
         A browser whose camera has been moved stays as it is.
 
@@ -225,7 +221,7 @@ class SceneViews:
             paint(drawn.client, is_dark=is_dark)
 
     def alive(self, key: str) -> None:
-        """Note that the page of a session lives: what it holds goes on.
+        """Note that the page of a session lives, so that its pull goes on.
 
         Args:
             key: Key of the session.

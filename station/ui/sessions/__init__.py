@@ -1,1 +1,1 @@
-"""Who has logged in, what they may do, and who holds control."""
+"""Logins, their roles, and their credentials at the station."""

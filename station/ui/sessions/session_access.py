@@ -1,4 +1,4 @@
-"""With what each browser's requests reach the station: an address, a token, a lease.
+"""The credentials of each session at the station: an address, a token, a lease.
 
 None of them ever reaches a page. Any thread may ask; only the gateway's event loop
 changes anything.
@@ -17,9 +17,9 @@ from station.wire import ControlState, ExternalForce
 from station.wire.protocol import LEASE_HEADER
 
 BEGIN_WITHIN = 3.0
-"""How long after it was asked for the station may begin a change [s]."""
+"""Longest time between the request of a change and its begin [s]."""
 _REQUEST_TIMEOUT = 2.0
-_NOBODYS = "nobodys-token"
+_NO_TOKEN = "nobodys-token"
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +91,7 @@ class SessionAccess:
         await self._is_back.wait()
 
     def move_to(self, station: StationAccess | None) -> None:
-        """Serve another station from now on, at which nobody holds control.
+        """Serve another station from now on, without a lease.
 
         Args:
             station: How to reach it; None while the former one has ended and it is not
@@ -106,14 +106,14 @@ class SessionAccess:
             self._is_back.set()
 
     def own_token(self, token: str) -> str:
-        """Return what a session keeps of the token that it logged in with.
+        """Return the token that a session keeps of its login.
 
         Args:
             token: The token.
 
         Returns:
-            The token; empty for one that the station makes anew at every start, since
-            the role of the session stands for it.
+            The token; empty for a token that the station makes anew at every start,
+            since the role of the session stands for it.
         """
         made = {self._station.token, self._station.viewer_token} - {""}
         return "" if token in made else token
@@ -122,7 +122,7 @@ class SessionAccess:
         """Return the token that a session's requests carry; None while there is none.
 
         Never that of another role: a viewer is a viewer at the station, too. While
-        `is_lost`, nobody gets a token that was meant for the station that has ended.
+        `is_lost`, no request gets a token of the station that has ended.
         """
         if self._is_lost:
             return None
@@ -130,17 +130,17 @@ class SessionAccess:
             return session.token
         if session.role is Role.OPERATOR:
             return self._station.token
-        return self._station.viewer_token or _NOBODYS
+        return self._station.viewer_token or _NO_TOKEN
 
     def is_withdrawn(self, session: Session, token: str | None) -> bool:
         """Return whether a session is over since the station does not know its token.
 
         A station that was started anew does not know the tokens that the former one
-        made. That ends no session: this dashboard is about to be told the new ones.
+        made. That ends no session: this dashboard is about to hear of the new ones.
 
         Args:
             session: Whose request was refused.
-            token: What the request carried.
+            token: The token of the request.
         """
         if token is None or token != self.token_of(session):
             return False
@@ -163,9 +163,9 @@ class SessionAccess:
         return headers if lease is None else {**headers, LEASE_HEADER: lease}
 
     def client_of(self, session: Session) -> AsyncStationClient:
-        """Return a client that acts for a session; whoever calls closes it."""
+        """Return a client that acts for a session; the caller closes it."""
         client = AsyncStationClient(
-            self.url, _NOBODYS, timeout=_REQUEST_TIMEOUT, ca=self._ca
+            self.url, _NO_TOKEN, timeout=_REQUEST_TIMEOUT, ca=self._ca
         )
         client.begin_within(self.promptness)
         self.renew(client, session)
@@ -177,8 +177,8 @@ class SessionAccess:
         For requests that pages send every second: opening a client takes 20 ms of CPU.
 
         Args:
-            session: Who acts. The request has to begin before anything else is awaited,
-                or it may be another session's.
+            session: The session that acts. The request has to begin before anything
+                else is awaited, or it may be another session's.
         """
         if self._shared is None:
             self._shared = self.client_of(session)
@@ -186,7 +186,7 @@ class SessionAccess:
         return self._shared
 
     def renew(self, client: AsyncStationClient, session: Session) -> str | None:
-        """Let a client of `client_of` act with what the session has now.
+        """Let a client of `client_of` act with the present credentials of its session.
 
         Args:
             client: The client.
@@ -201,36 +201,36 @@ class SessionAccess:
         return lease
 
     def role_at_viser(self, session: Session) -> Role:
-        """Return what a session may do with Viser's panel, which all browsers share.
+        """Return the role of a session at Viser's panel, which all browsers share.
 
-        While another session holds control, that panel acts under its lease. Who does
-        not hold it may watch, or the lease would serve two people.
+        While another session holds control, that panel acts under its lease. All other
+        sessions may only watch, or the lease would serve two people.
         """
         lease = self._present()
         is_others = lease is not None and lease.session is not session
         return Role.VIEWER if is_others else session.role
 
     def note(
-        self, session: Session, told: ControlState, key: str | None, asked_at: float
+        self, session: Session, state: ControlState, key: str | None, asked_at: float
     ) -> None:
-        """Note what the station has told a session about control.
+        """Note the station's answer to a session about control.
 
         Args:
-            session: Who asked.
-            told: The answer.
+            session: The session that asked.
+            state: The answer.
             key: The lease that the request named; None without one.
             asked_at: Monotonic time before the request [s]; the lease lasts from then.
         """
-        if told.mine and told.lease is not None and told.expires_in is not None:
+        if state.mine and state.lease is not None and state.expires_in is not None:
             before = self._lease
-            if before is not None and before.key == told.lease:
+            if before is not None and before.key == state.lease:
                 session = before.session
-            self._set(_Lease(session, told.lease, asked_at + told.expires_in))
+            self._set(_Lease(session, state.lease, asked_at + state.expires_in))
         else:
             self.lose(key)
 
     def lose(self, key: str | None) -> None:
-        """Forget a lease that is none any more; a newer one stays.
+        """Forget a lease that has ended; a newer lease stays.
 
         Args:
             key: The lease; None changes nothing.
@@ -251,7 +251,7 @@ class SessionAccess:
 
 
 class SessionPusher:
-    """Pushes with what each session has at the station. In Viser's event loop only.
+    """Pushes simulated arms for sessions. To be used from Viser's event loop only.
 
     Args:
         access: The credentials of the sessions.

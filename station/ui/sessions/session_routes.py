@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class RefusedError(Exception):
-    """A request is not carried out; the page is told why.
+    """A refusal of a request of the page.
 
     Args:
         status: HTTP status.
@@ -98,8 +98,8 @@ class SessionRoutes:
                 return await answer(session, request)
             except ApiError as error:
                 status = error.status or 502
-                told = RefusedError(status, error.code, error.detail, error.remedy)
-                return told.answer()
+                detail, remedy = error.detail, error.remedy
+                return RefusedError(status, error.code, detail, remedy).answer()
             except RefusedError as refusal:
                 return refusal.answer()
 

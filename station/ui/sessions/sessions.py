@@ -1,4 +1,4 @@
-"""Browser sessions of the gateway: who has logged in, and in which role."""
+"""Browser sessions of the gateway: the logins and their roles."""
 
 import asyncio
 import contextlib
@@ -10,17 +10,17 @@ from enum import Enum
 from typing import Protocol
 
 SESSION_LIFETIME = 12 * 3600.0
-"""How long a login lasts [s]; every request renews it."""
+"""Duration of a login [s]; every request renews it."""
 
 SAVE_PERIOD = 60.0
-"""How often it is kept when sessions were used last [s]."""
+"""Time between two notes on disk of the last use of the sessions [s]."""
 
 EXPIRY_PERIOD = 1.0
-"""How often an open socket looks whether its session has expired [s]."""
+"""Time between two looks of an open socket at the end of its session [s]."""
 
 
 class Role(Enum):
-    """What a browser may do: watch, or also act."""
+    """The permission of a browser: to watch, or also to act."""
 
     VIEWER = "viewer"
     OPERATOR = "operator"
@@ -32,7 +32,7 @@ class Session:
 
     Attributes:
         identifier: Random value of its cookie.
-        role: What it may do.
+        role: Its role.
         token: The named token that it logged in with, which never leaves the gateway
             but for the station; empty for a token of the station's start, for which the
             role stands.
@@ -53,7 +53,7 @@ class KeptSession:
 
     Attributes:
         identifier: Random value of its cookie.
-        role: What it may do.
+        role: Its role.
         token: As `Session.token`.
         used_at: When it was used last, in the time of `Sessions`.
     """
@@ -87,7 +87,7 @@ class Sessions:
     nothing at the API.
 
     Args:
-        now: Clock [s]; one that goes on while no dashboard runs.
+        now: Clock [s] that goes on while no dashboard runs.
         limit: Most sessions kept for each role; of the same role the oldest goes first,
             so that no viewer can end an operator's session.
         store: Where they outlive a dashboard; None: nowhere.
@@ -113,7 +113,7 @@ class Sessions:
         """Start a session and return it.
 
         Args:
-            role: What the browser may do.
+            role: The role of the browser.
             token: The named token with which it has logged in; empty for a token of
                 the station's start.
         """
@@ -150,7 +150,7 @@ class Sessions:
         return None
 
     def close(self, identifier: str | None) -> None:
-        """End a session; one that is not known is ended already."""
+        """End a session; nothing happens if it has ended already."""
         entry = self._sessions.pop(identifier or "", None)
         if entry is not None:
             entry[0].closed.set()

@@ -144,7 +144,7 @@ class HandTeleoperation:
         target: The controller that goes to a pose, or why there is none.
         message: Why the motion waits or slows down; empty when it does not.
         speed: The speed of held buttons, unless the controller allows less.
-        desired: The pose to which the hand was told to go, in the order of `POSE`;
+        desired: The last pose of the set-point, in the order of `POSE`;
             None while unknown.
     """
 
@@ -217,7 +217,7 @@ class HandTeleoperation:
         if self.target.reason or not self.target.name:
             return self.target.reason
         if self.desired is None:
-            return "It is not known yet where the hand was told to be. Try again."
+            return "The last set-point of the hand is not known yet. Try again."
         self._pose.set([*pose, *self.desired[len(pose) :]], now)
         return ""
 

@@ -30,7 +30,7 @@ SHOWN_FOR = 1.0
 SLOWEST, FASTEST = 0.02, 1.5
 """Range of the speed of a joint that a person may choose [rad/s] or [m/s]."""
 UNKNOWN_START = (
-    "It is not known yet where the robot was told to be. Try again in a moment."
+    "The last set-point of the robot is not known yet. Try again in a moment."
 )
 
 
@@ -56,7 +56,7 @@ class SetPoint:
     Attributes:
         controller: The controller that takes it.
         values: One number per element, in the units of the elements; None for those
-            that stay as the controller was told last.
+            that stay as they are.
         epoch: The epoch that it is meant for; None while that is not known.
     """
 
@@ -101,7 +101,7 @@ class JointTeleoperation:
         self._movers = Movers() if movers is None else movers
         self._chosen: tuple[CommandedController, ...] = (CommandedController(),)
         self._epoch: int | None = None
-        self._told: dict[str, float] = {}  # the last set-points
+        self._last: dict[str, float] = {}  # the last set-points
         self._motions: dict[str, _Motion] = {}
         self._unconfirmed: dict[str, list[str]] = {}  # joints by controller
         self._touched_at: dict[str, float] = {}
@@ -140,13 +140,13 @@ class JointTeleoperation:
             if one in self._chosen
             for element in one.elements
         }
-        self._forget(set(self._told) | set(self._motions), but=kept)
+        self._forget(set(self._last) | set(self._motions), but=kept)
         self._chosen, self._epoch = chosen, view.epoch
         for one in chosen:
             values = view.set_point_of(one.name, len(one.elements))
             if values is not None:
                 names = (element.name for element in one.elements)
-                self._told |= dict(zip(names, values, strict=True))
+                self._last |= dict(zip(names, values, strict=True))
 
     def set_speed(self, speed: float) -> None:
         """Limit the speed of a position.
@@ -209,8 +209,8 @@ class JointTeleoperation:
 
     def let_go(self) -> None:
         """Forget every motion, and send no more for it."""
-        # Where the joints were told to be is not known until a sample says so.
-        self._forget(set(self._told) | set(self._motions))
+        # The last set-points are not known until a sample has them.
+        self._forget(set(self._last) | set(self._motions))
 
     def give_up_lost(self) -> list[str]:
         """End the motion of the joints that somebody else has moved since.
@@ -226,7 +226,7 @@ class JointTeleoperation:
     def confirm(self, controller: str) -> None:
         """Note that the station took the last set-point of a controller.
 
-        Before, nobody else's motion ends: the station may refuse this one.
+        Before that, no motion of another person ends: the station may refuse this one.
         """
         for name in self._unconfirmed.pop(controller, ()):
             self._movers.take(name, self)
@@ -259,7 +259,7 @@ class JointTeleoperation:
         if now - self._touched_at.get(name, float("-inf")) < SHOWN_FOR:
             return None
         motion = self._motions.get(name)
-        return self._told.get(name) if motion is None else motion.target
+        return self._last.get(name) if motion is None else motion.target
 
     def _step_of(
         self, controller: CommandedController, reach: float
@@ -280,7 +280,7 @@ class JointTeleoperation:
             else:
                 # The target itself, so that a typed value arrives exactly.
                 motion.current = motion.target
-                self._told[element.name] = motion.target
+                self._last[element.name] = motion.target
                 del motions[element.name]
             values[element.name] = motion.current
         command = [values.get(element.name) for element in controller.elements]
@@ -301,13 +301,13 @@ class JointTeleoperation:
     def _halt(self, names: Iterable[str]) -> None:
         """Let joints stay at their last set-points."""
         for name in names:
-            self._told[name] = self._motions.pop(name).current
+            self._last[name] = self._motions.pop(name).current
             self._touched_at.pop(name, None)
 
     def _forget(self, names: Iterable[str], but: Collection[str] = ()) -> None:
         for name in names:
             if name not in but:
-                for known in (self._told, self._motions, self._touched_at):
+                for known in (self._last, self._motions, self._touched_at):
                     known.pop(name, None)
 
     def _has_lost(self, name: str) -> bool:
@@ -316,7 +316,7 @@ class JointTeleoperation:
 
     def _present(self, name: str) -> float:
         motion = self._motions.get(name)
-        return self._told[name] if motion is None else motion.current
+        return self._last[name] if motion is None else motion.current
 
     def _found(self, name: str) -> tuple[CommandedController, CommandElement]:
         return next(
@@ -344,5 +344,5 @@ class JointTeleoperation:
                 f"{name} cannot go to {target:g} {element.unit}; allowed are "
                 f"{low:g} to {high:g} {element.unit}."
             )
-        is_known = name in self._told or name in self._motions
+        is_known = name in self._last or name in self._motions
         return "" if is_known else UNKNOWN_START

@@ -71,7 +71,7 @@ class Teleoperation:
         self._barred_until = float("-inf")
 
     def refresh(self) -> StationView:
-        """Note what runs; a new epoch ends every motion, and every held button."""
+        """Note which controllers run; a new epoch ends every motion and held button."""
         view = self.view()
         if self._epoch not in {None, view.epoch}:
             self._bar_held_buttons()
@@ -84,7 +84,7 @@ class Teleoperation:
         """Move while a button is held.
 
         Args:
-            hold: Tells the joint or the hand that its button is held at a time.
+            hold: Notes at a joint or a hand that its button is held at a time.
 
         Returns:
             Why it does not move; empty when it does.
@@ -156,7 +156,7 @@ class Teleoperation:
             )
         except ApiError as error:
             self.let_go()
-            # A stop is no mistake of whoever moved the robot; the strip shows it.
+            # A stop is no mistake of the person at the page, and the strip shows it.
             if error.code == "stopped":
                 return []
             return [Refusal(error.detail, error.code, error.remedy)]

@@ -1,8 +1,8 @@
 """The WebSocket through which one browser moves the robot.
 
-The page says what a person does (a typed value, a held button). Set-points are made
+The page sends the acts of a person (a typed value, a held button). Set-points are made
 here, at a steady rate and a limited speed. When the page falls silent, is closed or
-logged out, nothing more is sent, and the joints stay where they were told to be.
+logged out, nothing more is sent, and the joints stay at their last set-points.
 """
 
 import asyncio
@@ -19,7 +19,7 @@ from station.ui.teleoperation.teleoperation import SEND_PERIOD, Refusal, Teleope
 if TYPE_CHECKING:
     from starlette.websockets import WebSocket
 
-_TELL_EVERY = 5
+_STATE_EVERY = 5
 _SESSION_ENDED = 4401
 _Finite = Annotated[float, Field(allow_inf_nan=False)]
 _Sign = Literal[1, -1]
@@ -95,7 +95,7 @@ class TeleoperationSocket:
         await until_first(
             asyncio.ensure_future(wait_for_end()),
             asyncio.create_task(self._listen()),
-            asyncio.create_task(self._send()),
+            asyncio.create_task(self._send_set_points()),
         )
         await close_socket(self._socket, _SESSION_ENDED, "the session has ended")
 
@@ -107,12 +107,12 @@ class TeleoperationSocket:
             try:
                 said = _MESSAGE.validate_json(message.get("text") or b"")
             except ValidationError as error:
-                await self._tell(refused=f"{error.errors()[0]['msg']}.")
+                await self._send_state(refused=f"{error.errors()[0]['msg']}.")
             else:
                 self._refusal = self._carry_out(said) or self._refusal
 
     def _carry_out(self, said: _Said) -> str:
-        """Do what a person asks; return why it is not done, or an empty text."""
+        """Carry out a message; return why it is refused, or an empty text."""
         asked = self._teleoperation
         joints, hands = asked.joints, asked.hands
         match said:
@@ -135,29 +135,29 @@ class TeleoperationSocket:
                 asked.release()
         return ""
 
-    async def _send(self) -> None:
+    async def _send_set_points(self) -> None:
         rounds, link = 0, ""
         while True:
             await asyncio.sleep(SEND_PERIOD)
             for refusal in await self._teleoperation.send_set_points():
-                await self._tell_refusal(refusal)
+                await self._send_refusal(refusal)
             rounds += 1
             before, link = link, self._teleoperation.view().link
             if self._refusal:
                 refused, self._refusal = self._refusal, ""
-                await self._tell(refused=refused)
+                await self._send_state(refused=refused)
             # A page that draws slowly would learn by its own questions only some
             # pictures later that the station is back.
-            elif rounds % _TELL_EVERY == 0 or link != before:
-                await self._tell()
+            elif rounds % _STATE_EVERY == 0 or link != before:
+                await self._send_state()
 
-    async def _tell_refusal(self, refusal: Refusal) -> None:
-        await self._tell(
+    async def _send_refusal(self, refusal: Refusal) -> None:
+        await self._send_state(
             refused=refusal.detail, code=refusal.code, remedy=refusal.remedy
         )
 
-    async def _tell(self, **more: str) -> None:
-        """Tell the page what is commanded, what was refused, and how the link is."""
+    async def _send_state(self, **more: str) -> None:
+        """Send the commanded controllers, a refusal, and the state of the link."""
         joints = self._teleoperation.joints
         content = {
             "link": self._teleoperation.view().link,

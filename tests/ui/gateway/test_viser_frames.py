@@ -1,4 +1,4 @@
-"""Which messages of a browser reach Viser."""
+"""Messages of a browser that reach Viser."""
 
 import msgspec
 import pytest

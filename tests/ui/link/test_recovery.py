@@ -1,4 +1,4 @@
-"""What the recovery button offers, and why."""
+"""The recovery that the page offers, and why."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""What ends a socket, and what of it is told."""
+"""The ends of a socket."""
 
 import asyncio
 

@@ -1,4 +1,4 @@
-"""What a view says of the link, and when nothing may be commanded."""
+"""The state of the link, and when nothing may be commanded."""
 
 from dataclasses import replace
 
@@ -29,7 +29,7 @@ def test_age_is_never_negative():
         (view(age=9.0), "lost"),
         (view(stop_state="stopped"), "stopped"),
         (view(stop_state="released"), "not allowed yet"),
-        (StationView(now=1.0, heard_at=1.0), "not said yet"),
+        (StationView(now=1.0, heard_at=1.0), "not known yet"),
     ],
 )
 def test_blocked_says_why(seen, word):
@@ -38,12 +38,6 @@ def test_blocked_says_why(seen, word):
 
 def test_nothing_is_blocked_on_a_live_armed_station():
     assert view().blocked() == ""
-
-
-def test_controllers_are_found_by_name():
-    seen = view(controller("arm"))
-    assert seen.controller("arm").name == "arm"
-    assert seen.controller("leg") is None
 
 
 @pytest.mark.parametrize(

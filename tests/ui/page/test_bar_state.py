@@ -1,4 +1,4 @@
-"""What the bar at the top shows."""
+"""The content of the status strip."""
 
 from station.ui.link.station_view import StationView
 from station.ui.page.page_state import BarState, bar_state

@@ -1,4 +1,4 @@
-"""What the Controllers panel offers."""
+"""Starts and texts that the dock Controllers offers."""
 
 from dataclasses import replace
 
@@ -14,20 +14,25 @@ from station.wire import ClaimedResources
 from tests.ui.views import arm, controller, status, view
 
 
+def _offer(seen):
+    """Return the offer for the first controller."""
+    return offer_for(seen, seen.controllers[0])
+
+
 def test_a_free_controller_can_be_started_and_unloaded():
-    assert offer_for(view(controller("arm")), "arm") == Offer(start=True, unload=True)
+    assert _offer(view(controller("arm"))) == Offer()
 
 
 def test_a_running_controller_can_only_be_stopped():
-    offer = offer_for(view(controller("arm", "running")), "arm")
-    assert (offer.start, offer.stop, offer.unload) == (False, True, False)
+    offer = _offer(view(controller("arm", "running")))
+    assert offer.replaces == ()
     assert "Stop it before" in offer.reason
 
 
 def test_the_holder_of_its_joints_is_named():
     seen = view(controller("arm"), controller("other", "running"))
-    offer = offer_for(seen, "arm")
-    assert (offer.start, offer.replaces) == (False, ("other",))
+    offer = _offer(seen)
+    assert offer.replaces == ("other",)
     assert "other" in offer.reason
 
 
@@ -45,24 +50,20 @@ def test_a_motion_of_the_hand_and_one_of_its_joints_replace_each_other(starts):
         positions=dict.fromkeys([*joints, "panda_finger_joint1", "panda_2_joint1"], 0),
     )
     seen = replace(seen, status=status(robots=[arm("panda", "move")]))
-    assert offer_for(seen, starts).replaces == (running,)
+    assert _offer(seen).replaces == (running,)
 
 
 def test_other_joints_do_not_conflict():
     seen = view(controller("arm"), controller("leg", "running", ["leg1"]))
-    assert offer_for(seen, "arm").start
+    assert _offer(seen) == Offer()
 
 
-@pytest.mark.parametrize("seen", [view(), view(controller("arm"), age=9.0)])
-def test_nothing_is_offered_without_controller_or_link(seen):
-    offer = offer_for(seen, "arm")
-    assert (offer.start, offer.stop, offer.unload) == (False, False, False)
-    assert offer.reason
+def test_nothing_is_started_without_a_link():
+    assert "link" in _offer(view(controller("arm"), age=9.0)).reason
 
 
 def test_nothing_is_started_while_stopped():
-    offer = offer_for(view(controller("arm"), stop_state="stopped"), "arm")
-    assert not offer.start
+    offer = _offer(view(controller("arm"), stop_state="stopped"))
     assert "stopped" in offer.reason
 
 

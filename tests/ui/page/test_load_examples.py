@@ -1,9 +1,9 @@
-"""What the form for loading a controller begins with."""
+"""First values of the form that loads a controller."""
 
 import pytest
 import yaml
 
-from station.ui.page.load_examples import example_parameters, suggested_name, usefulness
+from station.ui.page.load_examples import example_parameters, suggested_name
 
 JOINTS = ["panda_joint1", "panda_joint2", "panda_finger_joint1"]
 
@@ -42,11 +42,6 @@ def test_names_are_short_and_free():
     kind = "effort_controllers/JointGroupPositionController"
     assert suggested_name(kind, []) == "effort_position"
     assert suggested_name(kind, ["effort_position"]) == "effort_position_2"
-
-
-def test_group_position_controllers_are_offered_first():
-    kinds = ["a/JointEffortController", "b/JointGroupPositionController"]
-    assert sorted(kinds, key=usefulness)[0] == kinds[1]
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""What the docks are told of a station."""
+"""The state of the docks."""
 
 import json
 

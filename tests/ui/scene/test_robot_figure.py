@@ -26,7 +26,11 @@ def test_a_figure_is_hidden_until_it_is_shown(figure, shared_bench):
 
 def test_a_figure_stands_at_its_joint_positions(figure):
     figure.show({"panda_joint1": 1.0})
-    turned = tuple(figure._frames.frame_of("panda_joint1").wxyz)
+    turned = tuple(
+        next(
+            f.handle for f in figure._frames._frames if f.joint.name == "panda_joint1"
+        ).wxyz
+    )
     # A turn about z by 1 rad: (cos 0.5, 0, 0, sin 0.5).
     assert turned == pytest.approx((0.8776, 0.0, 0.0, 0.4794), abs=1e-4)
 

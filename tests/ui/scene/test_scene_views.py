@@ -1,4 +1,4 @@
-"""What each browser session sees in the 3D view."""
+"""The views of browser sessions."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What a browser's session has at the station: its role's token, and its lease."""
+"""Credentials of a session at the station: its role's token, and its lease."""
 
 import pytest
 

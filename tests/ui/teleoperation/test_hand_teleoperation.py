@@ -1,4 +1,4 @@
-"""What a person asks of the end effector, with an injected clock."""
+"""The commands of a person to an end effector, with an injected clock."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""What goes wrong in a callback reaches the screen and the log."""
+"""A failure of a callback reaches the screen and the log."""
 
 import asyncio
 import logging

@@ -101,7 +101,7 @@ def test_the_page_is_told_at_once_that_the_station_is_back(desk, client, monkeyp
     client.view = replace(VIEW, heard_at=None)
     assert _hear(desk, lambda told: told["link"] == "lost")
     # From now on nothing is told for its own sake.
-    monkeypatch.setattr(teleoperation_socket, "_TELL_EVERY", 10**9)
+    monkeypatch.setattr(teleoperation_socket, "_STATE_EVERY", 10**9)
     client.view = VIEW
     assert _hear(desk, lambda told: told["link"] == "live")
 

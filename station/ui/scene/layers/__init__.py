@@ -1,1 +1,1 @@
-"""What a browser can lay over the robots in the 3D view, each thing by itself."""
+"""Layers that a browser can lay over the robots in the 3D view."""

@@ -18,7 +18,7 @@ which it goes [rad] or [m]; a difference keeps it from flickering."""
 
 
 class CommandedLayer(Layer):
-    """A figure of each robot where it was told to be, while it is somewhere else.
+    """A figure of each robot at its commanded pose, while the robot is elsewhere.
 
     Args:
         client: The browser.
@@ -34,7 +34,7 @@ class CommandedLayer(Layer):
 
     @override
     def show(self, facts: SceneFacts) -> None:
-        """Show the figures of robots that are not where they were told to be."""
+        """Show the figures of robots that are not at their commanded poses."""
         for i, robot in enumerate(self.robots):
             figure = self._figures[i]
             apart = _distance(robot, facts)

@@ -63,9 +63,9 @@ class SceneFacts:
         positions: Measured joint positions by name [rad] or [m].
         commanded: Positions that running controllers want their joints to have.
         limits: Lowest and highest position by joint.
-        arms: What the Franka arms say, by arm_id.
-        contacts: Where bodies of a simulated world touch.
-        trails: Where the flange of each robot was, oldest first [m], world.
+        arms: The tools of the Franka arms and the forces on them, by arm_id.
+        contacts: The points at which bodies of a simulated world touch.
+        trails: The path of the flange of each robot, oldest point first [m], world.
     """
 
     positions: Mapping[str, float] = field(default_factory=dict)
@@ -79,7 +79,7 @@ class SceneFacts:
 class Layer(ABC):
     """Something over the robots in one browser. To be used from Viser's event loop.
 
-    A layer exists while it is shown: what nobody looks at costs nothing.
+    A layer exists while it is shown; a hidden layer costs nothing.
 
     Args:
         client: The browser.

@@ -75,15 +75,8 @@ class LimitsLayer(Layer):
         mesh = (
             None
             if surface is None
-            else scene.add_mesh_simple(
-                f"{node}/tint",
-                surface.vertices,
-                surface.faces,
-                color=_COLOUR,
-                opacity=_OPACITY,
-                scale=_LARGER,
-                cast_shadow=False,
-                receive_shadow=False,
+            else surface.draw(
+                scene, f"{node}/tint", _COLOUR, _OPACITY, scale=_LARGER, is_flat=False
             )
         )
         self._tinted[joint.name] = _Tint(label, mesh)

@@ -23,11 +23,11 @@ from station.ui.scene.layers.layer import Layer, PlacedRobot, SceneFacts
 from station.wire import ExternalForce
 
 PUSH_TIME = 0.2
-"""How long one request pushes [s]."""
+"""Duration of the push of one request [s]."""
 PUSH_PERIOD = 0.1
 """Time between two requests [s]."""
 ALIVE_FOR = 0.3
-"""How long a page counts as living after it said so [s]."""
+"""Time for which a page counts as living after its last message [s]."""
 STIFFNESS = 80.0
 """Force for each metre between the link and the pointer [N/m]."""
 STRONGEST = 40.0
@@ -46,11 +46,11 @@ class Pusher(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Pushing:
-    """How the browsers of a session push.
+    """The way in which the browsers of a session push.
 
     Attributes:
         send: Pushes for a session.
-        refused: Told of a refusal, with the browser that pulled.
+        refused: Called with a refusal and the browser that pulled.
         now: Monotonic clock [s].
     """
 
@@ -98,14 +98,12 @@ class PushLayer(Layer):
         self._arrow: viser.ArrowsHandle | None = None
         for robot in self.robots:
             for link, surface in robot.model.surfaces.items():
-                node = client.scene.add_mesh_simple(
+                node = surface.draw(
+                    client.scene,
                     f"{robot.node_of(link)}/push",
-                    surface.vertices,
-                    surface.faces,
-                    color=_COLOUR,
-                    opacity=_OPACITY,
-                    cast_shadow=False,
-                    receive_shadow=False,
+                    _COLOUR,
+                    _OPACITY,
+                    is_flat=False,
                 )
                 node.on_drag("left")(partial(self._on_drag, robot, link))
                 self.nodes.append(node)

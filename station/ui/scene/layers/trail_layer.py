@@ -1,4 +1,4 @@
-"""The layer with the trail of the hand, and what remembers where the hand was."""
+"""The layer with the path of each flange, and the paths themselves."""
 
 import math
 from collections import deque
@@ -19,7 +19,7 @@ _THICKNESS = 0.006  # [m]
 
 
 class Trails:
-    """Where the flange of each robot was.
+    """The paths of the flanges.
 
     Args:
         robots: The robots in the scene.
@@ -32,7 +32,7 @@ class Trails:
         ]
 
     def note(self, positions: Mapping[str, float]) -> list[list[Vector3]]:
-        """Note where the flanges are, and return where they were.
+        """Note the places of the flanges, and return their paths.
 
         Args:
             positions: Joint positions by name [rad] or [m].

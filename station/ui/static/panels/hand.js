@@ -2,7 +2,7 @@
 import { h, holdButton, kept, number, show, typed } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { refusals } from "../lib/refusals.js";
-import { act, api, desk } from "../lib/station.js";
+import { act, api, teleoperation } from "../lib/station.js";
 import { store, switchTo } from "../lib/store.js";
 
 const AXES = ["x", "y", "z", "about x", "about y", "about z"];
@@ -22,7 +22,7 @@ class Hand extends Panel {
     this.startTarget = starter("Start hand targets", TARGETS);
     this.handButtons = AXES.flatMap((axis, i) =>
       [-1, 1].map((sign) =>
-        holdButton(`${sign < 0 ? "−" : "+"} ${axis}`, `Move the hand ${sign < 0 ? "against" : "along"} ${axis} while held`, () => this.hold(i, sign), () => desk.say({ do: "release" })),
+        holdButton(`${sign < 0 ? "−" : "+"} ${axis}`, `Move the hand ${sign < 0 ? "against" : "along"} ${axis} while held`, () => this.hold(i, sign), () => teleoperation.say({ do: "release" })),
       ),
     );
     this.targets = ["x", "y", "z"].map((axis) => {
@@ -31,12 +31,12 @@ class Hand extends Panel {
       input.addEventListener("keydown", (event) => event.key === "Enter" && this.go());
       return input;
     });
-    this.reach = h("button", { class: "s", type: "button", title: "Move the hand there; it keeps its orientation", onclick: () => this.go() }, "Go there");
-    this.axes = h("select", { title: "In whose axes the buttons move the hand" }, ...FRAMES.map((frame, i) => h("option", { value: String(i) }, frame)));
+    this.reach = h("button", { class: "s", type: "button", title: "Move the hand there; it keeps its orientation.", onclick: () => this.go() }, "Go there");
+    this.axes = h("select", { title: "Frame along whose axes the buttons move the hand." }, ...FRAMES.map((frame, i) => h("option", { value: String(i) }, frame)));
     this.axes.setAttribute("aria-label", "Axes of the jog");
     this.axes.addEventListener("change", () => this.setFrame());
-    const here = h("button", { class: "s", type: "button", title: "Fill in where the hand is", onclick: () => this.fillIn() }, "Here");
-    desk.addEventListener("change", () => this.isShown && this.refresh());
+    const here = h("button", { class: "s", type: "button", title: "Fill in where the hand is.", onclick: () => this.fillIn() }, "Here");
+    teleoperation.addEventListener("change", () => this.isShown && this.refresh());
     store.addEventListener("gains", () => (this.framed = "")); // the axes are a gain of the jog
     const fields = this.targets.map((input, i) => h("label", {}, `${AXES[i]} `, input));
     this.append(
@@ -74,23 +74,23 @@ class Hand extends Panel {
   /** The arm whose hand this is. */
   set arm(name) {
     if (name === this.armName) return;
-    if (this.armName && store.isOperator) desk.say({ do: "release" });
+    if (this.armName && store.isOperator) teleoperation.say({ do: "release" });
     this.armName = name;
     this.framed = "";
     for (const input of this.targets) input.value = ""; // a place in the base of another arm
     if (this.isShown) this.refresh();
   }
 
-  /** What the desk says of this hand; a station with one arm does not name it. */
+  /** The state of this hand; a station with one arm does not name the arm. */
   get told() {
-    const { hands } = desk.state;
+    const { hands } = teleoperation.state;
     return hands?.[this.armName] ?? hands?.[""];
   }
 
   hold(axis, sign) {
-    // With every message, since a desk that was opened anew does not know it.
-    desk.say({ do: "hand_speed", ...this.chosenSpeeds });
-    desk.say({ do: "hand", arm: this.armName, axis, sign });
+    // With every message, since a socket that was opened anew does not know it.
+    teleoperation.say({ do: "hand_speed", ...this.chosenSpeeds });
+    teleoperation.say({ do: "hand", arm: this.armName, axis, sign });
   }
 
   /** The top speeds that were chosen [m/s], [rad/s]. */
@@ -101,7 +101,7 @@ class Hand extends Panel {
   go() {
     const position = this.targets.map((input) => typed(input.value));
     if (position.includes(null)) refusals.add({ code: "not_a_number", detail: "Type x, y and z in metres." });
-    else desk.say({ do: "reach", arm: this.armName, position });
+    else teleoperation.say({ do: "reach", arm: this.armName, position });
   }
 
   fillIn() {

@@ -1,4 +1,4 @@
-"""Which Host and Origin headers the gateway answers."""
+"""Host and Origin headers that the gateway answers."""
 
 import pytest
 
