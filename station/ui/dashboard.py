@@ -201,6 +201,7 @@ class Dashboard:
         Args:
             lease: The lease of a browser of this dashboard; None without one.
         """
+        # What one holder of control asked for must not go on under the next lease.
         self._client.lease.act_under(lease)
         self._teleoperation.let_go()
 
@@ -217,6 +218,7 @@ class Dashboard:
             tasks.create_task(self._link.run())
             tasks.create_task(self._gains.run())
             tasks.create_task(self._send_set_points())
+            # Apart from the panel: a slow update of widgets must not delay the picture.
             tasks.create_task(self._follow_robot())
             tasks.create_task(self._repeat(self._refresh_views, VIEWS_PERIOD))
             tasks.create_task(self._repeat(self._refresh_panel, PANEL_PERIOD))
@@ -282,6 +284,7 @@ class Dashboard:
             refresh()
         except Exception as error:  # the boundary of the screen's updates
             self._failures += 1
+            # An update that fails is repeated ten times a second.
             if self._failures in {1, 10, 100, 1000}:
                 _logger.exception("update %d of the screen failed", self._failures)
             self._reporter.say("The dashboard failed", repr(error), None)

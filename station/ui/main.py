@@ -112,6 +112,7 @@ def run_dashboard(
     Raises:
         OSError: The port cannot be had.
     """
+    # Before anything is loaded: a port that is taken is an error at once.
     with _listen(config) as listener:
         asyncio.run(_serve(config, listener, on_ready))
     return 0
@@ -179,6 +180,7 @@ async def _serve(
         url, token = (api.url, None) if access is None else (access.url, access.token)
         api.talk_to(url, token)
         viser_loop.call_soon_threadsafe(dashboard.talk_to, url, token)
+        # STOP keeps its former addresses until the next station is known.
         if access is not None:
             button.move_to(access.token, access.watchdog_url)
             logged_in.move_to(access.url)

@@ -84,6 +84,8 @@ class ApiRelay:
             RefusedError: The route is not on the list (404), the session's role does
                 not allow it (403), or the station does not answer (502).
         """
+        # Checked although the station decides: the cookie must reach no route that no
+        # dock needs.
         path = request.url.path.removeprefix(PREFIX)
         if not may_forward(request.method, path):
             detail = f"The dashboard does not forward {request.method} {path}."
@@ -105,9 +107,11 @@ class ApiRelay:
             answer = await self._http.send(outgoing, stream=True)
         except httpx.TransportError as error:
             detail = f"The station does not answer ({type(error).__name__})"
+            # A request that was sent may have been carried out without an answer.
             if request.method != "GET" and not isinstance(error, _UNSENT):
                 detail += ". It is not known whether it was done"
             _refuse_unreachable(detail, error)
+        # The station's clock, to which the deadlines of later requests refer.
         self._access.promptness.hear(answer.headers)
         headers = {
             name: answer.headers[name]

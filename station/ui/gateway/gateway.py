@@ -150,11 +150,13 @@ class _Gateway:
             role = await self._parts.role_of(token.strip()) if token.strip() else None
         except ApiError:
             return RedirectResponse("/login?" + urlencode({"refused": "link"}), 303)
+        # A wrong token is answered late, so that tokens cannot be guessed quickly.
         if role is None:
             await self._parts.failed_logins.slow_down(request)
             return RedirectResponse("/login?" + urlencode({"refused": "token"}), 303)
         kept = self._parts.workspace.access.own_token(token.strip())
         session = self._parts.sessions.open(role, kept)
+        # The redirect takes the token out of the address and of the history.
         answer = RedirectResponse("/", 303)
         answer.set_cookie(
             session_cookie(request.scope),
@@ -190,11 +192,13 @@ class _Gateway:
         return _stop_answer(await self._parts.release(session, arm=True))
 
     async def api(self, session: Session, request: "Request") -> Response:
+        # A stop is always tried: the station may answer although its streams do not.
         if request.url.path != _STOP:
             self._refuse_if_lost()
         access = self._parts.workspace.access
         token = access.token_of(session)
         answer = await self._parts.api.forward(request, session)
+        # The token was withdrawn; a session without it could only fail.
         if answer.status_code == 401 and access.is_withdrawn(session, token):
             self._parts.sessions.close(session.identifier)
         return answer

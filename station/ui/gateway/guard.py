@@ -65,6 +65,8 @@ class OriginPolicy:
 
     def allows_host(self, host_header: str) -> bool:
         """Return whether a request with this Host header may be answered."""
+        # A foreign name that resolves to this machine (DNS rebinding) would let a page
+        # elsewhere read the answers as its own.
         name = _host_name(host_header)
         if name in self._names:
             return True
@@ -77,6 +79,8 @@ class OriginPolicy:
             origin: The Origin header; browsers always send it on such requests.
             host_header: The Host header of the same request.
         """
+        # Browsers send an Origin with every changing request; a request without one
+        # comes from no page.
         if origin is None:
             return False
         scheme, separator, rest = origin.partition("://")
@@ -106,6 +110,7 @@ class GatewayGuard:
             return
         refusal = self._refusal(scope)
         limit = _largest_body(scope)
+        # A foreign page is refused first: it learns nothing of the limits.
         if not refusal and announces_more_than(scope, limit):
             await _too_large(limit)(scope, receive, send)
         elif refusal and scope["type"] == "websocket":

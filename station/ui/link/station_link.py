@@ -159,6 +159,7 @@ class StationLink:
         """Request the status; after a restart of the station, request everything."""
         status = await self.client.status()
         before = self._view.status
+        # Controllers of the next station may have other elements under the same names.
         restarted = before is not None and status.boot_id != before.boot_id
         if restarted or not self._view.types:
             types = tuple(await self.client.controller_types())

@@ -90,6 +90,7 @@ class StationView:
         age = self.age
         if age is None or age > LOST_AFTER:
             return "lost"
+        # One late frame is no reason to grey the page.
         return "stale" if age > STALE_AFTER else "live"
 
     @property

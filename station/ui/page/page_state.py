@@ -54,6 +54,7 @@ def enabling(view: StationView) -> Enabling:
         for controller in view.controllers
         if controller.type.endswith(_DEFAULT_KIND) and controller.state in _STARTABLE
     )
+    # Both arms, or the person would have to enable the second one by hand.
     if default:
         replaces = (r for c in default for r in offer_for(view, c).replaces)
         return Enabling(

@@ -142,6 +142,7 @@ class WorkspaceRoutes:
             RefusedError: The body is too large, or has no such parameters.
         """
         body = await request.body()
+        # A longer text could not be read back, and STOP waits while it is written.
         if len(body) > FORM.characters:
             detail = f"The parameters have more than {FORM.characters} characters."
             raise RefusedError(413, "body_too_large", detail, "Shorten them.")

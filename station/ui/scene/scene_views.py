@@ -238,6 +238,7 @@ class SceneViews:
     def refresh(self, facts: SceneFacts) -> None:
         """Draw the newest facts in all browsers."""
         self._facts = facts
+        # A copy, because browsers come and go while messages are sent.
         for drawn in list(self._drawn.values()):
             self._frame(drawn)
             with drawn.client.atomic():
@@ -254,9 +255,11 @@ class SceneViews:
         if drawn.is_framed or covered is None or not positions:
             return
         place = drawn.client.camera.position
+        # The page has yet to move its camera to its first place.
         if _is_same(place, _UNPLACED):
             return
         drawn.is_framed = True
+        # A person who has moved the camera wants to keep it.
         if _is_same(place, self._first_place()):
             look(drawn.client, "fit", self._robots, positions, covered)
 

@@ -99,6 +99,7 @@ class SessionAccess:
         """
         self._is_lost = station is None
         self._station = station or self._station
+        # Control was given by the station that has ended.
         self._set(None)
         if station is None:
             self._is_back.clear()
@@ -124,6 +125,7 @@ class SessionAccess:
         Never that of another role: a viewer is a viewer at the station, too. While
         `is_lost`, no request gets a token of the station that has ended.
         """
+        # Another program may answer at the address of a station that has ended.
         if self._is_lost:
             return None
         if session.token:
@@ -223,6 +225,7 @@ class SessionAccess:
         """
         if state.mine and state.lease is not None and state.expires_in is not None:
             before = self._lease
+            # Sessions may share a token; the lease stays with the one that took it.
             if before is not None and before.key == state.lease:
                 session = before.session
             self._set(_Lease(session, state.lease, asked_at + state.expires_in))

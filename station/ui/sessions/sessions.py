@@ -106,6 +106,7 @@ class Sessions:
         self._sessions: dict[str, tuple[Session, float]] = {}
         for kept in () if store is None else store.load():
             session = Session(kept.identifier, kept.role, kept.token)
+            # A clock that was set back must not let a session live longer.
             self._sessions[kept.identifier] = (session, min(kept.used_at, now()))
         self._forget_expired()
 
@@ -118,6 +119,8 @@ class Sessions:
                 the station's start.
         """
         self._forget_expired()
+        # Of one role alone: a viewer could otherwise end the sessions of operators by
+        # logging in often enough.
         alike = [one for one, _ in self._sessions.values() if one.role is role]
         for session in alike[: max(0, len(alike) + 1 - self._limit)]:
             self.close(session.identifier)
@@ -134,6 +137,7 @@ class Sessions:
             return None
         session = entry[0]
         self._sessions[session.identifier] = (session, self._now())
+        # A page asks three times a second; not each of them is worth a write to disk.
         if self._now() - self._saved_at > SAVE_PERIOD:
             self._save()
         return session
@@ -144,6 +148,7 @@ class Sessions:
         Args:
             key: `Session.key`.
         """
+        # A copy, because the gateway's thread changes the table meanwhile.
         for session, _ in list(self._sessions.values()):
             if session.key == key:
                 return session

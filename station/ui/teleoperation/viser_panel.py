@@ -201,6 +201,7 @@ class GainSliders:
         """Show the gains of the chosen joint."""
         tunable = tunable_controllers(view)
         set_options(self._chosen, tuple(tunable))
+        # The running controller, until a person has chosen one.
         if tunable and not self._chosen_by_hand:
             set_value(self._chosen, tunable[0])
         gains = self._gains if self._gains_of == self._chosen.value else None
@@ -276,6 +277,7 @@ class GainSliders:
             self._sliders[name].taken()
         self._pending[name] = value
         await asyncio.sleep(_SETTLE)
+        # The slider was moved again meanwhile; that value is sent.
         if self._pending.get(name) != value:
             return
         del self._pending[name]
@@ -338,6 +340,7 @@ class HandArrows:
 
     async def _on_drag(self, event: viser.TransformControlsEvent) -> None:
         """Let the hand go to the pose to which a person dragged the arrows."""
+        # Viser also calls this when the arrows follow the arm.
         if event.client is None:
             return
         self._dragged_at = self._teleoperation.now()

@@ -40,6 +40,7 @@ class CommandedLayer(Layer):
             apart = _distance(robot, facts)
             is_shown = figure is not None and figure.is_shown
             if apart > (_TOGETHER if is_shown else _APART):
+                # Made when it is first needed: its meshes are sent to the browser.
                 if figure is None:
                     figure = RobotFigure(
                         self.client, robot.model, f"/commanded_{i}", _COLOUR

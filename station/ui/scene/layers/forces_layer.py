@@ -92,6 +92,7 @@ class _Arrow:
 
     def show(self, point: Vector3, force: Vector3) -> None:
         """Draw a force [N] that acts at a point [m]; the arrow begins there."""
+        # Noise would send a new arrow 15 times a second.
         if self._shown is not None:
             before, was = self._shown
             if math.dist(point, before) < 1e-3 and math.dist(force, was) < _SAME:

@@ -88,6 +88,7 @@ def nearness(joint: Joint, facts: SceneFacts) -> str:
     Fingers open and close to their ends as they should and are never near.
     """
     ends, q = facts.limits.get(joint.name), facts.positions.get(joint.name)
+    # A finger is at an end whenever the hand is open or closed.
     if ends is None or q is None or not joint.type.is_rotation:
         return ""
     low, high = ends

@@ -118,6 +118,7 @@ class PushLayer(Layer):
         self._positions = dict(facts.positions)
         self._arms = frozenset(facts.arms)
         now = self._pushing.now()
+        # Viser reports no end of a drag when a page hangs or is cut off.
         if self._pull is not None and now - self._alive_at > ALIVE_FOR:
             self._pull = None
         if self._pull is None:
@@ -128,6 +129,7 @@ class PushLayer(Layer):
         grip = pose.compose(Pose(pull.point)).xyz
         force = pull_force(grip, pull.pointer)
         self._draw((grip, force))
+        # A station that answers slowly must not collect pushes.
         is_idle = self._sending is None or self._sending.done()
         if is_idle and now - self._sent_at >= PUSH_PERIOD:
             self._sent_at = now
@@ -166,6 +168,7 @@ class PushLayer(Layer):
         try:
             await self._pushing.send(self._key, pull.robot.model.arm_id, push)
         except ApiError as error:
+            # Repeated, the same refusal would come ten times a second.
             self._pull = None
             self._pushing.refused(error, self.client)
 
