@@ -118,7 +118,7 @@ class Simulation extends Panel {
   refresh() {
     const { simulation, arms } = store.docks;
     if (!simulation) return; // the dock goes, too
-    show(this.state, `${simulation.paused ? "⏸ paused" : "▶ running"} at × ${number(simulation.real_time_factor, 2)} · ${number(simulation.time, 1)} s`);
+    show(this.state, `${simulation.paused ? "‖ paused" : "▶ running"} at × ${number(simulation.real_time_factor, 2)} · ${number(simulation.time, 1)} s`);
     show(this.pause, simulation.paused ? "Resume" : "Pause");
     this.step.disabled = !simulation.paused || !store.isOperator;
     const key = [...simulation.keyframes, ...arms.map((arm) => arm.arm_id)].join();
