@@ -16,7 +16,7 @@ from station.local.private_files import (
     runtime_directory,
     write_private,
 )
-from station.ui.sessions import KeptSession, Role
+from station.ui.sessions.sessions import KeptSession, Role
 
 _logger = logging.getLogger(__name__)
 

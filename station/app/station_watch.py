@@ -10,7 +10,7 @@ import time
 
 from station.app.dashboard_file import dashboard_path, read_dashboard
 from station.local.private_files import is_alive, process_start
-from station.ui.station_follower import StationAccess
+from station.ui.link.station_access import StationAccess
 
 LOOK_PERIOD = 0.1
 """How often the thread looks [s]."""

@@ -1,4 +1,4 @@
-"""Build the dashboard: the robot in 3D, the tabs, and the loop that updates them.
+"""Build the dashboard: the robot in 3D, Viser's panel, and the loop that updates them.
 
 Everything that touches Viser runs on Viser's own event loop, so that no two threads
 ever set widgets at the same time.
@@ -7,47 +7,37 @@ ever set widgets at the same time.
 import asyncio
 import contextlib
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import viser
 
 from station.client import ApiError, AsyncStationClient
-from station.ui.cartesian_model import bases_of_hands
-from station.ui.color_scheme import paint
-from station.ui.gateway_state import BarState, bar_state
-from station.ui.layers.push_layer import Pusher, Pushing
-from station.ui.layers.scene_facts import (
-    PlacedRobot,
-    SceneFacts,
-    commanded_positions,
-    commanding,
+from station.ui.link.station_link import StationLink
+from station.ui.link.station_view import StationView
+from station.ui.page.page_state import BarState, bar_state
+from station.ui.page.view_routes import ShownViews
+from station.ui.scene.layers.layer import PlacedRobot, SceneFacts
+from station.ui.scene.layers.push_layer import Pusher, Pushing
+from station.ui.scene.layers.trail_layer import Trails
+from station.ui.scene.moving_base import base_positions
+from station.ui.scene.robot_model import RobotModel, RobotModelError
+from station.ui.scene.robot_scene import RobotScene, prepare_room
+from station.ui.scene.scene_objects import SceneObjects
+from station.ui.scene.scene_views import SceneViews, paint
+from station.ui.teleoperation.joint_teleoperation import Movers
+from station.ui.teleoperation.reporter import Reporter
+from station.ui.teleoperation.teleoperation import SEND_PERIOD, Teleoperation
+from station.ui.teleoperation.viser_panel import (
+    GainSliders,
+    HandArrows,
+    JointSliders,
+    bases_of_hands,
 )
-from station.ui.layers.trail_layer import Trails
-from station.ui.markup import warning
-from station.ui.operate_model import Movers, choose_all_operated
-from station.ui.panels.commanding_panel import CommandingPanel
-from station.ui.panels.controllers_panel import ControllersPanel
-from station.ui.panels.jog_panel import JogPanel
-from station.ui.panels.operate_panel import OperatePanel
-from station.ui.panels.recovery_panel import RecoveryPanel
-from station.ui.panels.simulation_panel import SimulationPanel
-from station.ui.panels.target_panel import TargetPanel
-from station.ui.panels.tune_panel import TunePanel
-from station.ui.reporter import Reporter
-from station.ui.robot_model import RobotModel, RobotModelError
-from station.ui.scene import RobotScene, prepare_room
-from station.ui.scene_objects import SceneObjects
-from station.ui.scene_views import SceneViews
-from station.ui.station_link import StationLink
-from station.ui.station_view import StationView
-from station.ui.view_routes import ShownViews
 from station.wire import ExternalForce
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
-
-    from station.ui.panels.panel import Panel
 
 _logger = logging.getLogger(__name__)
 
@@ -83,8 +73,10 @@ class Dashboard:
         push: Pushes a link for a session.
 
     Attributes:
-        views: What each session sees in the 3D view.
+        views: The views of all sessions.
         triangles: How many triangles the drawn robots have.
+        not_drawn: Why no robot is shown; empty if no robot was requested.
+        movers: Shared by everybody who commands joints.
     """
 
     def __init__(
@@ -111,6 +103,7 @@ class Dashboard:
             prepare_room(server)
         else:
             not_drawn = self._draw(robot, beside) or not_drawn
+        self.not_drawn = not_drawn
         placed = _placed(() if self._scene is None else (robot, *beside))
         self.triangles = sum(one.model.triangles() for one in placed)
         pushing = Pushing(push, self._reporter.refused)
@@ -118,30 +111,26 @@ class Dashboard:
             placed, session_key, pushing, lambda: server.initial_camera.position
         )
         self._trails = Trails(placed)
+        self.movers = Movers()
+        self._teleoperation = Teleoperation(
+            client, self._link.view, self.movers, now=self._link.now
+        )
         _arrange(server)
-        recovery = RecoveryPanel(server.gui, self._link, self._reporter)
-        if not_drawn:
-            server.gui.add_html(warning(f"There is no picture. {not_drawn}"))
         tabs = server.gui.add_tab_group()
-        with tabs.add_tab("Operate"):
-            limits = {} if robot is None else robot.joint_limits()
-            for other in beside:
-                limits |= other.joint_limits()
-            self._operate = OperatePanel(server.gui, self._link, self._reporter, limits)
-            self._hands = self._add_hands([one.arm_id for one in robots])
-        with tabs.add_tab("Controllers"):
-            controllers = ControllersPanel(server.gui, self._link, self._reporter)
-        with tabs.add_tab("Tune"):
-            self._tune = TunePanel(server.gui, self._link, self._reporter)
-        with tabs.add_tab("Simulation"):
-            simulation = SimulationPanel(server.gui, self._link, self._reporter)
-        self._panels: list[Panel] = [
-            recovery,
-            self._operate,
-            *self._hands,
-            controllers,
-            self._tune,
-            simulation,
+        with tabs.add_tab("Joints"):
+            limits: dict[str, tuple[float, float]] = {}
+            for one in robots:
+                limits |= one.joint_limits()
+            self._sliders = JointSliders(
+                server.gui, self._teleoperation, self._reporter, limits
+            )
+        with tabs.add_tab("Gains"):
+            self._gains = GainSliders(server.gui, self._link, self._reporter)
+        nodes = [one.base for one in (self._scene, *self._beside) if one]
+        bases = bases_of_hands([one.arm_id for one in robots], nodes)
+        self._arrows = [
+            HandArrows(server, self._teleoperation, base, arm)
+            for arm, base in bases.items()
         ]
         self._running: Future[None] | None = None
         self._task: asyncio.Task[None] | None = None
@@ -158,16 +147,6 @@ class Dashboard:
             _logger.warning("%s", error)
             return str(error)
         return ""
-
-    def _add_hands(self, arms: Sequence[str]) -> list[JogPanel | TargetPanel]:
-        """Add the widgets that move the end effector of each arm."""
-        bases = [one.base for one in (self._scene, *self._beside) if one]
-        server, link, reporter = self._server, self._link, self._reporter
-        panels: list[JogPanel | TargetPanel] = []
-        for arm, base in bases_of_hands(arms, bases).items():
-            panels.append(JogPanel(server.gui, link, reporter, arm))
-            panels.append(TargetPanel(server, link, reporter, base, arm))
-        return panels
 
     def start(self) -> None:
         """Start to follow the station."""
@@ -191,17 +170,12 @@ class Dashboard:
             self._task.cancel()
             await asyncio.wait({self._task})
 
-    @property
-    def movers(self) -> Movers:
-        """Who moves which joint, shared by all that command joints."""
-        return self._operate.movers
-
     def bar(self) -> BarState:
         """Return the present content of the status strip; callable by any thread."""
         return bar_state(self._link.view(), self._reporter.message)
 
     def view(self) -> StationView:
-        """Return what is known of the station; callable by any thread."""
+        """Return the dashboard's knowledge of the station; callable by any thread."""
         return self._link.view()
 
     def shown_views(self) -> ShownViews:
@@ -222,15 +196,14 @@ class Dashboard:
     def act_under(self, lease: str | None) -> None:
         """Act under another lease of control; in Viser's event loop.
 
-        What was asked for under the former one does not go on by itself.
+        A motion that was asked for under the former lease does not go on by itself.
 
         Args:
-            lease: What some browser of this dashboard holds; None for none.
+            lease: The lease of a browser of this dashboard; None without one.
         """
+        # What one holder of control asked for must not go on under the next lease.
         self._client.lease.act_under(lease)
-        for panel in self._panels:
-            if isinstance(panel, CommandingPanel):
-                panel.let_go()
+        self._teleoperation.let_go()
 
     # Viser calls coroutines in its event loop, where the views belong.
     async def _on_connect(self, client: viser.ClientHandle) -> None:
@@ -243,46 +216,55 @@ class Dashboard:
         self._task = asyncio.current_task()
         async with self._client, asyncio.TaskGroup() as tasks:
             tasks.create_task(self._link.run())
-            tasks.create_task(self._operate.run())
-            for panel in (*self._hands, self._tune):
-                tasks.create_task(panel.run())
+            tasks.create_task(self._gains.run())
+            tasks.create_task(self._send_set_points())
+            # Apart from the panel: a slow update of widgets must not delay the picture.
             tasks.create_task(self._follow_robot())
             tasks.create_task(self._repeat(self._refresh_views, VIEWS_PERIOD))
-            tasks.create_task(self._repeat(self._refresh_panels, PANEL_PERIOD))
+            tasks.create_task(self._repeat(self._refresh_panel, PANEL_PERIOD))
 
     def _show_robot(self) -> None:
-        self._objects.show(self._link.objects)
-        if self._scene is not None:
-            self._scene.show(self._link.drawn)
-        for scene in self._beside:
-            scene.show(self._link.drawn)
+        view = self._link.view()
+        self._objects.show(view.objects)
+        for scene in (self._scene, *self._beside):
+            if scene is not None:
+                scene.show(_drawn(view))
 
     def _refresh_views(self) -> None:
         self._link.wants_contacts = "forces" in self.views.wanted()
         view = self._link.view()
-        positions = self._link.drawn
+        positions = _drawn(view)
         self.views.refresh(
             SceneFacts(
                 positions=positions,
-                commanded=commanded_positions(view),
+                commanded=view.commanded_positions(),
                 limits=view.limits,
-                arms=self._link.arms,
-                contacts=self._link.contacts,
+                arms=view.arms,
+                contacts=view.contacts,
                 trails=self._trails.note(positions) if positions else (),
             )
         )
 
-    def _refresh_panels(self) -> None:
+    def _refresh_panel(self) -> None:
         view = self._link.view()
-        watched: set[str] = set()
-        for panel in self._panels:
-            panel.refresh(view)
-            watched |= panel.watched()
-        # The desks of the page start from where each controller was told to be.
-        watched |= {one.name for one in choose_all_operated(view) if one.name}
+        self._sliders.refresh(view)
+        self._gains.refresh(view)
+        for arrows in self._arrows:
+            arrows.refresh(view)
+        # A motion begins at the last set-point of its controller, which samples have.
+        asked = self._teleoperation
+        watched = {*asked.joints.controllers, *asked.hands.targets()}
         if "command" in self.views.wanted():
-            watched |= commanding(view)
+            watched |= view.commanding_positions()
         self._link.watch(watched)
+
+    async def _send_set_points(self) -> None:
+        """Send the set-points of Viser's panel, until cancelled."""
+        while True:
+            await asyncio.sleep(SEND_PERIOD)
+            for refusal in await self._teleoperation.send_set_points():
+                text = f"{refusal.detail} {refusal.remedy}".rstrip()
+                self._reporter.say(refusal.code, text, None)
 
     async def _repeat(self, refresh: Callable[[], None], period: float) -> None:
         """Call `refresh` until cancelled."""
@@ -302,9 +284,17 @@ class Dashboard:
             refresh()
         except Exception as error:  # the boundary of the screen's updates
             self._failures += 1
+            # An update that fails is repeated ten times a second.
             if self._failures in {1, 10, 100, 1000}:
                 _logger.exception("update %d of the screen failed", self._failures)
             self._reporter.say("The dashboard failed", repr(error), None)
+
+
+def _drawn(view: StationView) -> Mapping[str, float]:
+    """Return the positions of all joints, those that carry a moving base included."""
+    if view.base is None:
+        return view.positions
+    return {**view.positions, **base_positions(view.base)}
 
 
 def _placed(robots: Sequence[RobotModel | None]) -> list[PlacedRobot]:

@@ -13,19 +13,18 @@ from starlette.applications import Starlette
 from typing_extensions import override
 
 from station.client import ApiError, AsyncStationClient
-from station.ui.api_relay import ApiRelay
 from station.ui.dashboard import Dashboard
-from station.ui.gateway import GatewayParts, build_gateway
-from station.ui.origins import OriginPolicy
-from station.ui.robot_model import RobotModel, RobotModelError, load_robot
-from station.ui.session_access import SessionAccess
-from station.ui.session_pusher import SessionPusher
-from station.ui.sessions import Role, Session, Sessions, SessionStore
-from station.ui.station_follower import StationAccess, StationFollower
-from station.ui.stop_button import StopButton
-from station.ui.viser_door import open_viser
-from station.ui.viser_relay import ViserRelay
-from station.ui.workspace_routes import WorkspaceParts
+from station.ui.gateway.api_relay import ApiRelay
+from station.ui.gateway.gateway import GatewayParts, build_gateway
+from station.ui.gateway.guard import OriginPolicy
+from station.ui.gateway.stop_button import StopButton
+from station.ui.gateway.viser_relay import ViserRelay
+from station.ui.gateway.viser_server import open_viser
+from station.ui.link.station_access import StationAccess, StationFollower
+from station.ui.page.workspace_routes import WorkspaceParts
+from station.ui.scene.robot_model import RobotModel, RobotModelError, load_robot
+from station.ui.sessions.session_access import SessionAccess, SessionPusher
+from station.ui.sessions.sessions import Role, Session, Sessions, SessionStore
 from station.web.limited_server import LimitedServer, connection_share
 from station.wire import StopState
 
@@ -54,7 +53,7 @@ class DrawnRobot:
 
 @dataclass(frozen=True, slots=True)
 class DashboardConfig:
-    """What the dashboard needs to know.
+    """The configuration of a dashboard.
 
     Attributes:
         url: The station's API, e.g. `http://127.0.0.1:8000`.
@@ -73,9 +72,9 @@ class DashboardConfig:
             on this machine, or of the system.
         viewer_token: The viewer's token, for viewers whose session outlives a station;
             empty when it is not known.
-        sessions: Keeps who is logged in beyond the life of this process; None: nobody
-            is when the dashboard is started anew.
-        follower: Tells which station takes the place of one that has crashed, and when
+        sessions: Keeps logins beyond the life of this process; without it, everybody
+            logs in anew after a restart of the dashboard.
+        follower: Says which station takes the place of one that has crashed, and when
             to end; None stays with the station at `url` until a signal comes.
     """
 
@@ -99,12 +98,12 @@ class DashboardConfig:
 def run_dashboard(
     config: DashboardConfig, on_ready: Callable[[str], None] = lambda _: None
 ) -> int:
-    """Run the dashboard until SIGINT, SIGTERM, or the word of its follower.
+    """Run the dashboard until SIGINT, SIGTERM, or the end that its follower announces.
 
     A robot that cannot be drawn leaves a dashboard that says so.
 
     Args:
-        config: What it needs to know.
+        config: Its configuration.
         on_ready: Called with the dashboard's address once it answers.
 
     Returns:
@@ -113,6 +112,7 @@ def run_dashboard(
     Raises:
         OSError: The port cannot be had.
     """
+    # Before anything is loaded: a port that is taken is an error at once.
     with _listen(config) as listener:
         asyncio.run(_serve(config, listener, on_ready))
     return 0
@@ -180,6 +180,7 @@ async def _serve(
         url, token = (api.url, None) if access is None else (access.url, access.token)
         api.talk_to(url, token)
         viser_loop.call_soon_threadsafe(dashboard.talk_to, url, token)
+        # STOP keeps its former addresses until the next station is known.
         if access is not None:
             button.move_to(access.token, access.watchdog_url)
             logged_in.move_to(access.url)
@@ -209,7 +210,7 @@ def _client(config: DashboardConfig) -> AsyncStationClient:
 
 
 def _load(config: DashboardConfig) -> tuple[list[RobotModel], str]:
-    """Return the robots, or none and why they cannot be drawn."""
+    """Return the robots, or none and the reason why they cannot be drawn."""
     if not config.robot_description:
         return [], ""
     try:
@@ -234,7 +235,7 @@ async def _wait_for_end(
     follower: StationFollower | None,
     move_to: Callable[[StationAccess | None], None],
 ) -> None:
-    """Wait for a signal, the server's end or the follower's word."""
+    """Wait for a signal, the end of the server, or the end that a follower says."""
     access = None if follower is None else follower.access
     if follower is not None:
         follower.is_serving = True
@@ -274,7 +275,11 @@ def _gateway(
             relay=relay,
             api=forwarded,
             workspace=WorkspaceParts(
-                dashboard.view, access, dashboard.triangles, dashboard.movers
+                dashboard.view,
+                access,
+                dashboard.triangles,
+                dashboard.not_drawn,
+                dashboard.movers,
             ),
             views=dashboard.shown_views(),
             origins=OriginPolicy(config.host, config.host_names),
@@ -288,7 +293,7 @@ async def ask_role(url: str, token: str, ca: str | None = None) -> Role | None:
 
     Args:
         url: The station's API.
-        token: What somebody entered.
+        token: The text that a person entered.
         ca: File of the certificates to trust with https, see `DashboardConfig`.
 
     Returns:

@@ -6,7 +6,7 @@ import logging
 import pytest
 
 from station.app.sessions_file import SessionsFile
-from station.ui.sessions import KeptSession, Role
+from station.ui.sessions.sessions import KeptSession, Role
 
 HERE = "http://127.0.0.1:8000"
 KEPT = [

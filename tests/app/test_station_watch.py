@@ -9,14 +9,14 @@ import pytest
 from station.app.dashboard_file import DashboardRecord
 from station.app.station_watch import StationWatch
 from station.local.private_files import process_start
-from station.ui.station_follower import StationAccess
+from station.ui.link.station_access import StationAccess
 from tests.waiting import wait_until
 
 ACCESS = StationAccess("http://127.0.0.1:8000", "secret", "")
 PROGRAM = """
 import sys, time
 from station.app.station_watch import StationWatch
-from station.ui.station_follower import StationAccess
+from station.ui.link.station_access import StationAccess
 import os
 watch = StationWatch(os.getppid(), StationAccess("http://old", "secret", ""), WINDOW)
 assert watch.start()

@@ -195,7 +195,8 @@ def test_the_hand_is_jogged_while_a_button_is_held(workspace, client):
         for c in client.controllers()
         if c.type.endswith("CartesianJogController") and c.state == "running"
     )
-    client.set_gains(jog, {"frame": 1})
+    dock.get_by_label("Axes of the jog").select_option("the end effector")
+    assert wait_until(lambda: client.gains(jog).values["frame"] == 1)
     dock.get_by_text("in the axes of the end effector").wait_for()
     client.set_gains(jog, {"frame": 0})
     dock.get_by_text("in the axes of the base").wait_for()

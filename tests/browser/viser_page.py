@@ -150,23 +150,6 @@ class ViserPage:
         """Return the first text box of a labelled input."""
         return self.row(label).locator("input:not([type=hidden])").first
 
-    def select(self, label, option):
-        """Choose an option of a dropdown."""
-        self.box(label).click()
-        self.frame.get_by_role("option", name=option, exact=True).click()
-        self._settle()
-
-    def fill(self, label, text):
-        """Replace the text of an input."""
-        row = self.row(label)
-        row.locator("input:not([type=hidden]), textarea").first.fill(text)
-        self._settle()
-
-    def click(self, button):
-        """Click a button once it is enabled."""
-        self.frame.get_by_role("button", name=button, exact=True).click()
-        self._settle()
-
     def drag_slider(self, label, fraction):
         """Drag a slider's thumb to a fraction of its track."""
         row = self.row(label)

@@ -9,8 +9,8 @@ from websockets.sync.client import connect
 
 from station.client import AsyncStationClient
 from station.ui.dashboard import Dashboard
-from station.ui.robot_model import load_robot
-from station.ui.viser_door import SECRET_HEADER, open_viser
+from station.ui.gateway.viser_server import SECRET_HEADER, open_viser
+from station.ui.scene.robot_model import load_robot
 from tests.ui.fake_station import OPERATOR, FakeStation
 from tests.waiting import wait_until
 
@@ -65,10 +65,6 @@ class Bench:
         """The dashboard's link to the station."""
         return self.dashboard._link
 
-    def panel(self, kind):
-        """Return the dashboard's tab of that class."""
-        return next(p for p in self.dashboard._panels if isinstance(p, kind))
-
     def enter(self, widget, value):
         """Set a widget as a person in a browser does."""
         self._send({
@@ -76,10 +72,6 @@ class Bench:
             "uuid": widget._impl.uuid,
             "updates": {"value": value},
         })
-
-    def click(self, button):
-        """Click a button."""
-        self.enter(button, value=True)
 
     def wait(self, holds, seconds=8.0):
         """Poll until `holds` is true; return its last answer."""

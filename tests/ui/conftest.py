@@ -2,10 +2,7 @@
 
 import pytest
 
-from station.ui.panels.controllers_panel import ControllersPanel
-from station.ui.panels.operate_panel import OperatePanel
-from station.ui.panels.tune_panel import TunePanel
-from station.ui.widgets import NONE
+from station.ui.teleoperation.viser_panel import NONE
 from tests.ui.bench import Bench
 from tests.ui.fake_station import SIMULATION, FakeStation
 
@@ -39,12 +36,12 @@ def client(shared_bench):
 
 
 def _is_empty(bench):
-    """Say whether every tab shows that nothing is loaded and all may move."""
+    """Return whether the panel shows that nothing is loaded and all may move."""
     view = bench.link.view()
     shown = [
-        bench.panel(OperatePanel).watched(),
-        bench.panel(ControllersPanel)._chosen.value != NONE,
-        bench.panel(TunePanel)._sliders,
+        bench.dashboard._sliders._teleoperation.joints.controllers,
+        bench.dashboard._gains._chosen.value != NONE,
+        bench.dashboard._gains._sliders,
     ]
     return not view.controllers and not view.blocked() and not any(shown)
 

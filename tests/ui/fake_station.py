@@ -54,6 +54,7 @@ class FakeStation:
         self.objects = []
         self.requests = []
         self.boot_id = "boot-1"
+        self.message = ""
         self.url = ""
 
     def __enter__(self):
@@ -227,7 +228,7 @@ class FakeStation:
             "stamp": 0.0,
             "name": list(names),
             **dict.fromkeys(("desired", "actual", "error", "output"), last),
-            "published": {"state": {"message": ""}},
+            "published": {"state": {"message": self.message}},
         })
 
     def _command(self, name, body, _token):

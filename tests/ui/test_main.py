@@ -13,7 +13,7 @@ from station.api.auth import Authenticator
 from station.api.server import ApiServer
 from station.client import StationUnreachableError
 from station.ui.main import ask_role, dashboard_url
-from station.ui.sessions import Role
+from station.ui.sessions.sessions import Role
 from tests.api.spring import make_station
 from tests.certificates import make_certificate
 from tests.ui.fake_station import OPERATOR, VIEWER

@@ -1,6 +1,6 @@
 """Station views to try the models with."""
 
-from station.ui.station_view import StationView
+from station.ui.link.station_view import StationView
 from station.wire import (
     ArmReport,
     ClaimedResources,

@@ -12,7 +12,7 @@ from station.app.ui_process import VIEWER_VARIABLE, PortTakenError
 from station.cli.connection import locate
 from station.cli.output import say, say_json, say_progress
 from station.local.station_locator import NoStationError, viewer_token_of, watchdog_of
-from station.ui.station_follower import StationAccess
+from station.ui.link.station_access import StationAccess
 
 if TYPE_CHECKING:
     from station.cli.parser import Parser

@@ -4,7 +4,7 @@ import { alarms } from "./lib/alarms.js";
 import { h, kept, number, show } from "./lib/dom.js";
 import { control } from "./lib/control.js";
 import { refusals, remedyOf } from "./lib/refusals.js";
-import { act, desk } from "./lib/station.js";
+import { act, teleoperation } from "./lib/station.js";
 import { enableSliders, stopController, store, switchTo } from "./lib/store.js";
 import { showTour } from "./lib/tour.js";
 import { watchScene } from "./lib/scene.js";
@@ -206,7 +206,7 @@ function showRefusal() {
   showLog();
   const line = element("refusal-line");
   const entry = refusals.entries[0];
-  const close = h("button", { class: "s", type: "button", title: "Hide; it stays in the log" }, "Hide");
+  const close = h("button", { class: "s", type: "button", title: "Hide; it stays in the log." }, "Hide");
   close.addEventListener("click", () => (line.hidden = true));
   line.replaceChildren(logRow(entry), close);
   line.hidden = false;
@@ -252,7 +252,7 @@ function start() {
     const before = store.bar.role;
     store.bar = { ...store.bar, ...event.detail };
     document.body.dataset.role = store.bar.role;
-    if (store.isOperator && before !== store.bar.role) desk.connect();
+    if (store.isOperator && before !== store.bar.role) teleoperation.connect();
     store.dispatchEvent(new Event("bar"));
   });
   element("log-button").addEventListener("click", () => {
@@ -274,7 +274,7 @@ function start() {
     openDock("timeline");
     element("dock-timeline").choose("alarms");
   });
-  watchScene(element("view"), element("progress"), () => store.docks?.triangles ?? null);
+  watchScene(element("view"), element("progress"), () => store.docks);
   showViewTools(element("view-tools"));
   showTour(element("tour"), openDock);
   showLoaded();

@@ -60,7 +60,7 @@ function row(alarm) {
     alarm.cleared_at === null ? "still there" : `gone since ${clock(alarm.cleared_at)}`,
     seen ? `seen by ${alarm.acknowledged_by} at ${clock(alarm.acknowledged_at)}` : "not acknowledged",
   ].join(", ");
-  const button = h("button", { class: "s", type: "button", title: "Say that you have seen it; it moves and clears nothing", disabled: !store.isOperator }, "Acknowledge");
+  const button = h("button", { class: "s", type: "button", title: "Confirm that you have seen the alarm; nothing moves, and nothing is cleared.", disabled: !store.isOperator }, "Acknowledge");
   button.setAttribute("aria-label", `Acknowledge ${alarm.text}`);
   button.addEventListener("click", () => alarms.acknowledge([alarm]));
   return h(

@@ -5,8 +5,8 @@ const LOOK_MS = 250;
 const LONG_MS = 15000;
 const SETTLED_LOOKS = 40; // what is out of sight is not drawn, and not waited for
 
-/** Say what of the 3D view is still loading until all `triangles()` of the robots are drawn. */
-export function watchScene(view, line, triangles) {
+/** Say what of the 3D view is still loading until all triangles of the robots are drawn, or why they are not. */
+export function watchScene(view, line, docks) {
   const began = Date.now();
   let drawn = 0; // the most triangles of a picture; some show the background alone
   let same = 0;
@@ -14,12 +14,13 @@ export function watchScene(view, line, triangles) {
     const inside = view.contentWindow;
     foldNotice(inside.document);
     const now = inside.__viserTestpoints?.rendererInfo?.render?.triangles ?? 0;
-    const wanted = triangles();
+    const { triangles: wanted = null, not_drawn: missing } = docks() ?? {};
+    if (missing) return show(line, `There is no picture. ${missing}`);
     same = drawn > 0 && now <= drawn ? same + 1 : 0;
     drawn = Math.max(drawn, now);
     if (drawn > 0 && wanted !== null && (drawn >= wanted || same > SETTLED_LOOKS)) {
       line.hidden = true;
-      return;
+      return undefined;
     }
     const late = Date.now() - began > LONG_MS ? ` This takes long; everything else works already.${inside.__viserTestpoints ? "" : " Reload the page if it stays so."}` : "";
     const step = !inside.__viserTestpoints
@@ -28,7 +29,7 @@ export function watchScene(view, line, triangles) {
         ? "3D view: connecting …"
         : `3D view: loading the robots (${drawn.toLocaleString("en")}${wanted ? ` of ${wanted.toLocaleString("en")}` : ""} triangles) …`;
     show(line, step + late);
-    setTimeout(look, LOOK_MS);
+    return setTimeout(look, LOOK_MS);
   };
   look();
   const button = document.getElementById("viser-panel");

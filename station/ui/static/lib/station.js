@@ -1,4 +1,4 @@
-// The station as the page sees it: requests, streams and the desk, through the gateway.
+// The station as the page sees it: requests, streams and teleoperation, through the gateway.
 import { forPerson, refusals } from "./refusals.js";
 
 const API = "/api/v1";
@@ -183,15 +183,15 @@ export function follow(topic, query, hear) {
   };
 }
 
-/** The desk: what a person asks of joints and hand; the gateway makes set-points of it. */
-class Desk extends EventTarget {
+/** The commands of a person to joints and hands; the dashboard makes set-points of them. */
+class Teleoperation extends EventTarget {
   constructor() {
     super();
     this.state = { controller: "", reason: "Waiting for the station.", remaining: 0 };
   }
 
   connect() {
-    this.socket ??= new Socket("/workspace/desk", (told) => {
+    this.socket ??= new Socket("/workspace/teleoperation", (told) => {
       if (told.refused)
         refusals.add(
           new Refusal(409, { code: told.code ?? "not_sent", detail: told.refused, remedy: told.remedy }),
@@ -217,4 +217,4 @@ class Desk extends EventTarget {
   }
 }
 
-export const desk = new Desk();
+export const teleoperation = new Teleoperation();

@@ -6,19 +6,19 @@ import { act, send } from "./station.js";
 import { store } from "./store.js";
 
 const CAMERAS = [
-  ["fit", "Fit", "Show all robots"],
-  ["front", "Front", "Look from the front"],
-  ["side", "Side", "Look from the side"],
-  ["top", "Top", "Look from above"],
-  ["hand", "Hand", "Look at the hand from near"],
+  ["fit", "Fit", "Show all robots."],
+  ["front", "Front", "Look from the front."],
+  ["side", "Side", "Look from the side."],
+  ["top", "Top", "Look from above."],
+  ["hand", "Hand", "Look at the hand from near."],
 ];
 const LAYERS = [
-  ["command", "Command", "Where the robot was told to be, while it is somewhere else (blue-green)"],
-  ["forces", "Forces", "External force on each arm (red) and where bodies touch (violet)"],
-  ["limits", "Limits", "Links whose joint is near a limit, in orange, with the angle that is left"],
-  ["trail", "Trail", "Where the hand was"],
-  ["frames", "Frames", "Base O, flange F, end effector EE and stiffness frame K"],
-  ["collision", "Collision", "The geometry that collides"],
+  ["command", "Command", "Where the robot was told to be, while it is somewhere else (blue-green)."],
+  ["forces", "Forces", "External force on each arm (red) and where bodies touch (violet)."],
+  ["limits", "Limits", "Links whose joint is near a limit, in orange, with the angle that is left."],
+  ["trail", "Trail", "Where the hand was."],
+  ["frames", "Frames", "Base O, flange F, end effector EE and stiffness frame K."],
+  ["collision", "Collision", "The geometry that collides."],
 ];
 // What the colours over the robots mean: [layer, sign, words], and which of them only a
 // Franka arm can have: no other says what pushes it.
@@ -67,7 +67,7 @@ function pushTools(tell) {
   const push = (direction) => {
     const size = typed(force.value);
     if (size === null || size < 0 || size > 100) {
-      refusals.add({ code: "not_a_force", detail: `“${force.value}” is no force.`, remedy: "Type 0 to 100 N." });
+      refusals.add({ code: "not_a_force", detail: `“${force.value}” is not a force.`, remedy: "Type 0 to 100 N." });
       return;
     }
     const body = { link: `${arm.value}_hand`, force: direction.map((part) => part * size), duration: PUSH_S };
@@ -79,7 +79,7 @@ function pushTools(tell) {
   const made = group("Push", h("span", { class: "hint" }, "Pull a link with the pointer, or hold:"), arm, ...buttons, force, "N");
   made.hidden = true;
   let beating = null;
-  const toggle = button("Push", "Pull the robot with the pointer, in simulation", () => {
+  const toggle = button("Push", "Pull the robot with the pointer, in simulation.", () => {
     made.hidden = !made.hidden;
     toggle.setAttribute("aria-pressed", String(!made.hidden));
     clearInterval(beating);
@@ -92,10 +92,10 @@ function pushTools(tell) {
     const arms = store.docks?.simulation ? store.docks.arms.map((one) => one.arm_id) : [];
     toggle.disabled = !arms.length || !store.isOperator;
     toggle.title = !arms.length
-      ? "Only a simulated Franka arm can be pushed"
+      ? "Only a simulated Franka arm can be pushed."
       : store.isOperator
-        ? "Pull the robot with the pointer, in simulation"
-        : "This session only watches. An operator's session can push";
+        ? "Pull the robot with the pointer, in simulation."
+        : "This session only watches. An operator's session can push.";
     arm.hidden = arms.length < 2;
     if (arms.join() === arm.dataset.arms) return;
     arm.dataset.arms = arms.join();

@@ -47,7 +47,7 @@ class ArmSettings extends Panel {
   build() {
     this.inputs = []; // {input, of: what the arm says, or null}
     this.state = h("p", { class: "hint" }, "Refused while the arm moves. Vectors are typed with commas; one number fills all thresholds. The arm does not tell the thresholds that hold.");
-    this.guide = h("button", { class: "s", type: "button", title: "Press the guiding buttons, so that the simulated arm can be pushed by hand" }, "Guiding on");
+    this.guide = h("button", { class: "s", type: "button", title: "Press the guiding buttons, so that the simulated arm can be pushed by hand." }, "Guiding on");
     this.guide.addEventListener("click", () => act("POST", `/robots/${this.armName}/guiding`, { pressed: !this.isGuided }).then(() => store.refresh()));
     this.details = h("details", { class: "arm" }, h("summary", {}, "Arm: collision thresholds, load, end effector"), this.state, h("div", { class: "line" }, this.guide), ...SETTINGS.map((setting) => this.group(setting)));
     this.details.addEventListener("toggle", () => this.details.open && this.read());

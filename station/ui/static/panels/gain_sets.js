@@ -10,7 +10,7 @@ const NAME = /^[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}$/;
 
 class GainSets extends Panel {
   build() {
-    this.sets = h("select", { title: "Saved sets of gains, kept by the station" });
+    this.sets = h("select", { title: "Saved sets of gains, kept by the station." });
     this.sets.setAttribute("aria-label", "Set of gains");
     this.sets.addEventListener("change", () => this.showDiff());
     this.setName = h("input", { class: "name", placeholder: "name" });

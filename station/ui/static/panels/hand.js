@@ -2,12 +2,14 @@
 import { h, holdButton, kept, number, show, typed } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { refusals } from "../lib/refusals.js";
-import { api, desk } from "../lib/station.js";
+import { act, api, teleoperation } from "../lib/station.js";
 import { store, switchTo } from "../lib/store.js";
 
 const AXES = ["x", "y", "z", "about x", "about y", "about z"];
 const JOG = "CartesianJogController";
 const TARGETS = "CartesianStreamingController";
+/** In whose axes a jog moves the hand, by the value of its gain `frame`. */
+const FRAMES = ["the base", "the end effector"];
 /** Speeds at first, and the most that is offered until a controller says its own [m/s], [rad/s]. */
 const SPEEDS = { along: 0.05, about: 0.3 };
 const MOST = { along: 0.3, about: 1 };
@@ -20,7 +22,7 @@ class Hand extends Panel {
     this.startTarget = starter("Start hand targets", TARGETS);
     this.handButtons = AXES.flatMap((axis, i) =>
       [-1, 1].map((sign) =>
-        holdButton(`${sign < 0 ? "−" : "+"} ${axis}`, `Move the hand ${sign < 0 ? "against" : "along"} ${axis} while held`, () => this.hold(i, sign), () => desk.say({ do: "release" })),
+        holdButton(`${sign < 0 ? "−" : "+"} ${axis}`, `Move the hand ${sign < 0 ? "against" : "along"} ${axis} while held`, () => this.hold(i, sign), () => teleoperation.say({ do: "release" })),
       ),
     );
     this.targets = ["x", "y", "z"].map((axis) => {
@@ -29,9 +31,12 @@ class Hand extends Panel {
       input.addEventListener("keydown", (event) => event.key === "Enter" && this.go());
       return input;
     });
-    this.reach = h("button", { class: "s", type: "button", title: "Move the hand there; it keeps its orientation", onclick: () => this.go() }, "Go there");
-    const here = h("button", { class: "s", type: "button", title: "Fill in where the hand is", onclick: () => this.fillIn() }, "Here");
-    desk.addEventListener("change", () => this.isShown && this.refresh());
+    this.reach = h("button", { class: "s", type: "button", title: "Move the hand there; it keeps its orientation.", onclick: () => this.go() }, "Go there");
+    this.axes = h("select", { title: "Frame along whose axes the buttons move the hand." }, ...FRAMES.map((frame, i) => h("option", { value: String(i) }, frame)));
+    this.axes.setAttribute("aria-label", "Axes of the jog");
+    this.axes.addEventListener("change", () => this.setFrame());
+    const here = h("button", { class: "s", type: "button", title: "Fill in where the hand is.", onclick: () => this.fillIn() }, "Here");
+    teleoperation.addEventListener("change", () => this.isShown && this.refresh());
     store.addEventListener("gains", () => (this.framed = "")); // the axes are a gain of the jog
     const fields = this.targets.map((input, i) => h("label", {}, `${AXES[i]} `, input));
     this.append(
@@ -42,6 +47,7 @@ class Hand extends Panel {
         this.state,
         h("div", { class: "line" }, this.startJog, this.startTarget),
         this.buildSpeeds(),
+        h("div", { class: "line" }, h("label", {}, "axes of ", this.axes)),
         h("div", { class: "jog" }, ...this.handButtons),
         h("div", { class: "line" }, ...fields, " m", here, this.reach),
       ),
@@ -68,23 +74,23 @@ class Hand extends Panel {
   /** The arm whose hand this is. */
   set arm(name) {
     if (name === this.armName) return;
-    if (this.armName && store.isOperator) desk.say({ do: "release" });
+    if (this.armName && store.isOperator) teleoperation.say({ do: "release" });
     this.armName = name;
     this.framed = "";
     for (const input of this.targets) input.value = ""; // a place in the base of another arm
     if (this.isShown) this.refresh();
   }
 
-  /** What the desk says of this hand; a station with one arm does not name it. */
+  /** The state of this hand; a station with one arm does not name the arm. */
   get told() {
-    const { hands } = desk.state;
+    const { hands } = teleoperation.state;
     return hands?.[this.armName] ?? hands?.[""];
   }
 
   hold(axis, sign) {
-    // With every message, since a desk that was opened anew does not know it.
-    desk.say({ do: "hand_speed", ...this.chosenSpeeds });
-    desk.say({ do: "hand", arm: this.armName, axis, sign });
+    // With every message, since a socket that was opened anew does not know it.
+    teleoperation.say({ do: "hand_speed", ...this.chosenSpeeds });
+    teleoperation.say({ do: "hand", arm: this.armName, axis, sign });
   }
 
   /** The top speeds that were chosen [m/s], [rad/s]. */
@@ -95,7 +101,7 @@ class Hand extends Panel {
   go() {
     const position = this.targets.map((input) => typed(input.value));
     if (position.includes(null)) refusals.add({ code: "not_a_number", detail: "Type x, y and z in metres." });
-    else desk.say({ do: "reach", arm: this.armName, position });
+    else teleoperation.say({ do: "reach", arm: this.armName, position });
   }
 
   fillIn() {
@@ -114,16 +120,26 @@ class Hand extends Panel {
     this.framed = name;
     const gains = await api("GET", `/controllers/${name}/gains`).catch(() => null);
     if (name !== this.framed) return;
-    if (gains) this.frame = gains.values.frame;
-    else this.framed = ""; // asked again
+    if (gains) {
+      this.frame = gains.values.frame;
+      this.axes.value = String(this.frame);
+    } else this.framed = ""; // asked again
+  }
+
+  /** Let a running jog controller move the hand in other axes. */
+  async setFrame() {
+    const { controller } = this.told.jog;
+    await act("PATCH", `/controllers/${controller}/gains`, { values: { frame: Number(this.axes.value) } });
+    this.framed = ""; // asked again, also when it was refused
   }
 
   refresh() {
     if (!this.told) return;
-    const { jog, target, fastest } = this.told;
+    const { jog, target, message, fastest } = this.told;
     const isOf = ({ controller, reason }) => Boolean(controller) && !reason;
     for (const button of this.handButtons) button.disabled = !isOf(jog);
     this.reach.disabled = !isOf(target);
+    this.axes.disabled = !isOf(jog) || !store.isOperator;
     this.startJog.hidden = Boolean(jog.controller) || !store.isOperator;
     this.startTarget.hidden = Boolean(target.controller) || !store.isOperator;
     if (isOf(jog) && jog.controller !== this.framed) this.askFrame(jog.controller);
@@ -133,12 +149,13 @@ class Hand extends Panel {
       input.max = most;
       tell();
     });
-    const axes = this.frame === 1 ? "of the end effector" : "of the base";
-    const text = isOf(jog)
-      ? `Hold a button: ${jog.controller} moves the hand in the axes ${axes}.`
-      : isOf(target)
-        ? `${target.controller} moves the hand to a place that you type here, or to where you drag the arrows at the hand in the 3D view.`
-        : "Start one of the two: a jog while a button is held, or targets that the hand goes to. What moves single joints stops then.";
+    const text = message
+      ? `⚠ ${message}`
+      : isOf(jog)
+        ? `Hold a button: ${jog.controller} moves the hand in the axes of ${FRAMES[this.frame] ?? FRAMES[0]}.`
+        : isOf(target)
+          ? `${target.controller} moves the hand to a place that you type here, or to where you drag the arrows at the hand in the 3D view.`
+          : "Start one of the two: a jog while a button is held, or targets that the hand goes to. What moves single joints stops then.";
     show(this.state, text);
   }
 }

@@ -3,13 +3,13 @@ import { h, holdButton, kept, number, shortNames, show, typed } from "../lib/dom
 import { hideGhost, showGhost } from "../lib/ghost.js";
 import { Panel } from "../lib/panel.js";
 import { refusals } from "../lib/refusals.js";
-import { desk, follow } from "../lib/station.js";
+import { teleoperation, follow } from "../lib/station.js";
 import { store } from "../lib/store.js";
 
 const DEGREES = 180 / Math.PI;
 const NEAR_LIMIT = 0.05; // part of the range at each end
 const POSITIONS = ["rad", "m"]; // units of what a held button can move
-const SHOW_SENT_MS = 500; // until the desk says how far it is
+const SHOW_SENT_MS = 500; // until the dashboard says how far it is
 /** A typed value further away than this shows its ghost first [rad], [m]. */
 const FAR = { rad: 20 / DEGREES, m: 0.1 };
 
@@ -26,12 +26,12 @@ class Joints extends Panel {
       return button;
     };
     this.units = [choose("deg"), choose("rad")];
-    this.speed = h("input", { type: "range", min: 2, max: 85, step: 1, value: kept.get("speed", 29), title: "Top speed of a joint on its way to a typed value, or while its button is held" });
+    this.speed = h("input", { type: "range", min: 2, max: 85, step: 1, value: kept.get("speed", 29), title: "Top speed of a joint on its way to a typed value, or while its button is held." });
     this.speed.setAttribute("aria-label", "Top speed in degrees per second");
     this.speedText = h("output", {});
     this.speed.addEventListener("input", () => {
       this.showSpeed();
-      desk.mention(this.wantedSpeed); // for a motion that runs
+      teleoperation.mention(this.wantedSpeed); // for a motion that runs
     });
     this.tools.append(...this.units, h("label", { class: "speed" }, "top speed ", this.speed, this.speedText));
     this.head = h("tr", {});
@@ -42,15 +42,15 @@ class Joints extends Panel {
     this.setUnit(this.unit);
     this.showSpeed();
     this.drawWithJoints(12, () => this.draw());
-    desk.addEventListener("change", () => this.isShown && this.showState());
+    teleoperation.addEventListener("change", () => this.isShown && this.showState());
   }
 
   poses() {
-    this.poseName = h("input", { class: "name", placeholder: "name", title: "Name under which the present joints are kept in this browser" });
+    this.poseName = h("input", { class: "name", placeholder: "name", title: "Name under which the present joints are kept in this browser." });
     this.poseName.setAttribute("aria-label", "Name of the pose");
-    this.poseList = h("select", { title: "Poses kept in this browser" });
+    this.poseList = h("select", { title: "Poses kept in this browser." });
     this.poseList.setAttribute("aria-label", "Pose");
-    const go = h("button", { class: "s", type: "button", title: "Move all joints to the pose, at the top speed above" }, "Go");
+    const go = h("button", { class: "s", type: "button", title: "Move all joints to the pose, at the top speed above." }, "Go");
     go.addEventListener("click", () => this.goToPose());
     const save = h("button", { class: "s", type: "button" }, "Save pose");
     save.addEventListener("click", () => this.savePose());
@@ -143,8 +143,8 @@ class Joints extends Panel {
   }
 
   move(targets) {
-    desk.say(this.wantedSpeed);
-    desk.say({ do: "go", targets });
+    teleoperation.say(this.wantedSpeed);
+    teleoperation.say({ do: "go", targets });
   }
 
   setUnit(unit) {
@@ -209,7 +209,7 @@ class Joints extends Panel {
       const offered = enabling?.name && !enabling.reason;
       return offered ? "Nothing that runs takes joint values. Click “Enable sliders” over the 3D view." : operated.reason;
     }
-    const going = desk.state.remaining ?? 0;
+    const going = teleoperation.state.remaining ?? 0;
     // The distances of several joints have one number, which has a unit if all turn.
     if (going > 1e-6 && operated.elements.some((e) => e.unit === "m")) return "Moving.";
     if (going > 1e-6) return `Moving: ${number(going * this.scale, 2)} ${this.unit} to go.`;
@@ -259,14 +259,14 @@ class Joints extends Panel {
         sign < 0 ? "−" : "+",
         `Move ${label} ${sign < 0 ? "down" : "up"} while held`,
         () => {
-          if (!row.told_speed) desk.say(this.wantedSpeed);
+          if (!row.told_speed) teleoperation.say(this.wantedSpeed);
           row.told_speed = true;
           row.sent = null;
-          desk.say({ do: "jog", joint, sign });
+          teleoperation.say({ do: "jog", joint, sign });
         },
         () => {
           row.told_speed = false;
-          desk.say({ do: "release" });
+          teleoperation.say({ do: "release" });
         },
       ),
     );
@@ -338,7 +338,7 @@ class Joints extends Panel {
     }
     if (row.edited) return;
     // What a person typed stays as typed while it is what the robot is told.
-    const isOnItsWay = desk.state.remaining > 1e-6 || performance.now() - row.sent?.at < SHOW_SENT_MS;
+    const isOnItsWay = teleoperation.state.remaining > 1e-6 || performance.now() - row.sent?.at < SHOW_SENT_MS;
     if (row.sent && !isOnItsWay && Math.abs(row.sent.target - value) >= 1e-9) row.sent = null;
     const text = row.sent?.text ?? number(value * this.scaleOf(row.element), digits);
     if (row.input.value === text) return;

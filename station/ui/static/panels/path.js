@@ -16,7 +16,7 @@ class Path extends Panel {
     this.path = { name: "", waypoints: [] };
     this.list = h("ol", { class: "waypoints" });
     const button = (label, title, run, look = "s") => h("button", { class: look, type: "button", title, onclick: run }, label);
-    this.choice = h("select", { title: "Paths kept by the station" });
+    this.choice = h("select", { title: "Paths kept by the station." });
     this.choice.setAttribute("aria-label", "Waypoint path");
     this.choice.addEventListener("change", () => this.open(this.choice.value));
     this.newName = h("input", { class: "name", placeholder: "new path" });
@@ -30,7 +30,7 @@ class Path extends Panel {
     this.cancelButton = button("Cancel", "End the motion; the joints hold where they are", () => this.cancel());
     this.loop = button("Loop", "Begin again at the end, until it is switched off", () => this.setLoop());
     this.loop.setAttribute("aria-pressed", "false");
-    this.speed = h("input", { type: "range", min: 10, max: 200, step: 5, value: 100, title: "Factor of all speeds of the path; also while it plays" });
+    this.speed = h("input", { type: "range", min: 10, max: 200, step: 5, value: 100, title: "Factor of all speeds of the path; also while it plays." });
     this.speed.setAttribute("aria-label", "Speed of the path in percent");
     this.speedText = h("output", {}, "100 %");
     this.speed.addEventListener("input", () => show(this.speedText, `${this.speed.value} %`));

@@ -19,7 +19,7 @@ class Plots extends Panel {
     this.streamed = new Channels((key, time, value) => this.history(key).add(time, value));
     this.plots = [];
     this.paused = false;
-    this.pause = h("button", { class: "s", type: "button", title: "Hold the picture; the robot goes on" }, "Pause");
+    this.pause = h("button", { class: "s", type: "button", title: "Hold the picture; the robot goes on." }, "Pause");
     this.pause.addEventListener("click", () => this.setPaused(!this.paused));
     const add = h("button", { class: "s", type: "button" }, "+ plot");
     add.addEventListener("click", () => {
@@ -153,7 +153,7 @@ class Plots extends Panel {
         this.keep();
       }),
     );
-    const summary = h("summary", { title: "Channels, time shown, CSV, remove" }, "⋯");
+    const summary = h("summary", { title: "Channels, time shown, CSV, remove." }, "⋯");
     summary.setAttribute("aria-label", "Choose channels");
     const menu = h("details", { class: "picker" }, summary, h("div", {}, tools, h("div", { class: "choices" })));
     entry.menu = menu;

@@ -13,10 +13,11 @@ class Simulation extends Panel {
   build() {
     const button = (label, title, run) => h("button", { class: "s", type: "button", title, onclick: run }, label);
     this.state = h("p", { class: "hint state" });
-    this.pause = button("Pause", "Simulated time stands still; stops and switches still work", () => this.change({ paused: !store.docks.simulation.paused }));
+    this.done = h("p", { class: "hint", role: "status" });
+    this.pause = button("Pause", "Simulated time stands still; stops and switches still work.", () => this.changePause());
     this.steps = h("input", { class: "value", value: "100", inputMode: "numeric" });
     this.steps.setAttribute("aria-label", "Cycles to step");
-    this.step = button("Step", "Run so many cycles while paused", () => this.stepOn());
+    this.step = button("Step", "Run so many cycles while paused.", () => this.stepOn());
     this.factor = h("input", { class: "value", value: "1", inputMode: "decimal" });
     this.factor.setAttribute("aria-label", "Speed of simulated time");
     this.factor.addEventListener("keydown", (event) => event.key === "Enter" && this.setFactor());
@@ -32,11 +33,12 @@ class Simulation extends Panel {
       "div",
       {},
       this.state,
+      this.done,
       h("div", { class: "line" }, this.pause, this.step, this.steps, "cycles"),
-      h("div", { class: "line" }, h("label", {}, "speed × ", this.factor), button("Set", "Simulated seconds per second", () => this.setFactor())),
-      h("div", { class: "line" }, button("Reset", "Put the world back; earlier set-points and goals are void", () => this.act("/simulation/reset", { keyframe: this.keyframe.value || null })), " to ", this.keyframe),
-      h("div", { class: "line arms" }, this.arm, button("Push hand", "Push the hand for 0.3 s", () => this.push()), this.force, " N"),
-      h("div", { class: "line arms" }, button("Inject fault", "For exercises: the arm reacts as to a real one", () => this.inject()), this.fault, button("End faults", "End all faults and pushes", () => act("DELETE", `/robots/${this.arm.value}/faults`)), button("User stop", "Press the user stop of the arm", () => act("POST", `/robots/${this.arm.value}/user_stop`, { pressed: true }))),
+      h("div", { class: "line" }, h("label", {}, "speed × ", this.factor), button("Set", "Simulated seconds per second.", () => this.setFactor())),
+      h("div", { class: "line" }, button("Reset", "Put the world back; earlier set-points and goals are void.", () => this.act("/simulation/reset", { keyframe: this.keyframe.value || null }, "Simulation reset.")), " to ", this.keyframe),
+      h("div", { class: "line arms" }, this.arm, button("Push hand", "Push the hand for 0.3 s.", () => this.push()), this.force, " N"),
+      h("div", { class: "line arms" }, button("Inject fault", "For exercises: the arm reacts as to a real one.", () => this.inject()), this.fault, button("End faults", "End all faults and pushes.", () => act("DELETE", `/robots/${this.arm.value}/faults`)), button("User stop", "Press the user stop of the arm.", () => act("POST", `/robots/${this.arm.value}/user_stop`, { pressed: true }))),
     );
     this.objects = h("tbody", {});
     const heads = ["object", "x, y, z [m]", "kg"].map((text) => h("th", {}, text));
@@ -71,26 +73,35 @@ class Simulation extends Panel {
     });
   }
 
-  async act(path, body) {
-    await act("POST", path, body);
+  /** Say what was done; nothing when it was refused, which the log says. */
+  say(told, text) {
+    show(this.done, told ? text : "");
     store.refresh();
   }
 
-  async change(body) {
-    await act("PATCH", "/simulation", body);
-    store.refresh();
+  async act(path, body, text) {
+    this.say(await act("POST", path, body), text);
+  }
+
+  async change(body, text) {
+    this.say(await act("PATCH", "/simulation", body), text);
+  }
+
+  changePause() {
+    const paused = !store.docks.simulation.paused;
+    this.change({ paused }, paused ? "Paused." : "Resumed.");
   }
 
   stepOn() {
     const cycles = typed(this.steps.value);
-    if (Number.isInteger(cycles) && cycles > 0) this.act("/simulation/step", { n: cycles });
-    else refusals.add({ code: "not_a_number", detail: `“${this.steps.value}” is no number of cycles.`, remedy: "Type a whole number such as 100." });
+    if (Number.isInteger(cycles) && cycles > 0) this.act("/simulation/step", { n: cycles }, cycles === 1 ? "Stepped one cycle." : `Stepped ${cycles} cycles.`);
+    else refusals.add({ code: "not_a_number", detail: `“${this.steps.value}” is not a whole number of cycles.`, remedy: "Type a whole number such as 100." });
   }
 
   setFactor() {
     const factor = typed(this.factor.value);
     if (factor === null) refusals.add({ code: "not_a_number", detail: `“${this.factor.value}” is not a number.` });
-    else this.change({ real_time_factor: factor });
+    else this.change({ real_time_factor: factor }, `Speed set to × ${factor}.`);
   }
 
   push() {
@@ -107,7 +118,7 @@ class Simulation extends Panel {
   refresh() {
     const { simulation, arms } = store.docks;
     if (!simulation) return; // the dock goes, too
-    show(this.state, `${simulation.paused ? "⏸ paused" : "▶ running"} at × ${number(simulation.real_time_factor, 2)} · ${number(simulation.time, 1)} s`);
+    show(this.state, `${simulation.paused ? "‖ paused" : "▶ running"} at × ${number(simulation.real_time_factor, 2)} · ${number(simulation.time, 1)} s`);
     show(this.pause, simulation.paused ? "Resume" : "Pause");
     this.step.disabled = !simulation.paused || !store.isOperator;
     const key = [...simulation.keyframes, ...arms.map((arm) => arm.arm_id)].join();

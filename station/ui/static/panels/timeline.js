@@ -44,7 +44,7 @@ class Timeline extends Panel {
     this.slider.setAttribute("aria-label", "Time of the replay");
     this.slider.addEventListener("input", () => this.showAt(Number(this.slider.value)));
     this.replayTime = h("output", {});
-    this.run = h("button", { class: "s", type: "button", title: "Let the second robot move as recorded" }, "Play");
+    this.run = h("button", { class: "s", type: "button", title: "Let the second robot move as recorded." }, "Play");
     this.run.addEventListener("click", () => this.runReplay());
     const end = h("button", { class: "s", type: "button" }, "End replay");
     end.addEventListener("click", () => this.endReplay());
@@ -191,7 +191,7 @@ class Timeline extends Panel {
     const link = h("a", { href: `/api/v1/${this.chosen}/${encodeURIComponent(name)}/file`, download: `${name}.mcap` }, "download");
     // The file is whole once the recording has ended; until then there is nothing to load.
     if (item.state === "recording") return row(h("span", {}, what));
-    const replay = h("button", { class: "s", type: "button", title: "Show the recorded motion as a second robot in the 3D view" }, "Replay");
+    const replay = h("button", { class: "s", type: "button", title: "Show the recorded motion as a second robot in the 3D view." }, "Replay");
     replay.setAttribute("aria-label", `Replay ${name}`);
     replay.addEventListener("click", () => this.openReplay(name));
     return row(h("span", {}, `${what} `), link, " ", replay);

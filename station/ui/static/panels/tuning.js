@@ -15,18 +15,18 @@ const SIZES = { step: 0.1, sine: 0.1, chirp: 0.05, relay: 0.05 };
 
 class Tuning extends Panel {
   build() {
-    this.choice = h("select", { title: "Whose gains" });
+    this.choice = h("select", { title: "Controller whose gains are shown." });
     this.choice.setAttribute("aria-label", "Controller to tune");
     this.choice.addEventListener("change", () => this.read());
-    this.joint = h("select", { title: "Whose gains are shown" });
+    this.joint = h("select", { title: "Joint whose gains are shown." });
     this.joint.setAttribute("aria-label", "Joint to tune");
     this.joint.addEventListener("change", () => this.drawGains());
-    this.undo = h("button", { class: "s", type: "button", title: "Take the last change of gains back" }, "Undo");
+    this.undo = h("button", { class: "s", type: "button", title: "Take the last change of gains back." }, "Undo");
     this.undo.addEventListener("click", async () => {
       await act("POST", "/gain-sets/undo");
       this.reread();
     });
-    this.apply = h("button", { class: "s primary", type: "button", title: "All changed values take effect in the same cycle" }, "Apply");
+    this.apply = h("button", { class: "s primary", type: "button", title: "All changed values take effect in the same cycle." }, "Apply");
     this.apply.addEventListener("click", () => this.patch());
     this.fields = h("div", { class: "fields gains" });
     this.state = h("p", { class: "hint state" }, "");
@@ -209,7 +209,7 @@ class Tuning extends Panel {
     };
     this.kind.addEventListener("change", choose);
     choose();
-    this.runButton = h("button", { class: "s primary", type: "button", title: "Moves the chosen joint through the running controller, at most 0.3 rad, and leads it back", disabled: true }, "Run test");
+    this.runButton = h("button", { class: "s primary", type: "button", title: "Moves the chosen joint through the running controller, at most 0.3 rad, and leads it back.", disabled: true }, "Run test");
     this.runButton.addEventListener("click", () => this.run());
     const canvas = h("canvas", { class: "response" });
     canvas.setAttribute("role", "img");

@@ -1,0 +1,185 @@
+"""Checks that stand before every request, and headers that go with every answer."""
+
+import ipaddress
+from collections.abc import Collection
+from typing import TYPE_CHECKING
+
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.exceptions import HTTPException
+from starlette.responses import PlainTextResponse
+from starlette.websockets import WebSocketClose
+
+from station.web.body_limit import announces_more_than, limited
+from station.wire.protocol import MAX_BODY_BYTES as MAX_API_BODY_BYTES
+from station.wire.protocol import PREFIX
+
+if TYPE_CHECKING:
+    from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+
+MAX_BODY_BYTES = 4096
+"""Largest body of the gateway's own requests: the login form has one field."""
+_LARGE_BODIES = (f"{PREFIX}/", "/workspace/")
+_SAFE_METHODS = frozenset({"GET", "HEAD"})
+_TOO_MUCH = HTTPException(413, headers={"connection": "close"})
+_PAGE_POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
+    "connect-src 'self'; frame-src 'self'; form-action 'self'; base-uri 'none'; "
+    "frame-ancestors 'none'"
+)
+# Viser's page is one file with its scripts, workers and WebAssembly inside.
+_VISER_POLICY = (
+    "default-src 'none'; "
+    "script-src 'self' 'unsafe-inline' 'unsafe-eval' 'wasm-unsafe-eval' blob: data:; "
+    "worker-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; "
+    "img-src 'self' data: blob:; font-src 'self' data:; "
+    "connect-src 'self' data: blob:; "
+    "form-action 'none'; base-uri 'none'; frame-ancestors 'self'"
+)
+LOOPBACK_NAMES = frozenset({"localhost", "127.0.0.1", "::1"})
+
+
+def session_cookie(scope: "Scope") -> str:
+    """Return the cookie's name: browsers share cookies among the ports of a host."""
+    server = scope.get("server")
+    return f"station_dashboard_{server[1] if server else 0}"
+
+
+class OriginPolicy:
+    """Answers only requests that really are meant for this server.
+
+    A web page elsewhere can make a browser send requests here, under its own name
+    (DNS rebinding: a foreign Host) or from its own page (a foreign Origin). A literal
+    IP address cannot be rebound, so it is allowed when the server listens beyond
+    loopback.
+
+    Args:
+        host: Address the server is bound to.
+        extra_names: Further host names under which users reach the server.
+    """
+
+    def __init__(self, host: str, extra_names: Collection[str] = ()) -> None:
+        self._names = LOOPBACK_NAMES | {host.lower()}
+        self._names |= {name.lower() for name in extra_names}
+        self._any_address = host not in LOOPBACK_NAMES
+
+    def allows_host(self, host_header: str) -> bool:
+        """Return whether a request with this Host header may be answered."""
+        # A foreign name that resolves to this machine (DNS rebinding) would let a page
+        # elsewhere read the answers as its own.
+        name = _host_name(host_header)
+        if name in self._names:
+            return True
+        return self._any_address and _is_address(name)
+
+    def allows_origin(self, origin: str | None, host_header: str) -> bool:
+        """Return whether a changing request or a WebSocket may come from `origin`.
+
+        Args:
+            origin: The Origin header; browsers always send it on such requests.
+            host_header: The Host header of the same request.
+        """
+        # Browsers send an Origin with every changing request; a request without one
+        # comes from no page.
+        if origin is None:
+            return False
+        scheme, separator, rest = origin.partition("://")
+        return (
+            bool(separator)
+            and scheme in {"http", "https"}
+            and rest.lower() == host_header.lower()
+        )
+
+
+class GatewayGuard:
+    """ASGI middleware that refuses foreign hosts and pages, and seals the answers.
+
+    Args:
+        app: The application that it guards.
+        origins: Decides which Host and Origin headers are answered.
+    """
+
+    def __init__(self, app: "ASGIApp", origins: OriginPolicy) -> None:
+        self._app = app
+        self._origins = origins
+
+    async def __call__(self, scope: "Scope", receive: "Receive", send: "Send") -> None:
+        """Answer a request or pass it on."""
+        if scope["type"] not in {"http", "websocket"}:
+            await self._app(scope, receive, send)
+            return
+        refusal = self._refusal(scope)
+        limit = _largest_body(scope)
+        # A foreign page is refused first: it learns nothing of the limits.
+        if not refusal and announces_more_than(scope, limit):
+            await _too_large(limit)(scope, receive, send)
+        elif refusal and scope["type"] == "websocket":
+            await WebSocketClose(4403, refusal)(scope, receive, send)
+        elif refusal:
+            await PlainTextResponse(refusal + "\n", 403)(scope, receive, send)
+        else:
+            await self._pass_on(scope, receive, _sealing(scope, send))
+
+    async def _pass_on(self, scope: "Scope", receive: "Receive", send: "Send") -> None:
+        if scope["type"] == "http":
+            receive = limited(receive, _largest_body(scope), _TOO_MUCH)
+        await self._app(scope, receive, send)
+
+    def _refusal(self, scope: "Scope") -> str:
+        headers = Headers(scope=scope)
+        host = headers.get("host", "")
+        if not self._origins.allows_host(host):
+            return f"This dashboard does not answer to the host {host!r}."
+        origin = headers.get("origin")
+        changes = scope["type"] == "websocket" or scope["method"] not in _SAFE_METHODS
+        # Browsers name no Origin when a page reads from its own server.
+        is_asked = changes or origin is not None
+        if is_asked and not self._origins.allows_origin(origin, host):
+            return "Only the dashboard's own pages may do this."
+        return ""
+
+
+def _largest_body(scope: "Scope") -> int:
+    large = scope["path"].startswith(_LARGE_BODIES)
+    return MAX_API_BODY_BYTES if large else MAX_BODY_BYTES
+
+
+def _too_large(limit: int) -> PlainTextResponse:
+    text = f"The body is larger than the {limit} bytes allowed.\n"
+    return PlainTextResponse(text, 413, {"connection": "close"})
+
+
+def _sealing(scope: "Scope", send: "Send") -> "Send":
+    viser = scope["path"].startswith("/ui")
+
+    async def sealed(message: "Message") -> None:
+        if message["type"] == "http.response.start":
+            headers = MutableHeaders(scope=message)
+            headers["Cache-Control"] = "no-store"
+            headers["Content-Security-Policy"] = (
+                _VISER_POLICY if viser else _PAGE_POLICY
+            )
+            headers["X-Content-Type-Options"] = "nosniff"
+            # Not `no-referrer`: browsers then send `Origin: null` with the login form.
+            headers["Referrer-Policy"] = "same-origin"
+            headers["Cross-Origin-Opener-Policy"] = "same-origin"
+            headers["Cross-Origin-Resource-Policy"] = "same-origin"
+        await send(message)
+
+    return sealed
+
+
+def _host_name(host_header: str) -> str:
+    """Return the name in `name`, `name:port`, `[v6]` or `[v6]:port`, lower case."""
+    value = host_header.strip().lower()
+    if value.startswith("["):
+        return value[1:].partition("]")[0]
+    return value.partition(":")[0]
+
+
+def _is_address(name: str) -> bool:
+    try:
+        ipaddress.ip_address(name)
+    except ValueError:
+        return False
+    return True

@@ -1,1 +1,0 @@
-"""What a browser can lay over the robots in the 3D view, each thing by itself."""

@@ -1,0 +1,1 @@
+"""The dashboard's knowledge of the station, kept up to date."""

@@ -1,0 +1,190 @@
+"""The dashboard's knowledge of the station at one moment, as frozen data."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+from station.ui.link.arm_facts import ArmFacts
+from station.wire import (
+    CommandElement,
+    Contact,
+    ControllerSample,
+    ControllerState,
+    ControllerType,
+    MovingBase,
+    SceneObject,
+    Status,
+)
+
+STALE_AFTER = 0.7
+"""Data older than this must not be taken for the present [s]."""
+LOST_AFTER = 3.0
+"""Data older than this means that the link is down [s]."""
+
+TWIST = ("vx", "vy", "vz", "wx", "wy", "wz")
+"""Elements of the set-point of a controller that jogs an end effector."""
+POSE = ("x", "y", "z", "qx", "qy", "qz", "qw")
+"""Elements of the set-point of a controller that moves an end effector to a pose."""
+POSITION_UNITS = frozenset({"rad", "m"})
+Limits = Mapping[str, tuple[float, float]]
+"""Lowest and highest position of joints by name [rad] or [m]."""
+_NO_LIMITS: Limits = MappingProxyType({})
+_NO_POSITIONS: Mapping[str, float] = MappingProxyType({})
+_NO_ELEMENTS: Mapping[str, tuple[CommandElement, ...]] = MappingProxyType({})
+_NO_MESSAGES: Mapping[str, str] = MappingProxyType({})
+_NO_ARMS: Mapping[str, ArmFacts] = MappingProxyType({})
+_NO_SAMPLES: Mapping[str, ControllerSample] = MappingProxyType({})
+
+
+@dataclass(frozen=True, slots=True)
+class StationView:
+    """The newest of everything that has come from the station.
+
+    Attributes:
+        now: Monotonic time at which this view was made [s].
+        heard_at: When the station was heard last, same clock [s]; None: never.
+        failure: Why the last request failed; empty when it did not.
+        status: The station at a glance; None before the first answer.
+        controllers: All loaded controllers.
+        types: Controller types that can be loaded.
+        positions: Joint positions by name [rad] or [m].
+        elements: The set-points that running controllers take, by controller.
+        samples: The last samples of watched controllers, by controller.
+        messages: Why a motion of an end effector waits or slows down, by controller.
+        sliding: The drawn joints whose positions are lengths.
+        limits: Position limits that the robot keeps; joints without are not in it.
+        arms: The tools of the Franka arms and the forces on them, by arm_id.
+        base: Pose of a floating or driving base; None without one.
+        objects: The objects around a simulated robot with their last known poses.
+        contacts: The points at which bodies of a simulated world touch; empty while no
+            browser shows them.
+    """
+
+    now: float = 0.0
+    heard_at: float | None = None
+    failure: str = ""
+    status: Status | None = None
+    controllers: tuple[ControllerState, ...] = ()
+    types: tuple[ControllerType, ...] = ()
+    positions: Mapping[str, float] = field(default_factory=lambda: _NO_POSITIONS)
+    elements: Mapping[str, tuple[CommandElement, ...]] = field(
+        default_factory=lambda: _NO_ELEMENTS
+    )
+    samples: Mapping[str, ControllerSample] = field(default_factory=lambda: _NO_SAMPLES)
+    messages: Mapping[str, str] = field(default_factory=lambda: _NO_MESSAGES)
+    sliding: frozenset[str] = frozenset()
+    limits: Limits = field(default_factory=lambda: _NO_LIMITS)
+    arms: Mapping[str, ArmFacts] = field(default_factory=lambda: _NO_ARMS)
+    base: MovingBase | None = None
+    objects: tuple[SceneObject, ...] = ()
+    contacts: tuple[Contact, ...] = ()
+
+    @property
+    def age(self) -> float | None:
+        """Age of the newest data [s]; None before the first."""
+        return None if self.heard_at is None else max(self.now - self.heard_at, 0.0)
+
+    @property
+    def link(self) -> str:
+        """`live`, `stale` or `lost`."""
+        age = self.age
+        if age is None or age > LOST_AFTER:
+            return "lost"
+        # One late frame is no reason to grey the page.
+        return "stale" if age > STALE_AFTER else "live"
+
+    @property
+    def epoch(self) -> int | None:
+        """The station's epoch; None while it is not known."""
+        return None if self.status is None else self.status.epoch
+
+    @property
+    def is_stopped(self) -> bool:
+        """Whether the stop is engaged, or released while motion is not allowed yet."""
+        return self.status is not None and self.status.stop_state != "armed"
+
+    def arms_of(self, controller: ControllerState) -> tuple[str, ...]:
+        """Return the arms that a controller claims, whole or some of their joints."""
+        claimed = resources_of(controller)
+        arms = () if self.status is None else self.status.robots
+        return tuple(
+            arm.arm_id
+            for arm in arms
+            if f"{arm.arm_id}_robot" in claimed
+            or any(name.startswith(f"{arm.arm_id}_joint") for name in claimed)
+        )
+
+    def commanding_positions(self) -> set[str]:
+        """Return the running controllers that command positions of joints."""
+        return {
+            controller.name
+            for controller in self.controllers
+            if controller.state == "running"
+            and (
+                _moves_to_positions(self.elements.get(controller.name, ()))
+                or controller.type.endswith("JointTrajectoryController")
+            )
+        }
+
+    def commanded_positions(self) -> dict[str, float]:
+        """Return the commanded positions of joints by name [rad] or [m].
+
+        Only watched controllers have samples, from which these positions come.
+        """
+        wanted: dict[str, float] = {}
+        for name in self.commanding_positions():
+            sample = self.samples.get(name)
+            if sample is None or len(sample.desired) != len(sample.name):
+                continue
+            values = zip(sample.name, sample.desired, strict=True)
+            wanted |= {joint: value for joint, value in values if value is not None}
+        return wanted
+
+    def set_point_of(self, name: str, count: int) -> list[float] | None:
+        """Return the last set-point of a watched controller; None while unknown.
+
+        Args:
+            name: The controller.
+            count: How many numbers its set-point has.
+        """
+        sample = self.samples.get(name)
+        if sample is None or len(sample.desired) != count:
+            return None
+        known = [value for value in sample.desired if value is not None]
+        return known if len(known) == count else None
+
+    def blocked(self) -> str:
+        """Return why the robot takes no commands, or an empty text if it takes them."""
+        if self.link != "live":
+            return f"The link to the station is {self.link}."
+        if self.status is None:
+            return "The state of the station is not known yet."
+        if self.status.stop_state == "stopped":
+            return "The robot is stopped. Release the stop and allow motion first."
+        if self.status.stop_state == "released":
+            return "The stop is released, but motion is not allowed yet."
+        return ""
+
+
+def moves_hand(elements: Sequence[CommandElement]) -> bool:
+    """Return whether a set-point is a pose or a velocity of an end effector."""
+    return bool(elements) and elements[0].name in {TWIST[0], POSE[0]}
+
+
+def moves_joints(elements: Sequence[CommandElement]) -> bool:
+    """Return whether a set-point has one number per joint."""
+    return bool(elements) and not moves_hand(elements)
+
+
+def resources_of(controller: ControllerState) -> frozenset[str]:
+    """Return the resources that a controller claims."""
+    return frozenset(
+        resource
+        for claim in controller.claimed_resources
+        for resource in claim.resources
+    )
+
+
+def _moves_to_positions(elements: Sequence[CommandElement]) -> bool:
+    in_position = all(element.unit in POSITION_UNITS for element in elements)
+    return moves_joints(elements) and in_position

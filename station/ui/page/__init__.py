@@ -1,0 +1,1 @@
+"""Requests of the page, and what its docks show."""

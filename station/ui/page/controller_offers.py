@@ -1,0 +1,108 @@
+"""Actions that the dock Controllers offers, and short texts for its rows."""
+
+from collections.abc import Collection
+from dataclasses import dataclass
+
+from station.ui.link.station_view import StationView, resources_of
+from station.wire import ControllerState
+
+_UNITS = {
+    "Position": ("rad", "m"),
+    "PosVel": ("rad", "m"),
+    "Velocity": ("rad/s", "m/s"),
+    "Effort": ("Nm", "N"),
+}
+"""Units of the commands to an interface, for joints that turn and that slide."""
+
+
+@dataclass(frozen=True, slots=True)
+class Offer:
+    """The start of a controller, as it is possible at present.
+
+    Attributes:
+        replaces: Running controllers that must stop before it can start.
+        reason: Why it cannot be started without stopping others; empty if it can.
+    """
+
+    replaces: tuple[str, ...] = ()
+    reason: str = ""
+
+
+def claims_text(controller: ControllerState) -> str:
+    """Return the claims of a controller, short enough for a table cell."""
+    parts = []
+    for claim in controller.claimed_resources:
+        interface = claim.hardware_interface.rpartition("::")[2]
+        interface = interface.removesuffix("Interface")
+        if claim.resources:
+            parts.append(f"{interface}: {_joints_text(claim.resources)}")
+    return "; ".join(parts) or "nothing"
+
+
+def offer_for(view: StationView, controller: ControllerState) -> Offer:
+    """Return how a controller can be started."""
+    if view.link != "live":
+        return Offer(reason=view.blocked())
+    if controller.state == "running":
+        return Offer(reason="It runs. Stop it before unloading it.")
+    holders = _holders(view, controller)
+    if holders:
+        return Offer(holders, f"Its joints are held by {', '.join(holders)}.")
+    return Offer(reason=view.blocked())
+
+
+def _holders(view: StationView, controller: ControllerState) -> tuple[str, ...]:
+    """Return the running controllers that hold a joint of this controller.
+
+    A Franka runs a motion of its hand beside torques of its joints, but the torques
+    alone decide where the arm goes: a controller of one kind holds the joints of the
+    other, because an arm whose joints are held ignores a motion of its hand.
+    """
+    wanted = _joints_of(view, controller)
+    return tuple(
+        other.name
+        for other in view.controllers
+        if other.state == "running" and wanted & _joints_of(view, other)
+    )
+
+
+def _joints_of(view: StationView, controller: ControllerState) -> frozenset[str]:
+    """Return the claims of a controller; a whole arm also as the joints of that arm."""
+    claimed = resources_of(controller)
+    arms = () if view.status is None else view.status.robots
+    stems = tuple(
+        f"{arm.arm_id}_joint" for arm in arms if f"{arm.arm_id}_robot" in claimed
+    )
+    return claimed | {name for name in view.positions if name.startswith(stems)}
+
+
+def command_units(
+    controller: ControllerState, sliding: Collection[str]
+) -> dict[str, str]:
+    """Return the unit of the commands of a controller, by joint.
+
+    Args:
+        controller: The controller.
+        sliding: The joints whose positions are lengths.
+    """
+    units: dict[str, str] = {}
+    for claim in controller.claimed_resources:
+        interface = claim.hardware_interface.rpartition("::")[2]
+        for kind, pair in _UNITS.items():
+            if interface.startswith(kind):
+                units |= {name: pair[name in sliding] for name in claim.resources}
+    return units
+
+
+def _joints_text(resources: list[str]) -> str:
+    """Shorten `panda_joint1 … panda_joint7` to its ends when they are numbered."""
+    names = sorted(resources)
+    if len(names) < 3:
+        return ", ".join(names)
+    stem = names[0].rstrip("0123456789")
+    numbers = [name.removeprefix(stem) for name in names]
+    first = numbers[0]
+    expected = [str(int(first or 0) + i) for i in range(len(names))]
+    if first.isdigit() and numbers == expected:
+        return f"{stem}{first}…{numbers[-1]}"
+    return f"{names[0]} and {len(names) - 1} more"

@@ -1,0 +1,1 @@
+"""The robots in 3D, and the layers over them."""

@@ -1,0 +1,1 @@
+"""Layers that a browser can lay over the robots in the 3D view."""

@@ -1,0 +1,197 @@
+"""Load a robot's URDF with its visual meshes, ready to be drawn.
+
+`station.core.description` reads how the joints are connected and how they move;
+yourdfpy loads and places the visual meshes.
+"""
+
+import io
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from xml.etree import ElementTree
+
+import numpy as np
+import yourdfpy
+from numpy.typing import NDArray
+
+from station.core.description.robot_files import RobotFiles, load_robot_files
+from station.core.description.urdf import JointType, Urdf, Vector3
+from station.core.description.urdf_parser import parse_urdf
+from station.core.description.urdf_repair import repair_urdf
+from station.core.errors import RobotDescriptionError
+from station.ui.scene.joint_frames import is_drawn_moving, link_poses
+from station.ui.scene.link_surfaces import Surface, bounds_of, link_surfaces
+from station.ui.scene.moving_base import BASE_LINK, carry
+
+# The exceptions of the libraries that read URDFs and meshes.
+LIBRARY_FAILURES = (
+    ArithmeticError,
+    AssertionError,
+    AttributeError,
+    ImportError,
+    LookupError,
+    OSError,
+    RuntimeError,
+    SyntaxError,
+    TypeError,
+    ValueError,
+)
+
+
+class RobotModelError(Exception):
+    """The robot cannot be drawn; the message has the reason and the remedy."""
+
+
+@dataclass(frozen=True, slots=True)
+class RobotModel:
+    """A robot that can be drawn.
+
+    Attributes:
+        urdf: Links and joints; the root link is fixed to the link `station_base`.
+        drawing: The same robot with its visual meshes in a scene graph.
+        surfaces: Collision geometry by link.
+        arm_id: Prefix of a Panda's joints, by which the station calls the arm.
+        root: The robot's own root link.
+        moves: Whether that link moves in the world.
+    """
+
+    urdf: Urdf
+    drawing: yourdfpy.URDF
+    surfaces: Mapping[str, Surface] = field(default_factory=dict)
+    arm_id: str = ""
+    root: str = ""
+    moves: bool = False
+
+    def triangles(self) -> int:
+        """Return how many triangles the visual meshes have."""
+        return sum(len(mesh.faces) for mesh in self.drawing.scene.geometry.values())
+
+    def joint_limits(self) -> dict[str, tuple[float, float]]:
+        """Return the position limits of the joints that are not mimic joints.
+
+        Returns:
+            Lower and upper limit by name [rad] or [m]. A joint without limits gets one
+            turn in each direction.
+        """
+        limits = {}
+        for joint in self.urdf.joints.values():
+            if not is_drawn_moving(joint) or joint.mimic is not None:
+                continue
+            if joint.name.startswith(BASE_LINK):
+                continue
+            low, high = -2.0 * math.pi, 2.0 * math.pi
+            if joint.limit is not None and joint.limit.lower is not None:
+                low = joint.limit.lower
+            if joint.limit is not None and joint.limit.upper is not None:
+                high = joint.limit.upper
+            limits[joint.name] = (low, high)
+        return limits
+
+    def sliding_joints(self) -> set[str]:
+        """Return the joints of the robot whose positions are lengths."""
+        return {
+            joint.name
+            for joint in self.urdf.joints.values()
+            if joint.type is JointType.PRISMATIC
+        }
+
+    def bounds(self, positions: Mapping[str, float]) -> NDArray[np.float64]:
+        """Return the smallest box around the robot's collision geometry.
+
+        Args:
+            positions: Joint positions by name [rad] or [m]; zero where there is none.
+
+        Returns:
+            Lowest and highest corner [m], shape (2, 3); around the frames of the links
+            when the robot has no collision geometry.
+        """
+        poses = link_poses(self.urdf, positions)
+        corners = bounds_of(self.surfaces, poses)
+        if corners is None:
+            origins = np.array([pose.xyz for pose in poses.values()])
+            corners = np.stack([origins.min(axis=0), origins.max(axis=0)])
+        return corners
+
+    def base_position(self) -> Vector3:
+        """Return where the robot's root link begins, x, y, z [m]."""
+        return self.urdf.joints_below(self.urdf.root)[0].origin.xyz
+
+
+def load_robot(
+    reference: str,
+    arm_id: str = "panda",
+    base: Sequence[float] = (0.0,) * 6,
+    *,
+    moves: bool = False,
+) -> RobotModel:
+    """Load a robot with its visual meshes.
+
+    Args:
+        reference: `example-robot-data:<robot>` or the path of a URDF file.
+        arm_id: Replaces `panda` in the names of a Panda's joints and links.
+        base: Pose of the root link: x, y, z [m], roll, pitch, yaw [rad].
+        moves: Whether the root link moves in the world. Its pose is then that of
+            `moving_base.base_positions`, and `base` is not used.
+
+    Returns:
+        The robot with its meshes.
+
+    Raises:
+        RobotModelError: There is no such robot, or its files cannot be used.
+    """
+    try:
+        files = load_robot_files(reference).with_prefix("panda_", f"{arm_id}_")
+        # As the simulation reads it; see station.hw.mujoco.description_repair.
+        files = replace(files, xml=repair_urdf(files.xml)[0])
+        urdf = parse_urdf(files.xml, source=str(files.urdf_path))
+        xml = _with_base(files.xml, urdf.root, base, moves=moves)
+        return RobotModel(
+            parse_urdf(xml),
+            _load_drawing(files, xml),
+            link_surfaces(urdf, files.resolve_mesh),
+            arm_id,
+            urdf.root,
+            moves,
+        )
+    except RobotDescriptionError as exc:
+        raise RobotModelError(
+            f"The robot '{reference}' cannot be drawn: {exc.message} {exc.remedy}"
+        ) from exc
+    except LIBRARY_FAILURES as exc:
+        raise RobotModelError(
+            f"The robot '{reference}' cannot be drawn: {_described(exc)}. Give the "
+            "path of a URDF whose meshes are at hand and in a known format."
+        ) from exc
+
+
+def _load_drawing(files: RobotFiles, xml: str) -> yourdfpy.URDF:
+    def find(fname: str) -> str:
+        return str(files.resolve_mesh(fname))
+
+    return yourdfpy.URDF.load(
+        io.BytesIO(xml.encode()),
+        filename_handler=find,
+        load_collision_meshes=False,
+        force_collision_mesh=False,
+    )
+
+
+def _described(error: BaseException) -> str:
+    return str(error) or type(error).__name__
+
+
+def _with_base(xml: str, root: str, base: Sequence[float], *, moves: bool) -> str:
+    """Return the URDF with a new root link; the old one is at `base`, or moves."""
+    robot = ElementTree.fromstring(xml)
+    if moves:
+        carry(robot, root)
+        return ElementTree.tostring(robot, encoding="unicode")
+    joint = ElementTree.SubElement(
+        robot, "joint", name=f"{BASE_LINK}_joint", type="fixed"
+    )
+    ElementTree.SubElement(joint, "parent", link=BASE_LINK)
+    ElementTree.SubElement(joint, "child", link=root)
+    xyz, rpy = (" ".join(map(str, part)) for part in (base[:3], base[3:]))
+    ElementTree.SubElement(joint, "origin", xyz=xyz, rpy=rpy)
+    ElementTree.SubElement(robot, "link", name=BASE_LINK)
+    return ElementTree.tostring(robot, encoding="unicode")

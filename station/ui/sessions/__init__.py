@@ -1,0 +1,1 @@
+"""Logins, their roles, and their credentials at the station."""

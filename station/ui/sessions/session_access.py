@@ -1,0 +1,297 @@
+"""The credentials of each session at the station: an address, a token, a lease.
+
+None of them ever reaches a page. Any thread may ask; only the gateway's event loop
+changes anything.
+"""
+
+import asyncio
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from station.client import ApiError, AsyncStationClient
+from station.client.connection import Promptness
+from station.ui.link.station_access import StationAccess
+from station.ui.sessions.sessions import Role, Session, Sessions
+from station.wire import ControlState, ExternalForce
+from station.wire.protocol import LEASE_HEADER
+
+BEGIN_WITHIN = 3.0
+"""Longest time between the request of a change and its begin [s]."""
+_REQUEST_TIMEOUT = 2.0
+_NO_TOKEN = "nobodys-token"
+
+
+@dataclass(frozen=True, slots=True)
+class _Lease:
+    session: Session
+    key: str
+    deadline: float
+
+
+class SessionAccess:
+    """The credentials of the dashboard's sessions at the station.
+
+    A session that logged in with a token of the station's start has no token of its
+    own: it is served with that of its role, also after the station has restarted with
+    other tokens. A session of a named token keeps it.
+
+    Args:
+        station: How to reach the station.
+        lease_changed: Called with the lease that some session of this dashboard holds,
+            or None, whenever it becomes another.
+        now: Monotonic clock [s].
+        follows: Whether `move_to` tells of every start of the station. If not, a
+            station that was started anew is known by its refusals alone.
+        ca: File of the certificates to trust with https; None for those of the station
+            on this machine, or of the system.
+
+    Attributes:
+        promptness: Lets the station refuse a change that a person asked for long ago.
+    """
+
+    def __init__(
+        self,
+        station: StationAccess,
+        lease_changed: Callable[[str | None], None] = lambda _: None,
+        now: Callable[[], float] = time.monotonic,
+        *,
+        follows: bool = False,
+        ca: str | None = None,
+    ) -> None:
+        self.promptness = Promptness(BEGIN_WITHIN)
+        self._ca = ca
+        self._station = station
+        self._follows = follows
+        self._is_lost = False
+        self._is_back = asyncio.Event()
+        self._is_back.set()
+        self._lease_changed = lease_changed
+        self._now = now
+        self._lease: _Lease | None = None
+        self._shared: AsyncStationClient | None = None
+
+    async def close(self) -> None:
+        """Close the connections of `acting_for`."""
+        if self._shared is not None:
+            await self._shared.close()
+
+    @property
+    def url(self) -> str:
+        """The station's API."""
+        return self._station.url
+
+    @property
+    def is_lost(self) -> bool:
+        """Whether the station has ended and no other has taken its place yet."""
+        return self._is_lost
+
+    async def wait_for_station(self) -> None:
+        """Wait while `is_lost`; in the gateway's event loop."""
+        await self._is_back.wait()
+
+    def move_to(self, station: StationAccess | None) -> None:
+        """Serve another station from now on, without a lease.
+
+        Args:
+            station: How to reach it; None while the former one has ended and it is not
+                known which comes next.
+        """
+        self._is_lost = station is None
+        self._station = station or self._station
+        # Control was given by the station that has ended.
+        self._set(None)
+        if station is None:
+            self._is_back.clear()
+        else:
+            self._is_back.set()
+
+    def own_token(self, token: str) -> str:
+        """Return the token that a session keeps of its login.
+
+        Args:
+            token: The token.
+
+        Returns:
+            The token; empty for a token that the station makes anew at every start,
+            since the role of the session stands for it.
+        """
+        made = {self._station.token, self._station.viewer_token} - {""}
+        return "" if token in made else token
+
+    def token_of(self, session: Session) -> str | None:
+        """Return the token that a session's requests carry; None while there is none.
+
+        Never that of another role: a viewer is a viewer at the station, too. While
+        `is_lost`, no request gets a token of the station that has ended.
+        """
+        # Another program may answer at the address of a station that has ended.
+        if self._is_lost:
+            return None
+        if session.token:
+            return session.token
+        if session.role is Role.OPERATOR:
+            return self._station.token
+        return self._station.viewer_token or _NO_TOKEN
+
+    def is_withdrawn(self, session: Session, token: str | None) -> bool:
+        """Return whether a session is over since the station does not know its token.
+
+        A station that was started anew does not know the tokens that the former one
+        made. That ends no session: this dashboard is about to hear of the new ones.
+
+        Args:
+            session: Whose request was refused.
+            token: The token of the request.
+        """
+        if token is None or token != self.token_of(session):
+            return False
+        return bool(session.token) or not self._follows
+
+    def lease_of(self, session: Session) -> str | None:
+        """Return the lease that a session acts under; None without one."""
+        lease = self._present()
+        return lease.key if lease is not None and lease.session is session else None
+
+    def headers_of(self, session: Session) -> dict[str, str]:
+        """Return the headers that prove at the station who acts, and under which lease.
+
+        Args:
+            session: The browser's session.
+        """
+        token = self.token_of(session)
+        headers = {} if token is None else {"Authorization": f"Bearer {token}"}
+        lease = self.lease_of(session)
+        return headers if lease is None else {**headers, LEASE_HEADER: lease}
+
+    def client_of(self, session: Session) -> AsyncStationClient:
+        """Return a client that acts for a session; the caller closes it."""
+        client = AsyncStationClient(
+            self.url, _NO_TOKEN, timeout=_REQUEST_TIMEOUT, ca=self._ca
+        )
+        client.begin_within(self.promptness)
+        self.renew(client, session)
+        return client
+
+    def acting_for(self, session: Session) -> AsyncStationClient:
+        """Return a client, shared by all, that acts for a session in its next request.
+
+        For requests that pages send every second: opening a client takes 20 ms of CPU.
+
+        Args:
+            session: The session that acts. The request has to begin before anything
+                else is awaited, or it may be another session's.
+        """
+        if self._shared is None:
+            self._shared = self.client_of(session)
+        self.renew(self._shared, session)
+        return self._shared
+
+    def renew(self, client: AsyncStationClient, session: Session) -> str | None:
+        """Let a client of `client_of` act with the present credentials of its session.
+
+        Args:
+            client: The client.
+            session: The session that it acts for.
+
+        Returns:
+            The lease; None without one.
+        """
+        lease = self.lease_of(session)
+        client.talk_to(self.url, self.token_of(session))
+        client.lease.act_under(lease)
+        return lease
+
+    def role_at_viser(self, session: Session) -> Role:
+        """Return the role of a session at Viser's panel, which all browsers share.
+
+        While another session holds control, that panel acts under its lease. All other
+        sessions may only watch, or the lease would serve two people.
+        """
+        lease = self._present()
+        is_others = lease is not None and lease.session is not session
+        return Role.VIEWER if is_others else session.role
+
+    def note(
+        self, session: Session, state: ControlState, key: str | None, asked_at: float
+    ) -> None:
+        """Note the station's answer to a session about control.
+
+        Args:
+            session: The session that asked.
+            state: The answer.
+            key: The lease that the request named; None without one.
+            asked_at: Monotonic time before the request [s]; the lease lasts from then.
+        """
+        if state.mine and state.lease is not None and state.expires_in is not None:
+            before = self._lease
+            # Sessions may share a token; the lease stays with the one that took it.
+            if before is not None and before.key == state.lease:
+                session = before.session
+            self._set(_Lease(session, state.lease, asked_at + state.expires_in))
+        else:
+            self.lose(key)
+
+    def lose(self, key: str | None) -> None:
+        """Forget a lease that has ended; a newer lease stays.
+
+        Args:
+            key: The lease; None changes nothing.
+        """
+        if self._lease is not None and self._lease.key == key:
+            self._set(None)
+
+    def _present(self) -> _Lease | None:
+        """Return the lease while it lasts; after that the station may have given it."""
+        lease = self._lease
+        return lease if lease is not None and self._now() < lease.deadline else None
+
+    def _set(self, lease: _Lease | None) -> None:
+        before, self._lease = self._lease, lease
+        key = None if lease is None else lease.key
+        if key != (None if before is None else before.key):
+            self._lease_changed(key)
+
+
+class SessionPusher:
+    """Pushes simulated arms for sessions. To be used from Viser's event loop only.
+
+    Args:
+        access: The credentials of the sessions.
+        sessions: The logged-in browsers.
+    """
+
+    def __init__(self, access: SessionAccess, sessions: Sessions) -> None:
+        self._access = access
+        self._sessions = sessions
+        self._client: AsyncStationClient | None = None
+
+    async def __call__(self, key: str, arm_id: str, push: ExternalForce) -> None:
+        """Push a link.
+
+        Args:
+            key: Key of the session that pushes.
+            arm_id: The arm.
+            push: The force, and for how long.
+
+        Raises:
+            ApiError: The session has ended or only watches, or the station refuses.
+        """
+        session = self._sessions.named(key)
+        if session is None or session.role is not Role.OPERATOR:
+            raise ApiError(
+                "Only a logged-in operator pushes.",
+                status=403,
+                code="forbidden",
+                remedy="Log in as operator.",
+            )
+        if self._client is None:
+            self._client = self._access.client_of(session)
+        # A client of its own: that of `acting_for` belongs to another event loop.
+        self._access.renew(self._client, session)
+        await self._client.robot(arm_id).apply_force(push)
+
+    async def close(self) -> None:
+        """Close the connection."""
+        if self._client is not None:
+            await self._client.close()

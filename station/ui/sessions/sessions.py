@@ -1,0 +1,191 @@
+"""Browser sessions of the gateway: the logins and their roles."""
+
+import asyncio
+import contextlib
+import secrets
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Protocol
+
+SESSION_LIFETIME = 12 * 3600.0
+"""Duration of a login [s]; every request renews it."""
+
+SAVE_PERIOD = 60.0
+"""Time between two notes on disk of the last use of the sessions [s]."""
+
+EXPIRY_PERIOD = 1.0
+"""Time between two looks of an open socket at the end of its session [s]."""
+
+
+class Role(Enum):
+    """The permission of a browser: to watch, or also to act."""
+
+    VIEWER = "viewer"
+    OPERATOR = "operator"
+
+
+@dataclass(frozen=True, slots=True)
+class Session:
+    """One logged-in browser.
+
+    Attributes:
+        identifier: Random value of its cookie.
+        role: Its role.
+        token: The named token that it logged in with, which never leaves the gateway
+            but for the station; empty for a token of the station's start, for which the
+            role stands.
+        key: Names the session where its cookie must not be known, as to Viser.
+        closed: Set when the session is closed, or dropped for a newer one.
+    """
+
+    identifier: str
+    role: Role
+    token: str = field(default="", repr=False)
+    key: str = field(default_factory=lambda: secrets.token_hex(8))
+    closed: asyncio.Event = field(default_factory=asyncio.Event, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class KeptSession:
+    """A session as it outlives the dashboard.
+
+    Attributes:
+        identifier: Random value of its cookie.
+        role: Its role.
+        token: As `Session.token`.
+        used_at: When it was used last, in the time of `Sessions`.
+    """
+
+    identifier: str
+    role: Role
+    token: str = field(repr=False)
+    used_at: float
+
+
+class SessionStore(Protocol):
+    """Keeps sessions beyond the life of this process."""
+
+    def load(self) -> Sequence[KeptSession]:
+        """Return what was saved last, oldest first."""
+        ...
+
+    def save(self, sessions: Sequence[KeptSession]) -> None:
+        """Keep these, oldest first."""
+        ...
+
+    def move_to(self, station: str) -> None:
+        """Keep them for the station at this address from now on."""
+        ...
+
+
+class Sessions:
+    """Keeps the logged-in browsers; forgets those that stay away.
+
+    The station's token itself never becomes a cookie: a stolen cookie is worth
+    nothing at the API.
+
+    Args:
+        now: Clock [s] that goes on while no dashboard runs.
+        limit: Most sessions kept for each role; of the same role the oldest goes first,
+            so that no viewer can end an operator's session.
+        store: Where they outlive a dashboard; None: nowhere.
+    """
+
+    def __init__(
+        self,
+        now: Callable[[], float] = time.time,
+        limit: int = 256,
+        store: SessionStore | None = None,
+    ) -> None:
+        self._now = now
+        self._limit = limit
+        self._store = store
+        self._saved_at = now()
+        self._sessions: dict[str, tuple[Session, float]] = {}
+        for kept in () if store is None else store.load():
+            session = Session(kept.identifier, kept.role, kept.token)
+            # A clock that was set back must not let a session live longer.
+            self._sessions[kept.identifier] = (session, min(kept.used_at, now()))
+        self._forget_expired()
+
+    def open(self, role: Role, token: str = "") -> Session:
+        """Start a session and return it.
+
+        Args:
+            role: The role of the browser.
+            token: The named token with which it has logged in; empty for a token of
+                the station's start.
+        """
+        self._forget_expired()
+        # Of one role alone: a viewer could otherwise end the sessions of operators by
+        # logging in often enough.
+        alike = [one for one, _ in self._sessions.values() if one.role is role]
+        for session in alike[: max(0, len(alike) + 1 - self._limit)]:
+            self.close(session.identifier)
+        session = Session(secrets.token_urlsafe(32), role, token)
+        self._sessions[session.identifier] = (session, self._now())
+        self._save()
+        return session
+
+    def find(self, identifier: str | None) -> Session | None:
+        """Return the session behind a cookie and renew it, or None."""
+        self._forget_expired()
+        entry = self._sessions.pop(identifier or "", None)
+        if entry is None:
+            return None
+        session = entry[0]
+        self._sessions[session.identifier] = (session, self._now())
+        # A page asks three times a second; not each of them is worth a write to disk.
+        if self._now() - self._saved_at > SAVE_PERIOD:
+            self._save()
+        return session
+
+    def named(self, key: str) -> Session | None:
+        """Return the session of that key, without renewing it; callable by any thread.
+
+        Args:
+            key: `Session.key`.
+        """
+        # A copy, because the gateway's thread changes the table meanwhile.
+        for session, _ in list(self._sessions.values()):
+            if session.key == key:
+                return session
+        return None
+
+    def close(self, identifier: str | None) -> None:
+        """End a session; nothing happens if it has ended already."""
+        entry = self._sessions.pop(identifier or "", None)
+        if entry is not None:
+            entry[0].closed.set()
+            self._save()
+
+    def move_to(self, station: str) -> None:
+        """Keep the sessions for the station at this address from now on."""
+        if self._store is not None:
+            self._store.move_to(station)
+            self._save()
+
+    def _save(self) -> None:
+        self._saved_at = self._now()
+        if self._store is not None:
+            self._store.save([
+                KeptSession(session.identifier, session.role, session.token, used_at)
+                for session, used_at in self._sessions.values()
+            ])
+
+    async def wait_for_end(self, session: Session) -> None:
+        """Return when a session was closed or has expired; does not renew it."""
+        while not session.closed.is_set():
+            self._forget_expired()
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(session.closed.wait(), EXPIRY_PERIOD)
+
+    def _forget_expired(self) -> None:
+        oldest = self._now() - SESSION_LIFETIME
+        expired = [
+            key for key, (_, used_at) in self._sessions.items() if used_at < oldest
+        ]
+        for key in expired:
+            self.close(key)

@@ -1,0 +1,1 @@
+"""Move the robot for a person: typed values, sliders and held buttons."""
