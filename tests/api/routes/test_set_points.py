@@ -4,6 +4,7 @@ import pytest
 
 from station.api.auth import Access, Role
 from station.client import ApiError
+from station.core.clock import ManualClock
 from station.core.ports.set_point import SetPointElement
 from station.events import Origin
 from station.wire.excitations import Step
@@ -132,14 +133,17 @@ def test_a_set_point_from_before_a_stop_is_void(spring):
     assert (caught.value.status, caught.value.code) == (409, "stale_epoch")
 
 
-def test_a_set_point_may_be_valid_for_a_while(spring, station, monkeypatch):
-    posted = []
+def test_a_set_point_may_be_valid_for_a_while(spring, station):
     port = station.manager.get_controller("spring").set_points
-    monkeypatch.setattr(port, "post", lambda *args: posted.append(args))
+    port.clock = clock = ManualClock()
 
     spring.command("spring", [0.5], timeout=0.2)
+    station.loop.step()
 
-    assert [found[:3] for found in posted] == [([0.5], 0.2, port.generation)]
+    clock.advance(0.19)
+    assert not port.take_expiry()
+    clock.advance(0.02)
+    assert port.take_expiry()
 
 
 def test_rates_reach_a_controller_that_feeds_them_forward(spring, station):
