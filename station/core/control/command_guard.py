@@ -5,8 +5,8 @@ from collections.abc import Collection
 from numbers import Real
 
 from station.core.faults import CONTAINED
-from station.core.hardware.interfaces.actuator import ActuatorCommandInterface
 from station.core.hardware.interfaces.interface_manager import interface_type_name
+from station.core.hardware.interfaces.joint import ActuatorCommandInterface
 from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
 from station.core.hardware.robot_hw import InterfaceResources, RobotHW
 from station.core.hardware.slots import Slot

@@ -1,41 +1,29 @@
 """Handles and hardware interfaces, one family in each file."""
 
-from station.core.hardware.interfaces.actuator import (
-    ActuatorCommandInterface,
-    ActuatorHandle,
-    ActuatorStateHandle,
-    ActuatorStateInterface,
-    EffortActuatorInterface,
-    PositionActuatorInterface,
-    VelocityActuatorInterface,
-)
-from station.core.hardware.interfaces.force_torque_sensor import (
-    ForceTorqueSensorHandle,
-    ForceTorqueSensorInterface,
-)
-from station.core.hardware.interfaces.imu_sensor import (
-    ImuSensorHandle,
-    ImuSensorInterface,
-)
 from station.core.hardware.interfaces.interface_manager import (
     InterfaceManager,
     interface_type_name,
 )
 from station.core.hardware.interfaces.joint import (
+    ActuatorCommandInterface,
+    ActuatorHandle,
+    ActuatorStateHandle,
+    ActuatorStateInterface,
+    EffortActuatorInterface,
     EffortJointInterface,
     JointCommandInterface,
+    JointCommandMode,
     JointHandle,
+    JointModeHandle,
+    JointModeInterface,
     JointStateHandle,
     JointStateInterface,
+    PositionActuatorInterface,
     PositionJointInterface,
+    VelocityActuatorInterface,
     VelocityJointInterface,
 )
 from station.core.hardware.interfaces.joint_group import JointGroup, JointStateGroup
-from station.core.hardware.interfaces.joint_mode import (
-    JointCommandMode,
-    JointModeHandle,
-    JointModeInterface,
-)
 from station.core.hardware.interfaces.pos_vel import (
     PositionVelocityTorqueGainsJointHandle,
     PositionVelocityTorqueGainsJointInterface,
@@ -48,6 +36,12 @@ from station.core.hardware.interfaces.resource_manager import (
     HardwareResourceManager,
     ResourceHandle,
     ResourceManager,
+)
+from station.core.hardware.interfaces.sensors import (
+    ForceTorqueSensorHandle,
+    ForceTorqueSensorInterface,
+    ImuSensorHandle,
+    ImuSensorInterface,
 )
 
 __all__ = [

@@ -1,10 +1,11 @@
-"""Joint handles and interfaces: state, and effort, velocity or position commands.
+"""Handles and interfaces of joints and actuators: state, commands and modes.
 
 Source: ros_control@0.20.0 hardware_interface/joint_state_interface.h,
 joint_command_interface.h; differs: a "pointer" is a list of floats and an index, so
 that a group of joints can be read and written in one operation (`joint_group.py`).
 """
 
+from enum import IntEnum
 from typing import ClassVar
 
 from typing_extensions import override
@@ -242,3 +243,127 @@ class PositionJointInterface(JointCommandInterface):
     @override
     def rest_commands(self, name: str) -> list[float]:
         return [self._handles[name].get_position()]
+
+
+class ActuatorStateHandle(JointStateHandle):
+    """Reads the state of one actuator.
+
+    Arguments, storage and errors are those of `JointStateHandle`. Positions, velocities
+    and efforts are those of the motor's shaft, on the other side of the gears. Asking
+    for a handle claims nothing, because actuators are claimed through their joints.
+
+    Source:
+        ros_control@633c374 hardware_interface/actuator_state_interface.h,
+        actuator_command_interface.h; differs: a "pointer" is a list of floats and an
+        index.
+    """
+
+
+class ActuatorHandle(JointHandle):
+    """Reads the state of one actuator and commands it with one value.
+
+    Arguments, storage and errors are those of `JointHandle`.
+    """
+
+
+class ActuatorStateInterface(HardwareResourceManager[ActuatorStateHandle]):
+    """Actuator states; reading claims nothing."""
+
+    type_name: ClassVar[str] = "hardware_interface::ActuatorStateInterface"
+
+
+class ActuatorCommandInterface(HardwareResourceManager[ActuatorHandle]):
+    """Actuator commands of one kind; asking for a handle claims nothing."""
+
+    type_name: ClassVar[str] = "hardware_interface::ActuatorCommandInterface"
+
+
+class EffortActuatorInterface(ActuatorCommandInterface):
+    """Effort commands [Nm or N]."""
+
+    type_name: ClassVar[str] = "hardware_interface::EffortActuatorInterface"
+
+
+class VelocityActuatorInterface(ActuatorCommandInterface):
+    """Velocity commands [rad/s or m/s]."""
+
+    type_name: ClassVar[str] = "hardware_interface::VelocityActuatorInterface"
+
+
+class PositionActuatorInterface(ActuatorCommandInterface):
+    """Position commands [rad or m]."""
+
+    type_name: ClassVar[str] = "hardware_interface::PositionActuatorInterface"
+
+
+class JointCommandMode(IntEnum):
+    """The modes a joint can be in, with the numbers of the original.
+
+    Source:
+        ros_control@0.20.0 hardware_interface/joint_mode_interface.h.
+    """
+
+    BEGIN = -1
+    MODE_POSITION = 0
+    MODE_VELOCITY = 1
+    MODE_EFFORT = 2
+    NOMODE = 3
+    EMERGENCY_STOP = 4
+    SWITCHING = 5
+    ERROR = 6
+
+
+_NAMES = {
+    JointCommandMode.BEGIN: "not_operational",
+    JointCommandMode.MODE_POSITION: "position",
+    JointCommandMode.MODE_VELOCITY: "velocity",
+    JointCommandMode.MODE_EFFORT: "effort",
+    JointCommandMode.NOMODE: "other",
+    JointCommandMode.EMERGENCY_STOP: "emergency_stop",
+    JointCommandMode.SWITCHING: "switching",
+    JointCommandMode.ERROR: "error",
+}
+
+
+class JointModeHandle(ResourceHandle):
+    """Reads and sets the mode of one joint.
+
+    Args:
+        name: Name of the joint.
+        mode: The robot's modes; slot `index` is this joint's.
+        index: The joint's slot.
+
+    Raises:
+        HardwareInterfaceError: `mode` is None or has no slot `index`.
+    """
+
+    def __init__(
+        self, name: str, mode: list[JointCommandMode] | None, index: int = 0
+    ) -> None:
+        super().__init__(name)
+        if mode is None or not 0 <= index < len(mode):
+            raise HardwareInterfaceError(
+                "Cannot create mode interface. Mode data pointer is null.",
+                remedy="Pass the list in which the robot keeps the joints' modes.",
+                details={"resource": name, "index": index},
+            )
+        self._modes = mode
+        self._index = index
+
+    def set_mode(self, mode: JointCommandMode) -> None:
+        """Request the mode `mode`."""
+        self._modes[self._index] = mode
+
+    def get_mode(self) -> JointCommandMode:
+        """Return the mode."""
+        return self._modes[self._index]
+
+    def get_mode_name(self, mode: JointCommandMode) -> str:
+        """Return the name of `mode`, such as `position`."""
+        return _NAMES.get(mode, "unknown")
+
+
+class JointModeInterface(HardwareResourceManager[JointModeHandle]):
+    """The modes of joints."""
+
+    type_name: ClassVar[str] = "hardware_interface::JointModeInterface"

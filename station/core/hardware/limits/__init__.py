@@ -12,7 +12,17 @@ from station.core.hardware.limits.joint_limits import (
 from station.core.hardware.limits.joint_limits_handle import (
     Clamp,
     ClampReason,
+    EffortJointSaturationHandle,
+    EffortJointSoftLimitsHandle,
     JointLimitsHandle,
+    LimitMode,
+    PositionJointRateLimitsHandle,
+    PositionJointSaturationHandle,
+    PositionJointSoftLimitsHandle,
+    VelocityJointRateLimitsHandle,
+    VelocityJointSaturationHandle,
+    VelocityJointSoftLimitsHandle,
+    make_limits_handle,
 )
 from station.core.hardware.limits.joint_limits_interface import (
     EffortJointSaturationInterface,
@@ -25,24 +35,11 @@ from station.core.hardware.limits.joint_limits_interface import (
     VelocityJointSaturationInterface,
     VelocityJointSoftLimitsInterface,
 )
-from station.core.hardware.limits.limit_handles import (
-    EffortJointSaturationHandle,
-    EffortJointSoftLimitsHandle,
-    PositionJointRateLimitsHandle,
-    PositionJointSaturationHandle,
-    PositionJointSoftLimitsHandle,
-    VelocityJointRateLimitsHandle,
-    VelocityJointSaturationHandle,
-    VelocityJointSoftLimitsHandle,
-)
-from station.core.hardware.limits.limit_mode import LimitMode, make_limits_handle
-from station.core.hardware.limits.limits_from_parameters import (
+from station.core.hardware.limits.limit_sources import (
     joint_limits_from_parameters,
+    joint_limits_from_urdf,
     limits_without_effect,
     soft_joint_limits_from_parameters,
-)
-from station.core.hardware.limits.limits_from_urdf import (
-    joint_limits_from_urdf,
     soft_joint_limits_from_urdf,
 )
 

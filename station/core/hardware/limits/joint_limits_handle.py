@@ -1,19 +1,128 @@
-"""Enforce the limits of one joint, and count the commands that were changed."""
+"""Enforce the limits of joints by their handles, and count what these changed.
 
+The equations are in `limited_joints` and `rate_limits`.
+
+Source: ros_control@633c374 joint_limits_interface.h; differs: clamps are counted,
+invalid limits are refused, and the saturation handle of velocities can be reset. The
+rate limits have no original.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from math import nan
+from math import inf, nan
+from sys import float_info
 from typing import ClassVar
 
+from typing_extensions import override
+
+from station.core.errors import ParameterError
 from station.core.hardware.interfaces.joint import JointHandle
+from station.core.hardware.interfaces.joint_group import JointGroup
 from station.core.hardware.interfaces.resource_manager import ResourceHandle
 from station.core.hardware.limits.joint_limits import (
     JointLimits,
     JointLimitsError,
     SoftJointLimits,
 )
-from station.core.hardware.limits.joint_limits_group import JointLimitsGroup
-from station.core.hardware.limits.limited_joints import LimitedJoints
+from station.core.hardware.limits.limited_joints import (
+    LIMITS,
+    MEMORY,
+    EffortSaturation,
+    EffortSoftLimits,
+    LimitedJoints,
+    PositionSaturation,
+    PositionSoftLimits,
+    VelocitySaturation,
+    VelocitySoftLimits,
+)
+from station.core.hardware.limits.rate_limits import (
+    PositionRateLimits,
+    VelocityRateLimits,
+)
+from station.core.parameters import Parameters
+from station.memory.doubles import own_block, put
+
+_OTHERS = ("position", "velocity", "command", "asked", "reason")
+
+
+class JointLimitsGroup:
+    """Joints whose limits are of one kind, and what is remembered of their commands.
+
+    Joints that lie side by side in a robot's doubles are limited in place. Values of
+    other joints are copied to and fro.
+
+    Args:
+        arithmetic: The kind of limits.
+        joints: The joints, n of them, at most `MOST_JOINTS`.
+        limits: The values named in `LIMITS`, for each joint.
+        memory: The values named in `MEMORY`, for each joint.
+
+    Attributes:
+        enforce: `LimitedJoints.enforce` of the joints. Control thread.
+        in_place: The limits, if they work on the robot's own memory; otherwise None.
+    """
+
+    def __init__(
+        self,
+        arithmetic: type[LimitedJoints],
+        joints: Sequence[JointHandle],
+        limits: Sequence[Mapping[str, float]],
+        memory: Sequence[Mapping[str, float]],
+    ) -> None:
+        views = own_block((*LIMITS, *MEMORY, *_OTHERS), len(joints))
+        for i, (values, remembered) in enumerate(zip(limits, memory, strict=True)):
+            for name in LIMITS:
+                views[name][i] = values[name]
+            for name in MEMORY:
+                views[name][i] = remembered[name]
+        self._joints = JointGroup(joints)
+        self._views = views
+        position, velocity = self._joints.positions, self._joints.velocities
+        command = self._joints.commands
+        in_place = position is not None and velocity is not None and command is not None
+        if position is not None and velocity is not None and command is not None:
+            views.update(position=position, velocity=velocity, command=command)
+        self._arithmetic = arithmetic(views)
+        self.in_place = self._arithmetic if in_place else None
+        self.enforce: Callable[[float, int, int], int] = (
+            self._arithmetic.enforce if in_place else self._enforce_copies
+        )
+
+    def clamp(self, slot: int) -> tuple[float, float, int]:
+        """Return the last change of a joint's command.
+
+        Args:
+            slot: The joint.
+
+        Returns:
+            The command before and after, and the code of the limit.
+        """
+        views = self._views
+        return views["asked"][slot], views["command"][slot], int(views["reason"][slot])
+
+    def memory(self, slot: int) -> dict[str, float]:
+        """Return what is remembered of a joint, by the names in `MEMORY`."""
+        return {name: self._views[name][slot] for name in MEMORY}
+
+    def remember(self, slot: int, memory: Mapping[str, float]) -> None:
+        """Replace what is remembered of a joint.
+
+        Args:
+            slot: The joint.
+            memory: The values named in `MEMORY`.
+        """
+        for name in MEMORY:
+            self._views[name][slot] = memory[name]
+
+    def _enforce_copies(self, period: float, first: int, last: int) -> int:
+        joints, views = self._joints, self._views
+        put(views["position"], joints.get_positions())
+        put(views["velocity"], joints.get_velocities())
+        put(views["command"], joints.get_commands())
+        mask = self._arithmetic.enforce(period, first, last)
+        joints.set_commands([*views["command"]])
+        return mask
 
 
 class ClampReason(Enum):
@@ -217,3 +326,197 @@ def _require_limit(joint: str, kind: str, value: float | None) -> None:
             remedy=f"Give joint '{joint}' a {kind} limit in the URDF (<limit "
             f'{kind}="...">) or as joint_limits/{joint}/max_{kind}.',
         )
+
+
+class EffortJointSaturationHandle(JointLimitsHandle):
+    """Clip an effort command; beyond a limit, admit only an effort that points back.
+
+    Effort commands are in [N*m or N]. The joint needs velocity and effort limits;
+    position limits are optional.
+    """
+
+    arithmetic: ClassVar[type[LimitedJoints]] = EffortSaturation
+    required: ClassVar[tuple[str, ...]] = ("velocity", "effort")
+
+
+class EffortJointSoftLimitsHandle(SoftLimitsHandle):
+    """Brake a joint in proportion to its excess velocity before the soft limits.
+
+    Effort commands are in [N*m or N]. The joint needs velocity and effort limits, and
+    position limits unless it is continuous.
+    """
+
+    arithmetic: ClassVar[type[LimitedJoints]] = EffortSoftLimits
+    required: ClassVar[tuple[str, ...]] = ("velocity", "effort")
+
+
+class PositionJointSaturationHandle(JointLimitsHandle):
+    """Clip a position command to the position range and the velocity bound.
+
+    Position commands are in [rad or m]. Position and velocity limits are optional.
+    """
+
+    arithmetic: ClassVar[type[LimitedJoints]] = PositionSaturation
+
+    @override
+    def find_bounds(
+        self, limits: JointLimits, soft_limits: SoftJointLimits | None
+    ) -> dict[str, float]:
+        bounds = super().find_bounds(limits, soft_limits)
+        # An infinite command becomes a finite one, as in the original.
+        if not bounds["min_position"] > -float_info.max:
+            bounds["min_position"] = -float_info.max
+        if not bounds["max_position"] < float_info.max:
+            bounds["max_position"] = float_info.max
+        return bounds
+
+
+class PositionJointSoftLimitsHandle(SoftLimitsHandle):
+    """Slow a position command down towards the soft limits, and stop it there.
+
+    The velocity bound compares with the last command, not with the measured position,
+    which lags behind. It does not hold, therefore, while the joint recovers from a
+    large tracking error. `k_velocity` is not used. Position commands are in [rad or m].
+    The joint needs velocity limits, and position limits unless it is continuous.
+    """
+
+    arithmetic: ClassVar[type[LimitedJoints]] = PositionSoftLimits
+    required: ClassVar[tuple[str, ...]] = ("velocity",)
+
+
+class VelocityJointSaturationHandle(JointLimitsHandle):
+    """Clip a velocity command to the velocity and acceleration bounds.
+
+    Velocity commands are in [rad/s or m/s]. The joint needs velocity limits;
+    acceleration limits are optional.
+    """
+
+    arithmetic: ClassVar[type[LimitedJoints]] = VelocitySaturation
+    required: ClassVar[tuple[str, ...]] = ("velocity",)
+    first_previous: ClassVar[float] = 0.0
+
+
+class VelocityJointSoftLimitsHandle(SoftLimitsHandle):
+    """Slow a velocity command down towards the soft limits.
+
+    Velocity commands are in [rad/s or m/s]. All limits are optional.
+    """
+
+    arithmetic: ClassVar[type[LimitedJoints]] = VelocitySoftLimits
+
+    @override
+    def find_bounds(
+        self, limits: JointLimits, soft_limits: SoftJointLimits | None
+    ) -> dict[str, float]:
+        bounds = super().find_bounds(limits, soft_limits)
+        # An infinite command becomes a finite one, as in the original.
+        if not bounds["max_velocity"] < float_info.max:
+            bounds["max_velocity"] = float_info.max
+        return bounds
+
+
+class PositionJointRateLimitsHandle(JointLimitsHandle):
+    """Limit the velocity, acceleration and jerk of position commands, and their range.
+
+    The first command after construction or `reset` starts from the measured position
+    and velocity. A period of 0 or less repeats the last command. Position commands are
+    in [rad or m]. All limits are optional.
+    """
+
+    arithmetic: ClassVar[type[LimitedJoints]] = PositionRateLimits
+    unlimited: ClassVar[float] = inf
+
+
+class VelocityJointRateLimitsHandle(JointLimitsHandle):
+    """Limit the acceleration and jerk of velocity commands, and the joint's range.
+
+    The range is that of the measured position. The first command after construction
+    or `reset` starts from the measured velocity. A period of 0 or less repeats the last
+    command. Velocity commands are in [rad/s or m/s]. All limits are optional.
+    """
+
+    arithmetic: ClassVar[type[LimitedJoints]] = VelocityRateLimits
+    unlimited: ClassVar[float] = inf
+
+
+_KEY = "limit_mode"
+_MakeHandle = Callable[[JointHandle, JointLimits], JointLimitsHandle]
+_SATURATION: Mapping[str, _MakeHandle] = {
+    "position": PositionJointSaturationHandle,
+    "velocity": VelocityJointSaturationHandle,
+    "effort": EffortJointSaturationHandle,
+}
+_SOFT: Mapping[
+    str, Callable[[JointHandle, JointLimits, SoftJointLimits], JointLimitsHandle]
+] = {
+    "position": PositionJointSoftLimitsHandle,
+    "velocity": VelocityJointSoftLimitsHandle,
+    "effort": EffortJointSoftLimitsHandle,
+}
+_RATE: Mapping[str, _MakeHandle] = {
+    "position": PositionJointRateLimitsHandle,
+    "velocity": VelocityJointRateLimitsHandle,
+    "effort": EffortJointSaturationHandle,
+}
+
+
+class LimitMode(Enum):
+    """How commands are limited.
+
+    Attributes:
+        ROS_CONTROL: By the soft limits of a joint that has them, otherwise by
+            saturation at its hard limits.
+        RATE: Against the command of the last cycle, acceleration and jerk included;
+            see `rate_limits`. Efforts have no rate and are saturated.
+    """
+
+    ROS_CONTROL = "ros_control"
+    RATE = "rate"
+
+    @classmethod
+    def from_parameters(cls, params: Parameters) -> "LimitMode":
+        """Return a robot's `limit_mode`, which is `ros_control` when absent.
+
+        Args:
+            params: The robot's namespace.
+
+        Raises:
+            ParameterError: The parameter has another value than the modes' names.
+        """
+        value = params.get_str(_KEY, cls.ROS_CONTROL.value)
+        modes = {mode.value: mode for mode in cls}
+        if value not in modes:
+            raise ParameterError(
+                f"Parameter '{params.resolve(_KEY)}' is {value!r}; it must be one of "
+                f"{', '.join(modes)}.",
+                remedy="Correct the configuration.",
+                details={"parameter": params.resolve(_KEY)},
+            )
+        return modes[value]
+
+
+def make_limits_handle(
+    mode: LimitMode,
+    quantity: str,
+    joint: JointHandle,
+    limits: JointLimits,
+    soft_limits: SoftJointLimits | None,
+) -> JointLimitsHandle:
+    """Return the handle that enforces the limits of one kind of command of a joint.
+
+    Args:
+        mode: How commands are limited.
+        quantity: "position", "velocity" or "effort".
+        joint: The joint's state and command.
+        limits: The joint's limits.
+        soft_limits: The joint's soft limits; None if it has none.
+
+    Raises:
+        JointLimitsError: The limits contradict each other, or a limit that the handle
+            needs is missing.
+    """
+    if mode is LimitMode.RATE:
+        return _RATE[quantity](joint, limits)
+    if soft_limits is None:
+        return _SATURATION[quantity](joint, limits)
+    return _SOFT[quantity](joint, limits, soft_limits)

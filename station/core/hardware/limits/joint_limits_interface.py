@@ -12,11 +12,12 @@ from typing_extensions import override
 
 from station.core.hardware.interfaces.resource_manager import ResourceManager
 from station.core.hardware.limits.enforced_limits import EnforcedLimits, LimitedRun
-from station.core.hardware.limits.joint_limits_group import JointLimitsGroup
-from station.core.hardware.limits.joint_limits_handle import Clamp, JointLimitsHandle
-from station.core.hardware.limits.limit_handles import (
+from station.core.hardware.limits.joint_limits_handle import (
+    Clamp,
     EffortJointSaturationHandle,
     EffortJointSoftLimitsHandle,
+    JointLimitsGroup,
+    JointLimitsHandle,
     PositionJointRateLimitsHandle,
     PositionJointSaturationHandle,
     PositionJointSoftLimitsHandle,

@@ -1,25 +1,16 @@
-"""Transmissions: from actuators to joints and back.
+"""Transmissions: from actuators to joints and back."""
 
-Formulas and sources stand in `simple_transmission`, `differential_transmission` and
-`four_bar_linkage_transmission`.
-"""
-
-from station.core.hardware.transmissions.differential_transmission import (
-    DifferentialTransmission,
-)
-from station.core.hardware.transmissions.four_bar_linkage_transmission import (
-    FourBarLinkageTransmission,
-)
 from station.core.hardware.transmissions.parser import (
     ActuatorInfo,
     JointInfo,
     TransmissionInfo,
     TransmissionParser,
 )
-from station.core.hardware.transmissions.propagation import Propagation
 from station.core.hardware.transmissions.raw_joint_data import RawJointData
-from station.core.hardware.transmissions.simple_transmission import SimpleTransmission
 from station.core.hardware.transmissions.transmission import (
+    DifferentialTransmission,
+    FourBarLinkageTransmission,
+    SimpleTransmission,
     Transmission,
     TransmissionInterfaceError,
 )
@@ -38,6 +29,7 @@ from station.core.hardware.transmissions.transmission_interface import (
     JointToActuatorPositionInterface,
     JointToActuatorStateInterface,
     JointToActuatorVelocityInterface,
+    Propagation,
     RobotTransmissions,
     TransmissionInterface,
 )

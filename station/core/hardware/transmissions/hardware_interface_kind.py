@@ -8,17 +8,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TypeVar
 
-from station.core.hardware.interfaces.actuator import (
-    ActuatorCommandInterface,
-    EffortActuatorInterface,
-    PositionActuatorInterface,
-    VelocityActuatorInterface,
-)
 from station.core.hardware.interfaces.interface_manager import InterfaceManager
 from station.core.hardware.interfaces.joint import (
+    ActuatorCommandInterface,
+    EffortActuatorInterface,
     EffortJointInterface,
     JointCommandInterface,
+    PositionActuatorInterface,
     PositionJointInterface,
+    VelocityActuatorInterface,
     VelocityJointInterface,
 )
 from station.core.hardware.transmissions.transmission_interface import (

@@ -14,13 +14,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar
 
 from station.core.errors import HardwareInterfaceError, ResourceNotFoundError
-from station.core.hardware.interfaces.actuator import (
+from station.core.hardware.interfaces.interface_manager import InterfaceManager
+from station.core.hardware.interfaces.joint import (
     ActuatorHandle,
     ActuatorStateHandle,
     ActuatorStateInterface,
-)
-from station.core.hardware.interfaces.interface_manager import InterfaceManager
-from station.core.hardware.interfaces.joint import (
     JointHandle,
     JointStateHandle,
     JointStateInterface,

@@ -10,19 +10,15 @@ from importlib.metadata import entry_points
 from typing import TypeVar
 
 from station.core.description.urdf_text import element_text, parse_leading_number
-from station.core.hardware.transmissions.differential_transmission import (
-    DifferentialTransmission,
-)
-from station.core.hardware.transmissions.four_bar_linkage_transmission import (
-    FourBarLinkageTransmission,
-)
 from station.core.hardware.transmissions.parser import (
     ActuatorInfo,
     JointInfo,
     TransmissionInfo,
 )
-from station.core.hardware.transmissions.simple_transmission import SimpleTransmission
 from station.core.hardware.transmissions.transmission import (
+    DifferentialTransmission,
+    FourBarLinkageTransmission,
+    SimpleTransmission,
     Transmission,
     TransmissionInterfaceError,
 )

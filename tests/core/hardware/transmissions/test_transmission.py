@@ -1,4 +1,7 @@
-"""The maps answer as recorded, undo each other, and preserve power."""
+"""The maps answer as recorded, undo each other, and preserve power.
+
+Some are computed by hand: one actuator and one joint, and a differential of two.
+"""
 
 import gzip
 import json
@@ -128,3 +131,58 @@ def test_simple_transmission_multiplies_effort_and_divides_velocity(transmission
     n = transmission.reduction
     assert transmission.actuator_to_joint_effort([x]) == [x * n]
     assert transmission.actuator_to_joint_velocity([x]) == [x / n]
+
+
+def test_reduction_slows_the_joint_and_multiplies_its_effort():
+    transmission = SimpleTransmission(50.0, joint_offset=0.5)
+    assert transmission.actuator_to_joint_position([100.0]) == [2.5]
+    assert transmission.actuator_to_joint_velocity([-50.0]) == [-1.0]
+    assert transmission.actuator_to_joint_effort([2.0]) == [100.0]
+
+
+def test_negative_reduction_turns_the_joint_the_other_way():
+    transmission = SimpleTransmission(-2.0)
+    assert transmission.joint_to_actuator_position([3.0]) == [-6.0]
+    assert transmission.joint_to_actuator_effort([4.0]) == [-2.0]
+
+
+def test_sensors_are_mapped_like_position_and_effort():
+    transmission = SimpleTransmission(4.0, joint_offset=1.0)
+    assert transmission.actuator_to_joint_absolute_position([8.0]) == [3.0]
+    assert transmission.actuator_to_joint_torque_sensor([2.0]) == [8.0]
+
+
+WRIST = DifferentialTransmission([10.0, 10.0], [1.0, 2.0], [0.5, -0.5])
+
+
+def test_equal_motion_turns_only_the_first_joint():
+    assert WRIST.actuator_to_joint_velocity([20.0, 20.0]) == [2.0, 0.0]
+
+
+def test_opposite_motion_turns_only_the_second_joint():
+    assert WRIST.actuator_to_joint_velocity([20.0, -20.0]) == [0.0, 1.0]
+
+
+def test_offsets_are_added_to_positions():
+    assert WRIST.actuator_to_joint_position([0.0, 0.0]) == [0.5, -0.5]
+    assert WRIST.joint_to_actuator_position([0.5, -0.5]) == [0.0, 0.0]
+
+
+def test_both_actuators_bear_the_effort_of_one_joint():
+    assert WRIST.joint_to_actuator_effort([40.0, 0.0]) == [2.0, 2.0]
+    assert WRIST.joint_to_actuator_effort([0.0, 40.0]) == [1.0, -1.0]
+
+
+def test_encoders_on_the_joints_are_exchanged_and_nothing_else():
+    transmission = DifferentialTransmission(
+        [10.0, 10.0], [1.0, 1.0], ignore_transmission_for_absolute_encoders=True
+    )
+    assert transmission.actuator_to_joint_absolute_position([1.0, 2.0]) == [2.0, 1.0]
+
+
+@pytest.mark.parametrize("sizes", [(1, 2, 2), (2, 3, 2), (2, 2, 0)])
+def test_other_than_two_values_are_refused(sizes):
+    with pytest.raises(
+        TransmissionInterfaceError, match="a differential transmission must have size 2"
+    ):
+        DifferentialTransmission(*([1.0] * size for size in sizes))

@@ -9,9 +9,9 @@ import pytest
 
 from station.core.errors import StationError
 from station.core.hardware import transmissions as transmission_interfaces
-from station.core.hardware.interfaces import actuator as actuator_interfaces
+from station.core.hardware.interfaces import joint as actuator_interfaces
 from station.core.hardware.interfaces import joint as joint_interfaces
-from station.core.hardware.interfaces.actuator import (
+from station.core.hardware.interfaces.joint import (
     ActuatorHandle,
     ActuatorStateHandle,
     ActuatorStateInterface,
