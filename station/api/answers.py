@@ -12,8 +12,7 @@ from station import wire
 from station.core.control import tunables
 from station.core.control.controller import ControllerSample
 from station.core.control.switching import SwitchResult
-from station.core.facade.hardware_report import HardwareReport
-from station.core.facade.station import Station
+from station.core.facade.station import HardwareReport, Station
 from station.core.franka import GripperState, RobotMode, RobotState
 from station.core.franka.arms import ArmReport, Arms
 from station.core.franka.franka_errors import error_names

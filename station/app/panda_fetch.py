@@ -15,12 +15,13 @@ from collections.abc import Callable, Iterator
 from importlib.util import find_spec
 from pathlib import Path
 
-from station.core.description.robot_data import (
+from station.core.description.robot_files import (
     DISTRIBUTION,
     HOME_VARIABLE,
+    PACKAGE_SCHEME,
     fetched_directory,
+    known_robots,
 )
-from station.core.description.robot_files import PACKAGE_SCHEME, known_robots
 from station.core.errors import RobotDescriptionError
 
 VERSION = "6.0.0"

@@ -9,8 +9,7 @@ from typing import ClassVar, NamedTuple
 
 from typing_extensions import override
 
-from station.core.control.controller import Controller
-from station.core.control.publish_rate import PUBLISH_RATE
+from station.core.control.controller import PUBLISH_RATE, Controller
 from station.core.declared_parameter import DeclaredParameter
 from station.core.hardware.interfaces import (
     ForceTorqueSensorHandle,

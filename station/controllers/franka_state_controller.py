@@ -16,9 +16,7 @@ from station.controllers.franka_arm import (
     read_arm_id,
     read_arm_joints,
 )
-from station.core.control.controller import Controller
-from station.core.control.joint_states import JointStates
-from station.core.control.publish_rate import PUBLISH_RATE
+from station.core.control.controller import PUBLISH_RATE, Controller, JointStates
 from station.core.declared_parameter import DeclaredParameter
 from station.core.franka import FrankaStateHandle, FrankaStateInterface, RobotState
 from station.core.franka.franka_errors import error_names

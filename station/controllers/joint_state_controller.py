@@ -9,9 +9,7 @@ from typing import ClassVar
 
 from typing_extensions import override
 
-from station.core.control.controller import Controller
-from station.core.control.joint_states import JointStates
-from station.core.control.publish_rate import PUBLISH_RATE
+from station.core.control.controller import PUBLISH_RATE, Controller, JointStates
 from station.core.declared_parameter import DeclaredParameter, NameKind, ParameterType
 from station.core.errors import ParameterError
 from station.core.hardware.interfaces import JointStateGroup, JointStateInterface

@@ -8,8 +8,11 @@ from typing import Generic, TypeVar
 from typing_extensions import override
 
 from station.core.facade.station import Station
+from station.core.franka.franka_interfaces import (
+    FrankaStateHandle,
+    FrankaStateInterface,
+)
 from station.core.franka.franka_robot_state import PackedState
-from station.core.franka.franka_state import FrankaStateHandle, FrankaStateInterface
 from station.core.hardware.interfaces import (
     EffortJointInterface,
     PositionJointInterface,

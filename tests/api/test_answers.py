@@ -10,7 +10,7 @@ from station.core.control.controller import ControllerSample
 from station.core.control.switching import SwitchPlan, SwitchRequest, SwitchResult
 from station.core.control.tunables import Gains, Tunable
 from station.core.description.repair import Repair
-from station.core.facade.hardware_report import HardwareReport
+from station.core.facade.station import HardwareReport
 from station.core.franka import (
     ArmError,
     GripperAction,

@@ -11,7 +11,7 @@ import pytest
 
 from station.app import panda_fetch
 from station.app.panda_fetch import PANDA, VERSION, fetch_panda, fetch_what_is_missing
-from station.core.description import robot_data
+from station.core.description import robot_files
 from station.core.description.robot_files import known_robots, load_robot_files
 from station.core.errors import RobotDescriptionError
 from station.core.installation import install_command
@@ -26,7 +26,7 @@ MESH = "robots/panda_description/meshes/visual/link1.dae"
 def home(tmp_path, monkeypatch):
     """Return where robots are fetched to, on a machine without example-robot-data."""
     monkeypatch.setenv("STATION_ROBOT_DATA", str(tmp_path / "home"))
-    monkeypatch.setattr(robot_data, "_installed_directory", lambda: None)
+    monkeypatch.setattr(robot_files, "_installed_directory", lambda: None)
     return tmp_path / "home/example-robot-data"
 
 

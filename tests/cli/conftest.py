@@ -7,7 +7,7 @@ import pytest
 from station.cli.main import main
 from station.client import ApiError, StationClient
 from station.client.blocking import _Source
-from station.core.control.controller_type import ControllerType as CoreControllerType
+from station.core.control.controller_factory import ControllerType as CoreControllerType
 from station.core.ports.set_point import (
     timeout_parameters,
 )

@@ -30,8 +30,11 @@ from station.controllers.franka_arm import (
     require,
     saturate_torque_rate,
 )
-from station.core.control.controller import ControllerSample, MultiInterfaceController
-from station.core.control.publish_rate import PUBLISH_RATE
+from station.core.control.controller import (
+    PUBLISH_RATE,
+    ControllerSample,
+    MultiInterfaceController,
+)
 from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.franka import FrankaModelInterface, FrankaPoseCartesianInterface
 from station.core.hardware.interfaces import EffortJointInterface

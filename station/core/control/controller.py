@@ -8,14 +8,14 @@ returning False, and there is one `init(hw, params)` instead of overloads.
 from array import array
 from collections.abc import Mapping
 from enum import Enum
-from typing import ClassVar, Generic, TypeAlias, TypeVar
+from typing import ClassVar, Generic, NamedTuple, TypeAlias, TypeVar
 
 from typing_extensions import override
 
 from station.core.control.sample_columns import PackedColumns, SampleColumns
 from station.core.control.tunables import Tunables
 from station.core.control.usual_update import UsualUpdate
-from station.core.declared_parameter import DeclaredParameter
+from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.errors import ControllerLoadError
 from station.core.hardware.interfaces.interface_manager import interface_type_name
 from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
@@ -29,6 +29,13 @@ from station.core.trajectory.trajectory_port import (  # noqa: TC001 - a native 
 
 Columns: TypeAlias = tuple[list[float], list[float], list[float], list[float]]
 """The four lists of a sample, shape (n,) each."""
+PUBLISH_RATE = DeclaredParameter(
+    name="publish_rate",
+    type=ParameterType.NUMBER,
+    unit="Hz",
+    description="rate of publication; 0: nothing is published",
+)
+"""The parameter of controllers that publish at a rate."""
 
 
 class ControllerState(Enum):
@@ -112,6 +119,26 @@ class ControllerSample:
     def __repr__(self) -> str:
         fields = ", ".join(f"{name}={value}" for name, value in self._asdict().items())
         return f"{type(self).__name__}({fields})"
+
+
+class JointStates(NamedTuple):
+    """State of several joints in one cycle, the shape of `sensor_msgs/JointState`.
+
+    All lists have the shape (n,).
+
+    Attributes:
+        stamp: Station time of the cycle [s].
+        name: Names of the joints.
+        position: Positions [rad or m].
+        velocity: Velocities [rad/s or m/s].
+        effort: Efforts [Nm or N].
+    """
+
+    stamp: float
+    name: list[str]
+    position: list[float]
+    velocity: list[float]
+    effort: list[float]
 
 
 class PackedSample(ControllerSample):

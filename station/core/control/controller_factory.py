@@ -3,11 +3,11 @@
 import inspect
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from station.core.control.command_guard import find_guards
 from station.core.control.controller import ControllerBase
 from station.core.control.controller_loader import ControllerLoader, create_controller
-from station.core.control.controller_type import ControllerType
 from station.core.control.loaded_controller import LoadedController
 from station.core.declared_parameter import (
     DeclaredParameter,
@@ -18,6 +18,26 @@ from station.core.errors import ControllerLoadError, ParameterError, StationErro
 from station.core.faults import CONTAINED, describe, trace_of_fault
 from station.core.hardware.robot_hw import ControllerInfo, InterfaceResources, RobotHW
 from station.core.parameters import Parameters, unknown_parameters
+
+
+@dataclass(frozen=True, slots=True)
+class ControllerType:
+    """A type that can be loaded, and the parameters that it declares.
+
+    Attributes:
+        type: The type, usually `package/Class`.
+        base_class: Name of the class of plugins that it belongs to.
+        description: First line of the docstring of its class, or "".
+        parameters: The parameters of every controller, and those that it declares.
+        error: Why its class cannot be imported; None when it can.
+    """
+
+    type: str
+    base_class: str
+    description: str = ""
+    parameters: tuple[DeclaredParameter, ...] = ()
+    error: str | None = None
+
 
 FALLBACK = DeclaredParameter(
     name="fallback",

@@ -19,7 +19,7 @@ from station.core.control.controller import (
     ControllerSample,
     ControllerState,
 )
-from station.core.control.controller_factory import ControllerFactory
+from station.core.control.controller_factory import ControllerFactory, ControllerType
 from station.core.control.controller_lifecycle import ControllerLifecycle
 from station.core.control.controller_loader import ControllerLoader
 from station.core.control.controller_status import (
@@ -27,7 +27,6 @@ from station.core.control.controller_status import (
     ControllerStatistics,
     ControllerStatus,
 )
-from station.core.control.controller_type import ControllerType
 from station.core.control.controller_update import ControllerUpdate
 from station.core.control.loaded_controller import LoadedController
 from station.core.control.loading import LOAD_TIMEOUT, Loading

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from math import inf
 from xml.etree import ElementTree
 
-from station.core.description.joint_elements import (
+from station.core.description.urdf import JointLimit, JointType
+from station.core.description.urdf_parser import (
     read_joint_limit,
     read_joint_type,
     read_safety_controller,
 )
-from station.core.description.urdf import JointLimit, JointType
 from station.core.description.urdf_text import parse_robot
 from station.core.errors import RobotDescriptionError
 from station.core.parameters import Parameters

@@ -7,27 +7,122 @@ import math
 from collections.abc import Callable
 from pathlib import Path
 from types import MappingProxyType
-from typing import TypeVar
+from typing import NoReturn, TypeVar
 from xml.etree.ElementTree import Element
 
-from station.core.description.joint_elements import (
-    read_joint_limit,
-    read_joint_type,
-    read_safety_controller,
-)
 from station.core.description.urdf import (
     Inertial,
     Joint,
+    JointLimit,
     JointType,
     Link,
     Mimic,
     Pose,
+    SafetyController,
     Shape,
     Urdf,
     Vector3,
 )
 from station.core.description.urdf_text import parse_decimal, parse_robot
 from station.core.errors import RobotDescriptionError
+
+
+def read_joint_type(joint: Element) -> JointType:
+    """Return how a joint moves.
+
+    Args:
+        joint: The `<joint>` element of a URDF.
+
+    Raises:
+        RobotDescriptionError: The element has no type or an unknown one.
+    """
+    kind = joint.get("type", "")
+    try:
+        return JointType(kind)
+    except ValueError:
+        allowed = ", ".join(known.value for known in JointType)
+        _refuse(joint, f"has the type '{kind}'; allowed are {allowed}")
+
+
+def read_joint_limit(joint: Element) -> JointLimit | None:
+    """Return the numbers of a joint's `<limit>` element.
+
+    `effort` and `velocity` are required there; `lower` and `upper` are 0 if absent, and
+    count for revolute and prismatic joints alone.
+
+    Args:
+        joint: The `<joint>` element of a URDF.
+
+    Returns:
+        The limits, or None if the joint has no `<limit>`.
+
+    Raises:
+        RobotDescriptionError: The joint's type is unknown, it is revolute or prismatic
+            and has no `<limit>`, or a number is missing or wrong.
+    """
+    kind = read_joint_type(joint)
+    element = joint.find("limit")
+    if element is None:
+        if kind.has_position_limits:
+            _refuse(joint, f"is {kind.value} and has no <limit>")
+        return None
+    lower = _read_number(joint, element, "lower", default=0.0)
+    upper = _read_number(joint, element, "upper", default=0.0)
+    return JointLimit(
+        effort=_read_number(joint, element, "effort"),
+        velocity=_read_number(joint, element, "velocity"),
+        lower=lower if kind.has_position_limits else None,
+        upper=upper if kind.has_position_limits else None,
+    )
+
+
+def read_safety_controller(joint: Element) -> SafetyController | None:
+    """Return the numbers of a joint's `<safety_controller>` element.
+
+    `k_velocity` is required there; every other number is 0 if absent.
+
+    Args:
+        joint: The `<joint>` element of a URDF.
+
+    Returns:
+        The soft limits, or None if the joint has no `<safety_controller>`.
+
+    Raises:
+        RobotDescriptionError: A number is missing or wrong.
+    """
+    element = joint.find("safety_controller")
+    if element is None:
+        return None
+    return SafetyController(
+        soft_lower_limit=_read_number(joint, element, "soft_lower_limit", default=0.0),
+        soft_upper_limit=_read_number(joint, element, "soft_upper_limit", default=0.0),
+        k_position=_read_number(joint, element, "k_position", default=0.0),
+        k_velocity=_read_number(joint, element, "k_velocity"),
+    )
+
+
+def _read_number(
+    joint: Element, element: Element, name: str, default: float | None = None
+) -> float:
+    text = element.get(name)
+    if text is None:
+        if default is None:
+            _refuse(joint, f"has a <{element.tag}> without {name}")
+        return default
+    number = parse_decimal(text)
+    if number is None:
+        _refuse(joint, f'has a <{element.tag}> with {name}="{text}", not a number')
+    return number
+
+
+def _refuse(joint: Element, problem: str) -> NoReturn:
+    name = joint.get("name", "")
+    raise RobotDescriptionError(
+        f"Joint '{name}' {problem}.",
+        remedy=f'Correct the <joint name="{name}"> element of the URDF.',
+        details={"joint": name},
+    )
+
 
 _MOST_JOINTS_IN_A_ROW = 256
 _Item = TypeVar("_Item", Link, Joint)

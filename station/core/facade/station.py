@@ -6,31 +6,34 @@ the whole thing or raises an error of `station.core.errors` and changes nothing.
 
 import threading
 import uuid
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
-from station.compiled import present_status
-from station.core.control.controller import ControllerSample
-from station.core.control.controller_manager import ControllerManager, ControllerStatus
-from station.core.control.controller_type import ControllerType
+from station.compiled import CompilationStatus, present_status
+from station.core.control.controller import ControllerSample, ControllerState
+from station.core.control.controller_factory import ControllerType
+from station.core.control.controller_manager import ControllerManager
+from station.core.control.controller_status import ControllerStatus
 from station.core.control.loading import LOAD_TIMEOUT
 from station.core.control.switching import SwitchRequest, SwitchResult
 from station.core.control.tunables import Gains
+from station.core.description.repair import Repair
 from station.core.errors import (
     ControllerExistsError,
     LoopError,
     ParameterError,
 )
 from station.core.facade.gain_tuning import GainTuning
-from station.core.facade.hardware_report import HardwareReport, report_hardware
 from station.core.facade.input_log import InputLog
 from station.core.facade.motion_commands import MotionCommands
 from station.core.facade.parameter_server import ParameterServer
 from station.core.facade.robots import Robots
 from station.core.facade.simulation_control import SimulationControl
-from station.core.facade.station_status import StationStatus, label_robot
+from station.core.hardware.robot_hw import RobotHW
 from station.core.hardware.robot_report import (
+    ClampReport,
     ContactReport,
+    JointLimitsReport,
     MovingBaseReport,
     SceneObjectReport,
 )
@@ -38,7 +41,122 @@ from station.core.loop.control_loop import ControlLoop
 from station.core.loop.snapshot import Snapshot, SnapshotRing
 from station.core.loop.stop_latch import StopState
 from station.core.parameters import Parameters
-from station.reports import GainsChange, LoopReport, LoopState
+from station.reports import (
+    GainsChange,
+    HardwareInterface,
+    HardwareResource,
+    HardwareTransmission,
+    LoopReport,
+    LoopState,
+    Simulation,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class StationStatus:
+    """The station at a glance.
+
+    Attributes:
+        boot_id: Changes with every start of the process.
+        epoch: Commands from an older epoch are void.
+        time: Station time [s].
+        cycle: Number of the last cycle.
+        robot_type: Type of the robot, `package/Class`.
+        robot_label: SIMULATION, or REAL ARM with its address, for people.
+        robot_mode: The robot's mode in one word.
+        stop_state: State of the latched stop.
+        stop_reason: Why it was engaged last.
+        loop: How the loop is doing.
+        kernel: Whether the arithmetic of the cycle runs interpreted or compiled.
+        simulation: The simulation at a glance; None for a real robot.
+        clamps: What limits have cut off.
+        command_violations: How often somebody wrote a command without a claim.
+        last_command_violation: Who wrote what last; None without one.
+    """
+
+    boot_id: str
+    epoch: int
+    time: float
+    cycle: int
+    robot_type: str
+    robot_label: str
+    robot_mode: str
+    stop_state: StopState
+    stop_reason: str
+    loop: LoopReport
+    kernel: CompilationStatus
+    simulation: Simulation | None
+    clamps: tuple[ClampReport, ...]
+    command_violations: int
+    last_command_violation: str | None
+
+
+def label_robot(hw: RobotHW) -> str:
+    """Return what everybody calls a robot who must know whether something real moves.
+
+    Args:
+        hw: The robot; one of several counts as real if any of them is.
+    """
+    if hw.simulated_world() is not None:
+        return "SIMULATION"
+    address = hw.address()
+    return f"REAL ARM {address}" if address else "REAL ROBOT"
+
+
+@dataclass(frozen=True, slots=True)
+class HardwareReport:
+    """Everything about the robot that changes rarely.
+
+    Attributes:
+        interfaces: What controllers can ask for.
+        limits: The joints' limits.
+        transmissions: What is between actuators and joints.
+        clamps: What was cut off by limits.
+        repairs: In what the robot differs from its description.
+    """
+
+    interfaces: tuple[HardwareInterface, ...]
+    limits: tuple[JointLimitsReport, ...]
+    transmissions: tuple[HardwareTransmission, ...]
+    clamps: tuple[ClampReport, ...]
+    repairs: tuple[Repair, ...]
+
+
+def report_hardware(
+    robot: RobotHW, controllers: Sequence[ControllerStatus]
+) -> HardwareReport:
+    """Return the report on a robot. Any thread.
+
+    Args:
+        robot: The robot; its interfaces do not change after `init`.
+        controllers: The loaded controllers.
+    """
+    claims: dict[tuple[str, str], list[str]] = {}
+    for status in controllers:
+        if status.state is not ControllerState.RUNNING:
+            continue
+        for claimed in status.claimed_resources:
+            for resource in claimed.resources:
+                key = (claimed.hardware_interface, resource)
+                claims.setdefault(key, []).append(status.name)
+    interfaces = [
+        HardwareInterface(
+            name,
+            tuple(
+                HardwareResource(resource, tuple(claims.get((name, resource), ())))
+                for resource in robot.get_interface_resources(name)
+            ),
+        )
+        for name in robot.get_names()
+    ]
+    return HardwareReport(
+        tuple(interfaces),
+        tuple(robot.joint_limits()),
+        tuple(robot.transmissions()),
+        tuple(robot.clamps()),
+        tuple(robot.repairs()),
+    )
+
 
 FRESH = 0.25
 """A last cycle older than this means that the loop hangs [s]."""

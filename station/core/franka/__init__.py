@@ -1,17 +1,14 @@
 """What franka_hw adds to ros_control: the interfaces of an arm and of its hand."""
 
-from station.core.franka.arm_simulation import (
-    ArmSimulation,
-    FaultKind,
-    SimulatedFault,
-)
-from station.core.franka.franka_cartesian import (
+from station.core.franka.franka_errors import ArmError
+from station.core.franka.franka_interfaces import (
     FrankaCartesianPoseHandle,
     FrankaCartesianVelocityHandle,
     FrankaPoseCartesianInterface,
+    FrankaStateHandle,
+    FrankaStateInterface,
     FrankaVelocityCartesianInterface,
 )
-from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_model import (
     Frame,
     FrankaModel,
@@ -20,12 +17,14 @@ from station.core.franka.franka_model import (
 )
 from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.core.franka.franka_services import (
+    ArmSimulation,
     CollisionBehavior,
+    FaultKind,
     FrankaServices,
     FrankaServicesInterface,
+    SimulatedFault,
 )
-from station.core.franka.franka_state import FrankaStateHandle, FrankaStateInterface
-from station.core.franka.gripper_services import (
+from station.core.franka.grippers import (
     DEFAULT_EPSILON,
     DEFAULT_SPEED,
     GraspRequest,

@@ -9,15 +9,16 @@ from station.core.errors import (
     suggest,
 )
 from station.core.facade.robots import Robots
-from station.core.franka.arm_simulation import (
-    ArmSimulation,
-    FaultKind,
-    SimulatedFault,
-)
 from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_model import Frame
 from station.core.franka.franka_robot_state import RobotMode, RobotState
-from station.core.franka.franka_services import CollisionBehavior, FrankaServices
+from station.core.franka.franka_services import (
+    ArmSimulation,
+    CollisionBehavior,
+    FaultKind,
+    FrankaServices,
+    SimulatedFault,
+)
 from station.reports import ArmRecord
 
 

@@ -1,10 +1,11 @@
 """Trajectories of joints: requests, segments, tolerances, and how they are joined."""
 
-from station.core.trajectory.hold_trajectory import hold_trajectory, stop_trajectory
 from station.core.trajectory.init_joint_trajectory import (
     TrajectoryOptions,
     check_joint_names,
+    hold_trajectory,
     init_joint_trajectory,
+    stop_trajectory,
 )
 from station.core.trajectory.joint_trajectory import (
     JointTrajectory,

@@ -7,7 +7,7 @@ joint_trajectory_segment.h, trajectory_interface.h.
 from bisect import bisect_right
 from math import pi
 
-from station.core.numerics.angles import shortest_angular_distance
+from station.core.numerics.joint_errors import shortest_angular_distance
 from station.core.ports.goal import Goal
 from station.core.trajectory.quintic_spline_segment import (
     PosVelAccState,

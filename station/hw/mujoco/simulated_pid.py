@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from station.core.description.urdf import Joint, JointType
 from station.core.errors import ParameterError
-from station.core.numerics.angles import (
+from station.core.numerics.joint_errors import (
     shortest_angular_distance,
     shortest_angular_distance_with_limits,
 )

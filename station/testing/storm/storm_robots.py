@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from station.core.franka.arm_simulation import ArmSimulation
+from station.core.franka.franka_services import ArmSimulation
 from station.core.hardware.combined_robot_hw import CombinedRobotHW
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters

@@ -2,11 +2,11 @@
 
 from dataclasses import fields
 
+from station.core.control.controller import JointStates
 from station.core.control.controller_status import (
     ControllerStatistics,
     ControllerStatus,
 )
-from station.core.control.joint_states import JointStates
 
 
 def test_the_status_has_what_the_message_controller_state_has():

@@ -1,10 +1,20 @@
-"""Finding robots and meshes, and refusing what is not there."""
+"""Finding robots and meshes, and refusing what is not there.
+
+Where the robots of example-robot-data are looked for.
+"""
 
 from pathlib import Path
 
 import pytest
 
-from station.core.description.robot_files import known_robots, load_robot_files
+from station.core.description import robot_files
+from station.core.description.robot_files import (
+    data_directories,
+    fetched_directory,
+    is_complete,
+    known_robots,
+    load_robot_files,
+)
 from station.core.description.urdf_parser import parse_urdf
 from station.core.errors import RobotDescriptionError
 
@@ -115,3 +125,40 @@ def test_prefix_is_replaced_in_every_name() -> None:
     mimic = left.joints["left_finger_joint2"].mimic
     assert mimic is not None
     assert mimic.joint == "left_finger_joint1"
+
+
+def test_installed_package_comes_before_what_was_fetched(tmp_path, monkeypatch):
+    monkeypatch.setenv("STATION_ROBOT_DATA", str(tmp_path))
+    (tmp_path / "example-robot-data/robots").mkdir(parents=True)
+
+    installed, fetched = data_directories()
+
+    assert (installed / "robots/ur_description").is_dir()
+    assert fetched == fetched_directory()
+    assert is_complete()
+
+
+def test_without_either_there_is_none(tmp_path, monkeypatch):
+    monkeypatch.setenv("STATION_ROBOT_DATA", str(tmp_path))
+    monkeypatch.setattr(robot_files, "_installed_directory", lambda: None)
+
+    assert data_directories() == []
+    assert not is_complete()
+
+
+@pytest.mark.parametrize(
+    ("variables", "expected"),
+    [
+        ({"STATION_ROBOT_DATA": "/a"}, "/a"),
+        ({"XDG_DATA_HOME": "/b"}, "/b/control-station"),
+        ({}, "/home/me/.local/share/control-station"),
+    ],
+)
+def test_fetched_robots_are_in_the_users_directory(monkeypatch, variables, expected):
+    for name in ("STATION_ROBOT_DATA", "XDG_DATA_HOME"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("HOME", "/home/me")
+    for name, value in variables.items():
+        monkeypatch.setenv(name, value)
+
+    assert fetched_directory() == Path(expected, "example-robot-data")

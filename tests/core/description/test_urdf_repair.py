@@ -2,9 +2,8 @@
 
 import pytest
 
-from station.core.description.joint_elements import read_joint_limit
 from station.core.description.urdf import JointType
-from station.core.description.urdf_parser import parse_urdf
+from station.core.description.urdf_parser import parse_urdf, read_joint_limit
 from station.core.description.urdf_repair import repair_urdf
 from station.core.description.urdf_text import parse_robot
 

@@ -1,4 +1,7 @@
-"""The facade: whole or not at all, from any thread."""
+"""The facade: whole or not at all, from any thread.
+
+Interfaces, and who claims what.
+"""
 
 import pytest
 
@@ -6,6 +9,7 @@ from station.core.clock import ManualClock
 from station.core.control.controller import Controller, ControllerState
 from station.core.control.controller_loader import ControllerLoader
 from station.core.control.controller_manager import ControllerManager
+from station.core.control.controller_status import ControllerStatus
 from station.core.control.switching import SwitchRequest
 from station.core.control.tunables import Tunable, Tunables
 from station.core.errors import (
@@ -21,18 +25,21 @@ from station.core.errors import (
     StaleEpochError,
     StoppedError,
 )
-from station.core.facade.station import Station
+from station.core.facade.station import Station, report_hardware
 from station.core.hardware.interfaces import (
     EffortJointInterface,
     JointHandle,
     JointStateHandle,
     JointStateInterface,
 )
-from station.core.hardware.robot_hw import RobotHW
+from station.core.hardware.robot_hw import InterfaceResources, RobotHW
 from station.core.loop.control_loop import ControlLoop
 from station.core.loop.stop_latch import StopState
-from station.core.parameters import Parameters
+from station.core.parameters import Parameters, ParameterTree
 from station.core.ports.set_point import SetPointElement, SetPointPort
+from station.hw.combined_robot_hw import CombinedRobotHW
+from station.hw.mock import MockRobotHW
+from station.reports import Percentiles
 
 
 class Spring(Controller[EffortJointInterface]):
@@ -280,3 +287,61 @@ def test_a_dead_loop_can_still_be_stopped_and_released(running):
 
 def test_a_station_without_a_running_loop_is_not_ready_and_says_why(station):
     assert "not running" in station.ready()
+
+
+EFFORT = "hardware_interface::EffortJointInterface"
+
+
+def make_robot() -> MockRobotHW:
+    robot = MockRobotHW()
+    robot.init(Parameters(), Parameters())
+    return robot
+
+
+def controller(name: str, state: ControllerState, *joints: str) -> ControllerStatus:
+    claims = (InterfaceResources(EFFORT, joints),)
+    time = Percentiles(0.0, 0.0, 0.0, 0.0, 0)
+    return ControllerStatus(name, "test/C", state, claims, None, None, (), time)
+
+
+def test_running_controllers_claim_and_others_do_not():
+    report = report_hardware(
+        make_robot(),
+        [
+            controller("arm", ControllerState.RUNNING, "joint1"),
+            controller("idle", ControllerState.STOPPED, "joint2"),
+        ],
+    )
+    (found,) = [i for i in report.interfaces if i.name == EFFORT]
+    assert [(r.name, r.claimed_by) for r in found.resources] == [
+        ("joint1", ("arm",)),
+        ("joint2", ()),
+    ]
+
+
+def test_robot_without_limits_tells_none():
+    report = report_hardware(make_robot(), [])
+    assert (report.limits, report.transmissions, report.clamps) == ((), (), ())
+
+
+def test_combined_robot_tells_what_its_robots_tell():
+    robot = {
+        "robot_hardware": ["left", "right"],
+        "left": {"type": "mock_hw/MockRobotHW", "joints": ["l"]},
+        "right": {
+            "type": "mujoco_hw/MujocoRobotHW",
+            "robot_description": "example-robot-data:ur5",
+            "floor": False,
+        },
+    }
+    tree = ParameterTree({"robot": robot})
+    hw = CombinedRobotHW()
+    hw.init(Parameters(tree), Parameters(tree, "robot"))
+    report = report_hardware(hw, [])
+    assert [limits.joint for limits in report.limits][:2] == [
+        "shoulder_pan_joint",
+        "shoulder_lift_joint",
+    ]
+    assert len(report.transmissions) == 6
+    (found,) = [i for i in report.interfaces if i.name == EFFORT]
+    assert "l" in [r.name for r in found.resources]

@@ -4,8 +4,7 @@ import pytest
 
 from station.core.clock import ManualClock
 from station.core.control.controller_manager import ControllerManager
-from station.core.facade.station import Station
-from station.core.facade.station_status import label_robot
+from station.core.facade.station import Station, label_robot
 from station.core.hardware.robot_hw import RobotHW
 from station.core.loop.control_loop import ControlLoop
 from station.core.loop.stop_latch import StopState

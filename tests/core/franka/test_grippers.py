@@ -1,4 +1,7 @@
-"""Grippers through the facade: what is refused, and what a stop leaves."""
+"""Which widths a grasp expects.
+
+Grippers through the facade: what is refused, and what a stop leaves.
+"""
 
 import pytest
 
@@ -14,6 +17,21 @@ from station.core.ports.goal import GoalStatus
 from tests.franka_station import make_franka_station
 from tests.hw.franka.grasp_scene import WIDTH, make_grasp_station, run_until_done
 from tests.swing_station import make_swing_station
+
+
+@pytest.mark.parametrize(
+    ("width", "accepted"),
+    [(0.03, True), (0.0251, True), (0.0249, False), (0.0349, True), (0.0351, False)],
+)
+def test_the_tolerance_is_half_a_centimetre_unless_told_otherwise(width, accepted):
+    assert GraspRequest(0.03, 20.0).accepts(width) is accepted
+
+
+def test_both_sides_have_their_own_tolerance():
+    request = GraspRequest(0.03, 20.0, epsilon_inner=0.001, epsilon_outer=0.02)
+
+    assert not request.accepts(0.028)
+    assert request.accepts(0.045)
 
 
 @pytest.fixture

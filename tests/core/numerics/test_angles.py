@@ -5,7 +5,7 @@ from math import inf, isnan, pi
 
 import pytest
 
-from station.core.numerics.angles import (
+from station.core.numerics.joint_errors import (
     shortest_angular_distance,
     shortest_angular_distance_with_limits,
 )

@@ -5,7 +5,7 @@ from math import nan, pi
 import pytest
 
 from station.core.errors import InvalidGainError
-from station.core.toolbox.sine_sweep import SineSweep
+from station.core.toolbox.signals import SineSweep
 
 # A*sin(K*(exp(t/L) - 1)) of control_toolbox@de05a5c SineSweep, compiled with g++ 12:
 # 0.5 to 20 Hz in 10 s with amplitude 3.

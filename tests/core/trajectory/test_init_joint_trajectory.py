@@ -1,4 +1,7 @@
-"""Joining a request to what is being executed: the original's recorded answers."""
+"""Joining a request to what is being executed: the original's recorded answers.
+
+Holding and coming to rest.
+"""
 
 from math import pi
 
@@ -16,8 +19,10 @@ from station.core.trajectory import (
     StateTolerances,
     TrajectoryOptions,
     find_segment,
+    hold_trajectory,
     init_joint_trajectory,
     sample_segments,
+    stop_trajectory,
 )
 
 REASONS = {
@@ -238,3 +243,35 @@ def test_a_start_before_the_other_time_base_began_is_no_hindrance():
     )
     assert result[0][-1].end_time == pytest.approx(1.5)
     assert sample_segments(result[0], 1.5)[0] == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize("time", [4.0, 5.0, 5.5, 100.0])
+def test_holding_is_being_there_at_rest(time):
+    trajectory = hold_trajectory(5.0, [0.3, -1.0])
+    assert [sample_segments(joint, time) for joint in trajectory] == [
+        (0.3, 0.0, 0.0),
+        (-1.0, 0.0, 0.0),
+    ]
+
+
+def test_stopping_begins_with_the_motion_and_ends_at_rest():
+    (joint,) = stop_trajectory(5.0, 0.5, [(0.3, 2.0)])
+    assert sample_segments(joint, 5.0) == (0.3, 2.0, 0.0)
+    # There and back in 1 s by symmetry: the turning point of the quintic spline lies
+    # 5/16 of velocity times the whole time away.
+    rest = sample_segments(joint, 5.5)
+    assert rest[0] == pytest.approx(0.3 + 5 / 16 * 2.0 * 1.0)
+    assert rest[1] == pytest.approx(0.0, abs=1e-12)
+    assert sample_segments(joint, 6.0)[1:] == (0.0, 0.0)
+
+
+def test_stopping_never_reverses():
+    (joint,) = stop_trajectory(0.0, 0.5, [(0.0, -1.5)])
+    velocities = [sample_segments(joint, 0.01 * step)[1] for step in range(51)]
+    assert all(velocity <= 1e-12 for velocity in velocities)
+
+
+def test_a_goal_can_wait_for_it():
+    goal = Goal("1", {})
+    assert hold_trajectory(0.0, [0.0], goal)[0][0].goal is goal
+    assert stop_trajectory(0.0, 1.0, [(0.0, 1.0)], goal)[0][0].goal is goal

@@ -10,8 +10,8 @@ import pytest
 
 from station.core.description.robot_files import load_robot_files
 from station.core.franka import FaultKind
-from station.core.franka.arm_simulation import SimulatedFault
 from station.core.franka.franka_errors import ERROR_INDEX, ERROR_NAMES, error_names
+from station.core.franka.franka_services import SimulatedFault
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.franka_hw import FrankaHW
 from station.hw.franka.franka_parameters import INITIAL_POSITIONS

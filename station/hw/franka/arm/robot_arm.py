@@ -11,11 +11,10 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from enum import Enum
 
-from station.core.franka.arm_simulation import ArmSimulation
 from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_model import FrankaModel
 from station.core.franka.franka_robot_state import RobotState
-from station.core.franka.franka_services import CollisionBehavior
+from station.core.franka.franka_services import ArmSimulation, CollisionBehavior
 from station.core.franka.model_sources import ModelSource
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.receiver import Receiver

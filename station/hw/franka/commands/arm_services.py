@@ -6,11 +6,14 @@ import numpy as np
 from typing_extensions import override
 
 from station.core.errors import ArmCommandError, InvalidCommandError
-from station.core.franka.arm_simulation import ArmSimulation
 from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_model import FrankaModelHandle
 from station.core.franka.franka_robot_state import RobotMode, RobotState
-from station.core.franka.franka_services import CollisionBehavior, FrankaServices
+from station.core.franka.franka_services import (
+    ArmSimulation,
+    CollisionBehavior,
+    FrankaServices,
+)
 from station.hw.franka.arm.collision_behavior import (
     collision_behavior_problem,
     near_collisions,

@@ -1,8 +1,8 @@
 """Faults of one simulated arm, which occur on request for a number of cycles."""
 
 from station.core.errors import InvalidCommandError
-from station.core.franka.arm_simulation import FaultKind, SimulatedFault
 from station.core.franka.franka_robot_state import RobotState
+from station.core.franka.franka_services import FaultKind, SimulatedFault
 from station.hw.mujoco.push import Push
 from station.hw.mujoco.world import World
 from station.hw.mujoco.world_joints import WorldJoints

@@ -5,11 +5,10 @@ from collections.abc import Sequence
 from typing_extensions import override
 
 from station.core.description.robot_files import RobotFiles
-from station.core.franka.arm_simulation import ArmSimulation
 from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_model import Frame, FrankaModel
 from station.core.franka.franka_robot_state import RobotMode, RobotState
-from station.core.franka.franka_services import CollisionBehavior
+from station.core.franka.franka_services import ArmSimulation, CollisionBehavior
 from station.core.franka.model_sources import ModelSource
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.robot_arm import (

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing_extensions import override
 
 from station.core.errors import InvalidCommandError
-from station.core.franka.arm_simulation import ArmSimulation, FaultKind, SimulatedFault
+from station.core.franka.franka_services import ArmSimulation, FaultKind, SimulatedFault
 from station.core.hardware.robot_report import ClampReport
 from station.hw.franka.arm.service_limits import (
     PUSH_DISTANCE,

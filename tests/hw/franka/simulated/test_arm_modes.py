@@ -5,8 +5,8 @@ import pytest
 from station.core.description.robot_files import load_robot_files
 from station.core.errors import ArmCommandError
 from station.core.franka import FaultKind, RobotMode
-from station.core.franka.arm_simulation import SimulatedFault
 from station.core.franka.franka_errors import error_names
+from station.core.franka.franka_services import SimulatedFault
 from station.hw.franka.arm.arm_limits import PANDA_LIMITS
 from station.hw.franka.arm.robot_arm import (
     REST_VELOCITY,

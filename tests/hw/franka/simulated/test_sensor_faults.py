@@ -5,7 +5,7 @@ import pytest
 from station.core.description.robot_files import load_robot_files
 from station.core.errors import HardwareInterfaceError
 from station.core.franka import FaultKind, RobotState
-from station.core.franka.arm_simulation import SimulatedFault
+from station.core.franka.franka_services import SimulatedFault
 from station.hw.franka.arm.arm_description import joint_names
 from station.hw.franka.simulated.franka_world import ArmPlacement, simulate
 from station.hw.franka.simulated.sensor_faults import SensorFaults

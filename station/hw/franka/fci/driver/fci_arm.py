@@ -15,11 +15,10 @@ from typing import Any
 from typing_extensions import override
 
 from station.core.errors import ArmCommandError
-from station.core.franka.arm_simulation import ArmSimulation
 from station.core.franka.franka_errors import ArmError, error_names
 from station.core.franka.franka_model import FrankaModel
 from station.core.franka.franka_robot_state import RobotMode, RobotState
-from station.core.franka.franka_services import CollisionBehavior
+from station.core.franka.franka_services import ArmSimulation, CollisionBehavior
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.robot_arm import (
     MEASURED_REST,

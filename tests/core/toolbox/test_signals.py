@@ -6,7 +6,7 @@ from statistics import mean, pstdev
 import pytest
 
 from station.core.errors import InvalidGainError
-from station.core.toolbox.dither import Dither
+from station.core.toolbox.signals import Dither
 
 # What control_toolbox@de05a5c Dither::update returns (g++ 12, libstdc++), amplitude 2.5
 RECORDED = {
