@@ -1,10 +1,108 @@
 """Let a storm loose: `python -m station.testing.storm --operations 100000`."""
 
 import argparse
+import random
 import sys
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
 
-from station.testing.storm.storm import storm
-from station.testing.storm.storm_robots import ROBOTS
+from station.core.franka.franka_services import ArmSimulation
+from station.core.hardware.combined_robot_hw import CombinedRobotHW
+from station.core.hardware.robot_hw import RobotHW
+from station.core.parameters import Parameters
+from station.hw.mock import MockRobotHW
+from station.hw.robot_loader import create_robot
+from station.testing.storm import Fault, storm
+
+
+@dataclass(frozen=True)
+class StormRobot:
+    """A robot for the storm.
+
+    Attributes:
+        create: Returns it, initialised.
+        faults: Returns what can go wrong in it.
+        drift: How far one of its joints may move without an owner [rad or m].
+    """
+
+    create: Callable[[], RobotHW]
+    faults: Callable[[RobotHW], Sequence[Fault]]
+    drift: float
+
+
+def create(robot_type: str, parameters: Mapping[str, object]) -> RobotHW:
+    """Return a robot of the table, initialised.
+
+    Args:
+        robot_type: Its type.
+        parameters: Its parameters.
+
+    Raises:
+        StationError: The type or a parameter is impossible.
+    """
+    tree, robot = Parameters(), create_robot(robot_type)
+    tree.set("hw", dict(parameters))
+    robot.init(tree, tree.namespace("hw"))
+    return robot
+
+
+def mock_faults(robot: RobotHW) -> list[Fault]:
+    """Return what can go wrong in a mock, or in the mocks of a combined robot."""
+    if isinstance(robot, CombinedRobotHW):
+        return [one for part in robot.robots.values() for one in mock_faults(part)]
+    return [partial(_upset_mock, robot)] if isinstance(robot, MockRobotHW) else []
+
+
+def _upset_mock(robot: MockRobotHW, dice: random.Random) -> None:
+    script = robot.script
+    script.switch_cycles = dice.choice([0, 0, 1, 3])
+    script.nan_sensors = set()
+    if dice.random() < 0.3:
+        script.nan_sensors = {dice.choice(robot.joint_names)}
+
+
+def franka_faults(robot: RobotHW) -> list[Fault]:
+    """Return what can go wrong in a simulated Franka: the user stop is pressed."""
+    arm = getattr(robot, "arm", None)
+    simulation = None if arm is None else arm.simulation()
+    if not isinstance(simulation, ArmSimulation):
+        return []
+
+    def press(dice: random.Random) -> None:
+        simulation.set_user_stop(pressed=dice.random() < 0.3)
+
+    return [press]
+
+
+_JOINTS = ["joint1", "joint2", "joint3"]
+_PANDA = {
+    "arm_id": "panda",
+    "joint_names": [f"panda_joint{number}" for number in range(1, 8)],
+    "robot_description": "example-robot-data:panda",
+}
+_TWO_MOCKS = {
+    "robot_hardware": ["left", "right"],
+    "left": {"type": "mock_hw/MockRobotHW", "joints": ["left_joint1", "left_joint2"]},
+    "right": {
+        "type": "mock_hw/MockRobotHW",
+        "joints": ["right_joint1", "right_joint2"],
+    },
+}
+ROBOTS: Mapping[str, StormRobot] = {
+    "mock": StormRobot(
+        partial(create, "mock_hw/MockRobotHW", {"joints": _JOINTS}), mock_faults, 1e-9
+    ),
+    "combined": StormRobot(
+        partial(create, "combined_robot_hw/CombinedRobotHW", _TWO_MOCKS),
+        mock_faults,
+        1e-9,
+    ),
+    "franka": StormRobot(
+        partial(create, "franka_hw/FrankaHW", _PANDA), franka_faults, 0.01
+    ),
+}
+"""The robots by their short names."""
 
 
 def main(words: list[str] | None = None) -> int:

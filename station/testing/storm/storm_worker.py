@@ -1,4 +1,6 @@
-"""One thread of a storm: random operations on its own controllers and on everybody's.
+"""One thread of a storm, and the controllers that it works with.
+
+Its operations are random, on its own controllers and on everybody's.
 
 Only this thread loads, starts and unloads its own controllers; everybody may stop them.
 So after each answer it is known what must be true, unless somebody disturbed.
@@ -8,24 +10,245 @@ import random
 import threading
 import time
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
 from functools import partial
+from math import inf, nan
+from typing import NamedTuple, cast
 
-from station.core.control.controller import ControllerState
+from typing_extensions import override
+
+from station.core.control.controller import ControllerBase, ControllerState
 from station.core.control.switching import Strictness, SwitchRequest
-from station.core.errors import ControllerStateError, StationError
+from station.core.errors import ControllerLoadError, ControllerStateError, StationError
 from station.core.facade.station import Station
-from station.testing.hook_script import HookScript
-from station.testing.storm.storm_controller import (
-    BAD_COMMANDS,
-    CALLBACKS,
-    ODD_COMMANDS,
-    STORM_TYPE,
-    Mischief,
-    StormController,
+from station.core.hardware.interfaces import (
+    EffortJointInterface,
+    PositionJointInterface,
+    VelocityJointInterface,
 )
-from station.testing.storm.storm_resources import Claim
-from station.testing.switch_observer import SwitchObserver
+from station.core.hardware.robot_hw import ControllerInfo, InterfaceResources, RobotHW
+from station.core.parameters import Parameters
+from station.testing.hook_script import HookScript
+from station.testing.switch_observer import CommandPlace, SwitchObserver, command_places
+
+
+class Claim(NamedTuple):
+    """What a controller of the storm claims.
+
+    Attributes:
+        interface: Wire name of the hardware interface.
+        resources: Names of the resources.
+    """
+
+    interface: str
+    resources: tuple[str, ...]
+
+
+def find_claims(robot: RobotHW) -> list[Claim]:
+    """Return the claims that the robot accepts: single resources, and whole interfaces.
+
+    Args:
+        robot: The robot, initialised. Nothing is switched; it is only asked.
+    """
+    by_interface: dict[str, list[str]] = {}
+    for place in command_places(robot):
+        interface, resource = place.claim
+        names = by_interface.setdefault(interface, [])
+        if resource not in names:
+            names.append(resource)
+    return [
+        claim
+        for interface, names in by_interface.items()
+        for claim in dict.fromkeys((
+            *(Claim(interface, (name,)) for name in names),
+            *_prefixed(interface, names),
+            Claim(interface, tuple(names)),
+        ))
+        if _accepts(robot, claim)
+    ]
+
+
+def _prefixed(interface: str, names: list[str]) -> list[Claim]:
+    """Return one claim per arm, whose joints have the same name before `_joint`."""
+    prefixes = dict.fromkeys(name.partition("_joint")[0] for name in names)
+    return [
+        Claim(interface, tuple(n for n in names if n.startswith(f"{prefix}_joint")))
+        for prefix in prefixes
+        if any(name.startswith(f"{prefix}_joint") for name in names)
+    ]
+
+
+def _accepts(robot: RobotHW, claim: Claim) -> bool:
+    info = ControllerInfo("storm", "storm/Controller", (InterfaceResources(*claim),))
+    try:
+        if robot.check_for_conflict([info]):
+            return False
+        robot.prepare_switch([info], [])
+    except StationError:
+        return False
+    return True
+
+
+STORM_TYPE = "storm/Controller"
+"""The type under which the storm loads its controllers."""
+CALLBACKS = ("starting", "update", "stopping", "waiting", "aborting")
+"""The callbacks in which a controller can misbehave."""
+BAD_COMMANDS: Sequence[object] = (
+    nan,
+    inf,
+    -inf,
+    0j,
+    complex(0.5, 0.0),
+    10**400,
+    Decimal("0.5"),
+    Decimal("NaN"),
+    "0.5",
+    None,
+    [0.0],
+)
+"""Commands that must never reach a robot."""
+ODD_COMMANDS: Sequence[object] = (0, 1, True, 1e4, -1e4)
+"""Commands that are real numbers, but of another type, or large."""
+_SPEED: Mapping[str, float] = {
+    EffortJointInterface.type_name: 0.1,
+    PositionJointInterface.type_name: 2e-6,
+    VelocityJointInterface.type_name: 1e-4,
+}
+"""By how much the command of an interface changes in a cycle."""
+_TURN = 100
+"""After so many cycles the command changes in the other direction."""
+
+
+@dataclass(frozen=True, slots=True)
+class Mischief:
+    """What a controller does wrong, once.
+
+    Attributes:
+        callback: In which callback, one of `CALLBACKS`.
+        command: What to command; None raises an error instead.
+        intrudes: Command a resource of somebody else.
+        place: Which command of its own, or of all, counted modulo their number.
+    """
+
+    callback: str
+    command: tuple[object] | None = None
+    intrudes: bool = False
+    place: int = 0
+
+
+class StormController(ControllerBase):
+    """Claims what its parameters say and moves it to and fro by a little.
+
+    Parameters: `interface`, the wire name of a hardware interface; `resources`, names.
+
+    Attributes:
+        mischief: What it does wrong next; None for nothing. Any thread may set it.
+        mischiefs: How often it has done something wrong.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.mischief: Mischief | None = None
+        self.mischiefs = 0
+        self._places: list[CommandPlace] = []
+        self._own: list[CommandPlace] = []
+        self._written: list[object] = []
+        self._speed = 0.0
+        self._cycles = 0
+
+    @override
+    def init_request(
+        self, hw: RobotHW, params: Parameters
+    ) -> tuple[InterfaceResources, ...]:
+        """Claim the resources.
+
+        Args:
+            hw: The robot.
+            params: The parameters of the class.
+
+        Raises:
+            ControllerLoadError: The robot has none of these resources; or the parameter
+                `mischief` is set.
+        """
+        interface = params.get_str("interface")
+        resources = params.get_str_list("resources")
+        if params.get_bool("mischief", default=False):
+            raise ControllerLoadError("The storm lets this controller fail in init.")
+        self._places = command_places(hw)
+        wanted = {(interface, resource) for resource in resources}
+        self._own = [place for place in self._places if place.claim in wanted]
+        if {place.claim for place in self._own} != wanted:
+            raise ControllerLoadError(
+                f"The robot has no commands {resources} in '{interface}'.",
+                remedy="Claim what it has.",
+            )
+        self._speed = _SPEED.get(interface, 0.0)
+        self.state = ControllerState.INITIALIZED
+        return (InterfaceResources(interface, tuple(sorted(resources))),)
+
+    def find_overwritten(self) -> str | None:
+        """Return which of its commands is not what it wrote; None if all are.
+
+        Control thread, while it runs.
+        """
+        for place, value in zip(self._own, self._written, strict=False):
+            now = place.storage[place.index]
+            if now != value:
+                return f"{place.claim} is commanded {now!r}; its owner wrote {value!r}"
+        return None
+
+    @override
+    def starting(self, time: float) -> None:
+        self._cycles = 0
+        self._note_written()
+        self._misbehave("starting")
+
+    @override
+    def update(self, time: float, period: float) -> None:
+        self._cycles += 1
+        step = self._speed if self._cycles // _TURN % 2 == 0 else -self._speed
+        for place in self._own:
+            place.storage[place.index] += step
+        self._note_written()
+        self._misbehave("update")
+
+    @override
+    def stopping(self, time: float) -> None:
+        self._misbehave("stopping")
+
+    @override
+    def waiting(self, time: float) -> None:
+        self._misbehave("waiting")
+
+    @override
+    def aborting(self, time: float) -> None:
+        self._misbehave("aborting")
+
+    def _note_written(self) -> None:
+        self._written = [place.storage[place.index] for place in self._own]
+
+    def _misbehave(self, callback: str) -> None:
+        mischief = self.mischief
+        if mischief is None or mischief.callback != callback:
+            return
+        self.mischief = None
+        self.mischiefs += 1
+        if mischief.command is None:
+            raise RuntimeError("the storm lets this callback fail")
+        places = self._places if mischief.intrudes else self._own
+        place = places[mischief.place % len(places)]
+        place.storage[place.index] = cast("float", mischief.command[0])
+        # Several interfaces may share a command, so that an intruder may be the owner.
+        is_own = place.slot in {own.slot for own in self._own}
+        if is_own and callback in {"starting", "update"}:
+            self._note_written()
+
+
+MakeMischief = Callable[[], Mischief]
+"""Returns the next mischief."""
+
 
 CONTROLLERS = 4
 """How many controllers a thread has."""

@@ -9,9 +9,8 @@ from station.core.control.controller_lifecycle import ControllerLifecycle
 from station.core.control.pending_switch import PendingSwitch
 from station.core.hardware.robot_hw import RobotHW
 from station.testing.storm import storm
-from station.testing.storm.__main__ import main
-from station.testing.storm.storm_resources import find_claims
-from station.testing.storm.storm_robots import ROBOTS
+from station.testing.storm.__main__ import ROBOTS, main
+from station.testing.storm.storm_worker import find_claims
 
 
 def rage(name, operations, **options):

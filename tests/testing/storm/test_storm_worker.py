@@ -4,7 +4,7 @@ import pytest
 
 from station.core import ControllerLoadError
 from station.testing.scripted import ScriptedBench
-from station.testing.storm.storm_controller import (
+from station.testing.storm.storm_worker import (
     BAD_COMMANDS,
     Mischief,
     StormController,
