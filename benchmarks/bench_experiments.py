@@ -27,17 +27,14 @@ from pathlib import Path
 
 from measuring import print_table, print_title
 
-from station.experiments.default_script import default_script
 from station.experiments.designs import parse_range, points
+from station.experiments.experiment import ROBUSTNESS_RANGES, sweep
 from station.experiments.pools import NICENESS, make_pool
-from station.experiments.sweep import ROBUSTNESS_RANGES, sweep
-from station.experiments.trial_world import TrialWorld
+from station.experiments.trial_world import TrialWorld, default_script
 from station.experiments.workers import be_polite
 from station.trials.analysis import ranked, summary
 from station.trials.results import Results
-from station.trials.script import Script
-from station.trials.setup import Setup
-from station.trials.trial import Trial
+from station.trials.trial import Script, Setup, Trial
 from station.wire.excitations import Step
 
 CONTROLLER = "effort_joint_trajectory_controller"

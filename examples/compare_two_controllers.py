@@ -1,14 +1,12 @@
 """Which of two controllers tracks better under chance loads, friction and delays?"""
 
-from station.experiments.default_script import default_script
 from station.experiments.designs import parse_range, points
+from station.experiments.experiment import ROBUSTNESS_RANGES, sweep
 from station.experiments.pools import make_pool
-from station.experiments.sweep import ROBUSTNESS_RANGES, sweep
-from station.experiments.trial_world import TrialWorld
+from station.experiments.trial_world import TrialWorld, default_script
 from station.trials.analysis import compare
 from station.trials.results import Results, file_of
-from station.trials.setup import Setup
-from station.trials.trial import Trial
+from station.trials.trial import Setup, Trial
 
 NAMES = ("effort_joint_trajectory_controller", "effort_group_position_controller")
 TRIALS = 10

@@ -4,9 +4,7 @@ from station.experiments.pools import make_pool
 from station.experiments.tuning import Search, tune
 from station.trials.goal import Bound, Goal
 from station.trials.results import Results, file_of
-from station.trials.script import Script
-from station.trials.setup import Setup
-from station.trials.trial import Trial
+from station.trials.trial import Script, Setup, Trial
 from station.wire.excitations import Step
 
 NAME, JOINT = "effort_group_position_controller", "panda_joint1"

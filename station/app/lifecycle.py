@@ -13,6 +13,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from station import compiled
 from station.api.app import Kept, create_app
 from station.api.auth import Authenticator
 from station.api.host_policy import HostPolicy
@@ -20,7 +21,6 @@ from station.api.server import ApiServer
 from station.app.access import check_exposure, host_names
 from station.app.announcement import Announcement
 from station.app.composition import ROBOT_NAMESPACE, compose
-from station.app.extensions_build import ExtensionsBuild
 from station.app.journal import Journal
 from station.app.recording_start import make_foxglove, make_recorder
 from station.app.shutdown_signals import ShutdownSignals
@@ -30,7 +30,7 @@ from station.config import StationConfig
 from station.core.control.switching import SwitchRequest
 from station.core.errors import StationError
 from station.core.facade.station import Station
-from station.core.loop.scheduling import realtime_interpreter
+from station.core.loop.scheduling import ordinary_priority, realtime_interpreter
 from station.core.loop.stop_latch import StopState
 from station.local.descriptors import open_more_files, shortage
 from station.local.private_files import process_start
@@ -41,10 +41,47 @@ from station.trials.background_experiments import (
     BackgroundExperiments,
     spare_processors,
 )
-from station.trials.setup import Setup
+from station.trials.trial import Setup
 
 if TYPE_CHECKING:
     from station.records.recorder import Recorder
+
+
+class ExtensionsBuild:
+    """Has the extensions built when none fit and this machine has what it takes.
+
+    The process that builds runs in idle time alone, so that the control loop has the
+    processor before it, and outlives the station, so that a short run is enough.
+
+    Args:
+        warn: Takes a line about something that is not as it should be.
+    """
+
+    def __init__(self, warn: Callable[[str], None]) -> None:
+        self._warn = warn
+        self._is_started = False
+
+    def start(self) -> str:
+        """Start to build if that is needed; return what runs, and why."""
+        if compiled.needs_building():
+            try:
+                with ordinary_priority():
+                    compiled.build_in_background()
+            except OSError as error:
+                self._warn(f"The extensions cannot be built: {error}.")
+            else:
+                self._is_started = True
+        return compiled.present_status().text()
+
+    def is_settled(self) -> bool:
+        """Return whether there is nothing to wait for; warn when the build failed."""
+        if not self._is_started:
+            return True
+        if failure := compiled.find_failure():
+            self._warn(f"The extensions could not be built: {failure}")
+            return True
+        return not compiled.is_being_built()
+
 
 READY_TIMEOUT = 2.0
 """Longest wait for the first cycles [s]."""

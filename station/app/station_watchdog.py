@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from station.api.auth import Authenticator
-from station.app.watchdog.settings import WatchdogSettings
+from station.app.watchdog.watch import WatchdogSettings
 from station.app.watchdog_process import STACK_SIGNAL, WatchdogProcess
 from station.config import StationConfig
 from station.core.errors import StationError

@@ -13,7 +13,7 @@ import time
 from collections.abc import Mapping
 from contextlib import suppress
 
-from station.app.watchdog.settings import WatchdogSettings
+from station.app.watchdog.watch import WatchdogSettings
 from station.core.loop.heartbeat import PAGE_BYTES, Heartbeat
 
 STACK_SIGNAL = signal.SIGRTMIN + 3

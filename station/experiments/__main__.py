@@ -20,7 +20,7 @@ from station.experiments.runner import Progress
 from station.experiments.workers import be_polite, kept_world
 from station.trials.analysis import best_of, first_of
 from station.trials.results import Results, file_of
-from station.trials.setup import Setup
+from station.trials.trial import Setup
 from station.wire.experiments import ExperimentRequest
 
 _PERIOD = 0.5

@@ -9,8 +9,8 @@ from station.records.cycle_messages import CONTROLLERS, CYCLES, JOINT_STATES
 from station.records.export import Columns, columns
 from station.records.recording_reader import read_messages
 from station.trials.errors import ExperimentError
-from station.trials.script import Script
 from station.trials.trace import Array, Trace
+from station.trials.trial import Script
 from station.wire.excitations import MOST_RECORDED, Recorded
 
 SUFFIX = ".mcap"

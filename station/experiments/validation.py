@@ -13,11 +13,8 @@ import numpy as np
 import station
 from station.core.errors import StationError
 from station.core.hardware.robot_report import JointLimitsReport
-from station.experiments.default_script import small_motions
-from station.experiments.trial_world import TrialWorld
-from station.trials.script import Script
-from station.trials.setup import Setup
-from station.trials.trial import Trial
+from station.experiments.trial_world import TrialWorld, small_motions
+from station.trials.trial import Script, Setup, Trial
 from station.wire.excitations import Waypoints
 
 Outcome = Literal["passed", "failed", "skipped"]

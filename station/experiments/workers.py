@@ -19,8 +19,7 @@ import mujoco
 from station.compiled import source_digest
 from station.experiments.trial_world import TrialWorld
 from station.trials.errors import WorkerMismatchError
-from station.trials.setup import Setup
-from station.trials.trial import Trial, TrialResult
+from station.trials.trial import Setup, Trial, TrialResult
 
 _WORLDS = 2
 """How many worlds a worker keeps."""

@@ -1,4 +1,4 @@
-"""The message types of a recording, as `ros2msg` definitions.
+"""The message types of a recording as `ros2msg` definitions, and transforms of links.
 
 Source: ros2/common_interfaces@humble sensor_msgs, std_msgs, geometry_msgs and tf2_msgs;
 franka_ros@c11f000 franka_msgs/msg/FrankaState.msg and Errors.msg; differs: names of
@@ -6,8 +6,12 @@ fields are in lower case, as ROS 2 wants them and franka_ros2 has them.
 `control_station_msgs` is the station's own.
 """
 
+from collections.abc import Mapping
+from math import cos, sin
+
+from station.core.description.urdf import Joint, JointType, Pose, Urdf
 from station.core.franka.franka_errors import ERROR_INDEX
-from station.records.cdr import MessageType
+from station.records.cdr import MessageType, Values
 
 _SEPARATOR = "=" * 80
 _TIME = "int32 sec\nuint32 nanosec\n"
@@ -173,3 +177,59 @@ def header(stamp: int, frame_id: str = "") -> dict[str, object]:
     """
     seconds, rest = divmod(stamp, 1_000_000_000)
     return {"stamp": {"sec": seconds, "nanosec": rest}, "frame_id": frame_id}
+
+
+def joint_pose(joint: Joint, position: float) -> Pose:
+    """Return the pose of a joint's child in its parent.
+
+    Args:
+        joint: The joint.
+        position: Its position [rad or m]; joints without one stay at their origin.
+    """
+    if joint.type.is_rotation:
+        half = position / 2.0
+        x, y, z = (sin(half) * axis for axis in joint.axis)
+        return joint.origin.compose(Pose(quaternion=(cos(half), x, y, z)))
+    if joint.type is JointType.PRISMATIC:
+        x, y, z = (position * axis for axis in joint.axis)
+        return joint.origin.compose(Pose((x, y, z)))
+    return joint.origin
+
+
+def transforms(urdf: Urdf, positions: Mapping[str, float], stamp: int) -> Values:
+    """Return a `tf2_msgs/TFMessage` with a transform for every joint.
+
+    Args:
+        urdf: The robot.
+        positions: Positions by joint [rad or m]; others are at zero, and those that
+            mimic another joint follow it.
+        stamp: Time of the transforms [ns].
+    """
+    return {
+        "transforms": [
+            _transform(joint, joint_pose(joint, _position(joint, positions)), stamp)
+            for joint in urdf.joints.values()
+        ]
+    }
+
+
+def _position(joint: Joint, positions: Mapping[str, float]) -> float:
+    if joint.name in positions:
+        return positions[joint.name]
+    mimic = joint.mimic
+    if mimic is None:
+        return 0.0
+    return mimic.multiplier * positions.get(mimic.joint, 0.0) + mimic.offset
+
+
+def _transform(joint: Joint, pose: Pose, stamp: int) -> Values:
+    x, y, z = pose.xyz
+    qw, qx, qy, qz = pose.quaternion
+    return {
+        "header": header(stamp, joint.parent),
+        "child_frame_id": joint.child,
+        "transform": {
+            "translation": {"x": x, "y": y, "z": z},
+            "rotation": {"x": qx, "y": qy, "z": qz, "w": qw},
+        },
+    }

@@ -17,7 +17,7 @@ from station.trials.results import (
     name_of_now,
     names,
 )
-from station.trials.setup import Setup
+from station.trials.trial import Setup
 from station.wire.experiments import ExperimentRequest
 
 MOST_TRIALS = 10_000

@@ -25,9 +25,8 @@ from station.trials.errors import (
 from station.trials.excitations import Array, least_jerk, offsets
 from station.trials.metrics import UNITS, Counts, measure
 from station.trials.reference import POSITION_UNITS, make_reference
-from station.trials.script import Script
-from station.trials.trace import Trace
-from station.trials.trace_recorder import TraceRecorder
+from station.trials.trace import Trace, TraceRecorder
+from station.trials.trial import Script
 from station.wire.excitations import BenchRequest, BenchResponse, Relay, Step
 
 LARGEST = {"rad": 0.3, "m": 0.03}

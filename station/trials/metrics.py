@@ -8,8 +8,8 @@ import numpy as np
 from station.core.errors import suggest
 from station.core.hardware.robot_report import JointLimitsReport
 from station.trials.errors import ExperimentError, UnknownParameterError
-from station.trials.script import Script
 from station.trials.trace import Array, Trace
+from station.trials.trial import Script
 from station.wire.excitations import Step
 
 UNITS: Mapping[str, str] = {

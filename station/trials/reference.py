@@ -11,7 +11,7 @@ from station.core.facade.station import Station
 from station.core.ports.set_point import SetPointElement
 from station.trials.errors import ExperimentError, UnknownParameterError
 from station.trials.excitations import Array, offsets
-from station.trials.script import Script
+from station.trials.trial import Script
 from station.wire.excitations import Motion, Recorded, Relay, Step
 
 NEVER = 2**62

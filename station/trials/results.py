@@ -23,9 +23,8 @@ from station.core.user_files import (
     user_folder,
 )
 from station.trials.errors import ExperimentError, ExperimentNotFoundError
-from station.trials.setup import Setup, canonical
 from station.trials.trace import Trace
-from station.trials.trial import State, Trial, TrialResult
+from station.trials.trial import Setup, State, Trial, TrialResult, canonical
 
 _SUFFIX = ".sqlite"
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}")

@@ -1,16 +1,196 @@
-"""A trial as data: configuration, script, parameters and seed; its hash names it."""
+"""A trial as data: configuration, script, parameters and seed; its hash names it.
 
+A script is data of a file; a configuration is kept as text, so that it can travel and
+be compared.
+"""
+
+import hashlib
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Literal, Self
+from pathlib import Path
+from typing import Annotated, Literal, Self
 
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from station.config import StationConfig, load_config
+from station.config.models import Controller
+from station.core.config_error import ConfigError
 from station.core.errors import show
-from station.trials.errors import ImpossibleRangeError
-from station.trials.script import Script, parse_script
-from station.trials.setup import Setup, canonical, digest_of
+from station.core.yaml_reader import read_yaml
+from station.trials.errors import ExperimentError, ImpossibleRangeError
+from station.wire.excitations import Command, Motion, Push
+
+
+class Script(BaseModel):
+    """What a trial does.
+
+    A script is plain data, so that a file can hold it:
+
+    ```yaml
+    controller: effort_joint_trajectory_controller
+    duration: 2.0
+    commands:
+      - {kind: waypoints, joint: panda_joint1, times: [0.6, 1.2], values: [0.3, 0.0]}
+      - {kind: push, link: panda_link7, at: 1.5, lasts: 0.1, force: [0, 10, 0]}
+    ```
+
+    All values of motions are offsets from where the joint begins, and add up when
+    several commands name the same joint.
+
+    Attributes:
+        controller: The controller that is started and commanded.
+        duration: Length of the trial [s], > 0.
+        commands: What happens; nothing but the controller's hold without commands.
+        begin: Where joints begin [rad or m], by name; others at the world's start.
+        settling_band: Half-width of the band of the settling time, as a share of the
+            step's amplitude, 0 to 1.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    controller: str
+    duration: Annotated[float, Field(gt=0.0, le=3600.0)]
+    commands: Annotated[tuple[Command, ...], Field(max_length=1000)] = ()
+    begin: dict[str, float] = {}
+    settling_band: Annotated[float, Field(gt=0.0, lt=1.0)] = 0.02
+
+    @property
+    def motions(self) -> tuple[Motion, ...]:
+        """The commands that move joints."""
+        return tuple(c for c in self.commands if not isinstance(c, Push))
+
+    @property
+    def pushes(self) -> tuple[Push, ...]:
+        """The commands that push links."""
+        return tuple(c for c in self.commands if isinstance(c, Push))
+
+
+def parse_script(data: object, source: str = "script") -> Script:
+    """Return a script from plain data.
+
+    Args:
+        data: What a file holds.
+        source: What the error names.
+
+    Raises:
+        ExperimentError: The data are no script, and every reason why.
+    """
+    try:
+        return Script.model_validate(data)
+    except ValidationError as error:
+        reasons = "; ".join(
+            f"{'.'.join(map(str, each['loc'])) or 'script'}: {each['msg']} "
+            f"(given: {show(each['input'])})"
+            for each in error.errors()
+        )
+        raise ExperimentError(
+            f"{source} is no script of a trial: {reasons}.",
+            remedy="docs/experiments.md lists the commands and their fields.",
+        ) from error
+
+
+def read_script(path: Path) -> Script:
+    """Return the script in a YAML file.
+
+    Raises:
+        ExperimentError: The file cannot be read or holds no script.
+    """
+    try:
+        data = read_yaml(path).values
+    except ConfigError as error:
+        raise ExperimentError(error.message, remedy=error.remedy) from error
+    return parse_script(data, str(path))
+
+
+_NOT_OF_A_TRIAL = ("api", "ui", "watchdog")
+"""Sections that serve and draw. They stay at their defaults: a trial has neither, and
+the token of a server must not travel or be stored with results."""
+
+
+@dataclass(frozen=True)
+class Setup:
+    """A station's whole configuration, with the files that it named read in.
+
+    Paths of URDFs and meshes stay paths: every machine that runs trials needs them.
+
+    Args:
+        text: The configuration as canonical JSON; `load` makes it.
+    """
+
+    text: str
+
+    @classmethod
+    def load(
+        cls,
+        config: Path | str | Mapping[str, object] | None = None,
+        *,
+        controllers: Sequence[Path | str] = (),
+        settings: Mapping[str, object] | None = None,
+    ) -> Self:
+        """Return the setup of a configuration; the arguments are `station.open`'s.
+
+        Raises:
+            ConfigError: A file cannot be read, or a value is not allowed.
+        """
+        loaded = load_config(
+            Path(config) if isinstance(config, str) else config,
+            controller_files=[Path(file) for file in controllers],
+            flags=settings,
+        )
+        return cls.of(loaded)
+
+    @classmethod
+    def of(cls, config: StationConfig) -> Self:
+        """Return the setup of a configuration that is loaded already."""
+        values = config.model_dump(mode="json", exclude=set(_NOT_OF_A_TRIAL))
+        values["parameters"] = config.parameters
+        return cls(canonical(values))
+
+    def with_controllers(self, loaded: Mapping[str, Mapping[str, object]]) -> Self:
+        """Return the setup with the controllers that a station has loaded.
+
+        Args:
+            loaded: Their parameters by name, `type` among them. They replace those of
+                the configuration that have the same name.
+        """
+        values = json.loads(self.text)
+        values["controllers"] = {
+            **values.get("controllers", {}),
+            # As a configuration with these controllers would have them.
+            **{
+                name: Controller.model_validate(parameters).model_dump(mode="json")
+                for name, parameters in loaded.items()
+            },
+        }
+        return replace(self, text=canonical(values))
+
+    @cached_property
+    def digest(self) -> str:
+        """Name of the setup: 16 hexadecimal digits."""
+        return digest_of(self.text)
+
+    def config(self) -> StationConfig:
+        """Return the configuration."""
+        defaults = load_config().model_dump(mode="json", include=set(_NOT_OF_A_TRIAL))
+        return StationConfig.model_validate({**defaults, **json.loads(self.text)})
+
+
+def canonical(data: object) -> str:
+    """Return the one JSON text of some data: sorted keys, no blanks.
+
+    Raises:
+        ValueError: A number is not finite.
+    """
+    return json.dumps(data, sort_keys=True, separators=(",", ":"), allow_nan=False)
+
+
+def digest_of(text: str) -> str:
+    """Return the first 16 hexadecimal digits of the SHA-256 of a text."""
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
 
 State = Literal["done", "failed"]
 

@@ -8,7 +8,7 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from station.app.watchdog.settings import WatchdogSettings
+from station.app.watchdog.watch import WatchdogSettings
 from station.app.watchdog_client import WatchdogError, stop_through_watchdog
 from station.app.watchdog_process import WatchdogProcess
 from station.core.loop.heartbeat import LoopLife, Phase

@@ -2,8 +2,7 @@
 
 import pytest
 
-from station.config.moveit_controllers import controllers_of_list
-from station.config.ros_parameters import split_ros_parameters
+from station.config.ros_parameters import controllers_of_list, split_ros_parameters
 from station.core.config_error import ConfigError
 
 JOINTS = ["a", "b"]

@@ -22,9 +22,7 @@ from station.records.record_store import RecordStore
 from station.records.recorder import Recorder
 from station.trials.background_experiments import BackgroundExperiments
 from station.trials.results import Results, file_of
-from station.trials.script import Script
-from station.trials.setup import Setup
-from station.trials.trial import Trial, TrialResult
+from station.trials.trial import Script, Setup, Trial, TrialResult
 from tests.api.spring import make_station
 from tests.documentation.shell_examples import PAGES, ROOT, commands, curl_request
 from tests.for_each import for_each

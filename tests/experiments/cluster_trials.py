@@ -17,9 +17,7 @@ from station.experiments.runner import Progress
 from station.experiments.tuning import Search, tune
 from station.trials.goal import Bound, Goal
 from station.trials.results import Results
-from station.trials.script import Script
-from station.trials.setup import Setup
-from station.trials.trial import Trial
+from station.trials.trial import Script, Setup, Trial
 from station.wire.excitations import Step
 
 GROUP = "effort_group_position_controller"

@@ -11,7 +11,7 @@ import pytest
 from station.experiments.pools import InThisProcess
 from station.experiments.tuning import tune
 from station.trials.results import Results
-from station.trials.setup import Setup
+from station.trials.trial import Setup
 from tests.experiments.cluster_trials import GAINS, GOAL, SEARCH, first_trial
 
 ROOT = Path(__file__).parents[2]
@@ -54,7 +54,7 @@ def test_search_finds_the_same_when_workers_go_and_come(tmp_path):
 def test_scheduler_that_does_not_answer_is_told_by_name():
     script = (
         "from station.experiments.cluster import ClusterExecutor\n"
-        "from station.trials.setup import Setup\n"
+        "from station.trials.trial import Setup\n"
         "ClusterExecutor('tcp://127.0.0.1:9', Setup.load().text, timeout=0.5)\n"
     )
 

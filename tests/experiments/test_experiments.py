@@ -4,11 +4,11 @@ import csv
 
 import pytest
 
-from station.experiments.default_script import default_script, small_motions
+from station.experiments.experiment import keep_worst, sweep
 from station.experiments.exports import data_frame, export, table, write_gains
 from station.experiments.plots import KINDS, pareto_front, plot
 from station.experiments.pools import InThisProcess
-from station.experiments.sweep import keep_worst, sweep
+from station.experiments.trial_world import default_script, small_motions
 from station.trials.analysis import goal_as_plan, ranked
 from station.trials.errors import ExperimentError
 from station.trials.goal import Goal

@@ -6,9 +6,7 @@ import pytest
 from station.experiments.identification import identify
 from station.experiments.trial_world import TrialWorld
 from station.trials.errors import ExperimentError, UnknownParameterError
-from station.trials.script import Script
-from station.trials.setup import Setup
-from station.trials.trial import Trial
+from station.trials.trial import Script, Setup, Trial
 from station.wire.excitations import Multisine, Waypoints
 from tests.experiments.conftest import GROUP
 

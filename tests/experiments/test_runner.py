@@ -11,9 +11,7 @@ from station.experiments.runner import Runner
 from station.experiments.workers import compare, identity
 from station.trials.errors import ExperimentError, WorkerMismatchError
 from station.trials.results import Results
-from station.trials.script import Script
-from station.trials.setup import Setup
-from station.trials.trial import Trial
+from station.trials.trial import Script, Setup, Trial
 
 LOADS = [0.0, 0.5, 1.0]
 

@@ -5,9 +5,7 @@ import pytest
 
 from station.experiments.trial_world import TrialWorld
 from station.trials.errors import ExperimentError
-from station.trials.script import Script
-from station.trials.setup import Setup
-from station.trials.trial import Trial
+from station.trials.trial import Script, Setup, Trial
 from station.wire.excitations import Push, Relay, Sine, Step, Waypoints
 from tests.experiments.conftest import GROUP
 

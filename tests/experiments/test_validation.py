@@ -3,7 +3,7 @@
 import pytest
 
 from station.experiments.validation import Check, Scorecard, validate
-from station.trials.setup import Setup
+from station.trials.trial import Setup
 
 ONE = "effort_group_position_controller"
 

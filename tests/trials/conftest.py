@@ -4,9 +4,7 @@ import pytest
 
 from station.experiments.trial_world import TrialWorld
 from station.trials.results import Results
-from station.trials.script import Script
-from station.trials.setup import Setup
-from station.trials.trial import Trial, TrialResult
+from station.trials.trial import Script, Setup, Trial, TrialResult
 from station.wire.excitations import Step
 
 GROUP = "effort_group_position_controller"

@@ -10,7 +10,7 @@ import signal
 import sys
 
 from station.trials.results import Results, file_of
-from station.trials.setup import Setup
+from station.trials.trial import Setup
 
 
 def tell(**facts):

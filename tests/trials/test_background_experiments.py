@@ -24,7 +24,7 @@ from station.trials.errors import (
     TooManyExperimentsError,
 )
 from station.trials.results import file_of, names
-from station.trials.setup import Setup
+from station.trials.trial import Setup
 from station.wire.experiments import ExperimentRequest
 
 ROOT = Path(__file__).parents[2]
@@ -161,7 +161,7 @@ def test_processes_and_workers_end_with_a_station_that_is_killed():
     program = """
         import glob, time
         from station.trials.background_experiments import BackgroundExperiments
-        from station.trials.setup import Setup
+        from station.trials.trial import Setup
         from station.wire.experiments import ExperimentRequest
         from station.trials.results import Results, file_of
 

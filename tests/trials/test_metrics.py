@@ -7,8 +7,8 @@ import pytest
 
 from station.core.hardware.robot_report import JointLimits, JointLimitsReport
 from station.trials.metrics import Counts, measure
-from station.trials.script import Script
 from station.trials.trace import Trace
+from station.trials.trial import Script
 from station.wire.excitations import Step
 
 TIME = np.arange(3000) * 1e-3

@@ -97,8 +97,8 @@ def test_file_is_whole_after_kill_9(tmp_path):
         import sys
         from pathlib import Path
         from station.trials.results import Results
-        from station.trials.script import Script
-        from station.trials.setup import Setup
+        from station.trials.trial import Script
+        from station.trials.trial import Setup
         from station.trials.trial import Trial, TrialResult
 
         setup = Setup.load()

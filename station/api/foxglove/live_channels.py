@@ -10,7 +10,7 @@ from station.core.facade.station import Station
 from station.records import messages
 from station.records.cycle_messages import CycleMessages, Message
 from station.records.cycle_row import Row, RowPacker
-from station.records.frames import transforms
+from station.records.messages import transforms
 
 if TYPE_CHECKING:
     from station.records.cdr import MessageType

@@ -18,8 +18,7 @@ from contextlib import suppress
 from typing import Any
 
 from station.app.watchdog.door import Door
-from station.app.watchdog.settings import LOOK_PERIOD, WatchdogSettings
-from station.app.watchdog.watch import Watch
+from station.app.watchdog.watch import LOOK_PERIOD, Watch, WatchdogSettings
 from station.core.loop.heartbeat import PAGE_BYTES, Heartbeat
 
 PRIORITY = 51

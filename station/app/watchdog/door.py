@@ -12,8 +12,7 @@ import time
 from hmac import compare_digest
 from typing import TYPE_CHECKING
 
-from station.app.watchdog.settings import WatchdogSettings
-from station.app.watchdog.watch import Watch
+from station.app.watchdog.watch import Watch, WatchdogSettings
 
 if TYPE_CHECKING:
     from collections.abc import Callable

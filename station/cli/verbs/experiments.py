@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from station.experiments.runner import Progress, Watcher
     from station.experiments.tuning import Tuned
     from station.trials.results import Results
-    from station.trials.setup import Setup
+    from station.trials.trial import Setup
     from station.wire.experiments import (
         ExperimentBound,
         ExperimentKind,
@@ -272,7 +272,7 @@ def _script_fields(options: Namespace) -> dict[str, object]:
     if options.script is None:
         return {}
     from station.experiments.recordings import SUFFIX, recorded_script
-    from station.trials.script import read_script
+    from station.trials.trial import read_script
 
     if options.script.suffix == SUFFIX:
         script = recorded_script(options.script, options.controller)

@@ -12,8 +12,8 @@ if TYPE_CHECKING:
 
     from station.cli.parser import Parser
     from station.experiments.identification import Estimate, JointModel
-    from station.trials.setup import Setup
     from station.trials.trace import Trace
+    from station.trials.trial import Setup
 
 _FREQUENCIES = (0.5, 1.1, 1.9, 3.1)
 _IDENTIFYING = 4.0
@@ -76,7 +76,7 @@ def add_setup(parser: "Parser") -> None:
 
 def load_setup(options: Namespace) -> "Setup":
     """Return the station of the options that `add_setup` adds."""
-    from station.trials.setup import Setup
+    from station.trials.trial import Setup
 
     return Setup.load(options.config, controllers=options.controllers)
 
@@ -150,8 +150,7 @@ def _excite(options: Namespace) -> "Trace":
     """
     from station.experiments.trial_world import TrialWorld
     from station.trials.errors import ExperimentError
-    from station.trials.script import Script, read_script
-    from station.trials.trial import Trial
+    from station.trials.trial import Script, Trial, read_script
     from station.wire.excitations import Multisine
 
     setup, parameters = load_setup(options), read_parameters(options)

@@ -38,7 +38,7 @@ def add_validate(parser: "Parser") -> None:
 def validate(options: Namespace) -> int:
     """Check a robot and its controllers."""
     from station.experiments.validation import validate as check_robot
-    from station.trials.setup import Setup
+    from station.trials.trial import Setup
 
     config = Path(options.robot)
     if config.suffix in CONFIGURATIONS:

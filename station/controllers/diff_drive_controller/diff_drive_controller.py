@@ -4,17 +4,14 @@ Source: ros_controllers@678b92a diff_drive_controller/src/diff_drive_controller.
 DiffDriveController.
 """
 
+from collections import deque
 from collections.abc import Mapping
-from math import cos, isfinite, sin
+from dataclasses import dataclass
+from math import cos, inf, isfinite, pi, sin
 from typing import ClassVar
 
 from typing_extensions import override
 
-from station.controllers.diff_drive_controller.odometry import Odometry
-from station.controllers.diff_drive_controller.speed_limiter import (
-    limiter_parameters,
-    read_limiter,
-)
 from station.core.control.controller import Controller, ControllerSample
 from station.core.declared_parameter import DeclaredParameter, NameKind, ParameterType
 from station.core.description.robot_description import ROBOT_DESCRIPTION
@@ -31,6 +28,215 @@ from station.core.ports.set_point import (
     timeout_parameters,
 )
 from station.core.toolbox.publish_timer import PublishTimer
+
+_STRAIGHT = 10e-3
+"""Turn in one cycle below which the second-order integration is used [rad]."""
+_SHORTEST = 1e-4
+"""Shortest time over which a velocity is estimated [s]."""
+
+
+class Odometry:
+    """Position, heading and velocity of a base. Control thread only.
+
+    Args:
+        separation: Distance between the two sides [m], > 0.
+        radius: Radius of the wheels [m], > 0.
+        window: Number of estimates over which velocities are averaged, > 0.
+
+    Attributes:
+        x: Position in the frame `odom` [m].
+        y: Position [m].
+        heading: Angle about z [rad].
+        linear: Velocity forwards [m/s].
+        angular: Velocity about z [rad/s].
+
+    Source:
+        ros_controllers@678b92a diff_drive_controller/src/odometry.cpp, Odometry;
+        differs: the wheels' positions at the start count as the place where the base
+        is, so that a start does not move it.
+    """
+
+    def __init__(self, separation: float, radius: float, window: int) -> None:
+        self.x = self.y = self.heading = 0.0
+        self.linear = self.angular = 0.0
+        self._separation = separation
+        self._radius = radius
+        self._left = self._right = 0.0
+        self._time = 0.0
+        self._linear: deque[float] = deque(maxlen=window)
+        self._angular: deque[float] = deque(maxlen=window)
+
+    def begin(self, left: float, right: float, time: float) -> None:
+        """Forget the velocity; position and heading stay.
+
+        Args:
+            left: Mean position of the left wheels [rad].
+            right: Mean position of the right wheels [rad].
+            time: Station time [s].
+        """
+        self._left, self._right = left * self._radius, right * self._radius
+        self._time = time
+        self._linear.clear()
+        self._angular.clear()
+        self.linear = self.angular = 0.0
+
+    def follow_wheels(self, left: float, right: float, time: float) -> None:
+        """Take in how far the wheels have turned.
+
+        Args:
+            left: Mean position of the left wheels [rad].
+            right: Mean position of the right wheels [rad].
+            time: Station time [s].
+        """
+        left_way = left * self._radius - self._left
+        right_way = right * self._radius - self._right
+        self._left += left_way
+        self._right += right_way
+        linear = (left_way + right_way) / 2.0
+        angular = (right_way - left_way) / self._separation
+        self._integrate(linear, angular)
+        elapsed = time - self._time
+        if elapsed < _SHORTEST:
+            return
+        self._time = time
+        self._linear.append(linear / elapsed)
+        self._angular.append(angular / elapsed)
+        self.linear = sum(self._linear) / len(self._linear)
+        self.angular = sum(self._angular) / len(self._angular)
+
+    def follow_commands(self, linear: float, angular: float, time: float) -> None:
+        """Take in that the base has moved as commanded since the last call.
+
+        Args:
+            linear: Velocity forwards [m/s].
+            angular: Velocity about z [rad/s].
+            time: Station time [s].
+        """
+        self.linear, self.angular = linear, angular
+        elapsed = time - self._time
+        self._time = time
+        self._integrate(linear * elapsed, angular * elapsed)
+
+    def _integrate(self, linear: float, angular: float) -> None:
+        before = self.heading
+        if abs(angular) < _STRAIGHT:
+            direction = before + angular / 2.0
+            self.x += linear * cos(direction)
+            self.y += linear * sin(direction)
+            self.heading = (before + angular + pi) % (2.0 * pi) - pi
+            return
+        self.heading = before + angular
+        self.x += linear / angular * (sin(self.heading) - sin(before))
+        self.y -= linear / angular * (cos(self.heading) - cos(before))
+
+
+_KINDS = ("velocity", "acceleration", "jerk")
+
+
+@dataclass(frozen=True, slots=True)
+class SpeedLimiter:
+    """The limits of one direction; infinite where there is none.
+
+    Attributes:
+        velocity: Smallest and largest velocity [m/s or rad/s].
+        acceleration: Smallest and largest acceleration [m/s^2 or rad/s^2].
+        jerk: Smallest and largest jerk [m/s^3 or rad/s^3].
+
+    Source:
+        ros_controllers@678b92a diff_drive_controller/src/speed_limiter.cpp,
+        SpeedLimiter.
+    """
+
+    velocity: tuple[float, float] = (-inf, inf)
+    acceleration: tuple[float, float] = (-inf, inf)
+    jerk: tuple[float, float] = (-inf, inf)
+
+    def limit(self, wanted: float, last: float, before: float, period: float) -> float:
+        """Return the velocity nearest to the wanted one that respects the limits.
+
+        Args:
+            wanted: [m/s or rad/s].
+            last: The velocity of the last cycle.
+            before: The velocity of the cycle before that.
+            period: Duration of a cycle [s], >= 0.
+        """
+        change = wanted - last
+        # The factor 2 is the original's; the jerk is half of what its name says.
+        square = 2.0 * period * period
+        if self.jerk != (-inf, inf):
+            change_before = last - before
+            bend = _clamp(change - change_before, self.jerk, square)
+            change = change_before + bend
+        if self.acceleration != (-inf, inf):
+            change = _clamp(change, self.acceleration, period)
+        low, high = self.velocity
+        return min(max(last + change, low), high)
+
+
+def limiter_parameters(axis: str, unit: str) -> tuple[DeclaredParameter, ...]:
+    """Return the parameters of one direction.
+
+    Args:
+        axis: Its namespace, `linear/x` or `angular/z`.
+        unit: Unit of its position.
+    """
+    found = []
+    for kind, power in zip(_KINDS, ("s", "s^2", "s^3"), strict=True):
+        found.append(
+            DeclaredParameter(
+                name=f"{axis}/has_{kind}_limits",
+                type=ParameterType.BOOLEAN,
+                default=False,
+                description=f"whether the {kind} is limited",
+            )
+        )
+        for end, text in (("max", "0"), ("min", f"-max_{kind}")):
+            found.append(
+                DeclaredParameter(
+                    name=f"{axis}/{end}_{kind}",
+                    type=ParameterType.NUMBER,
+                    unit=f"{unit}/{power}",
+                    default_text=text,
+                    description=f"{'largest' if end == 'max' else 'smallest'} {kind}",
+                )
+            )
+    return tuple(found)
+
+
+def read_limiter(params: Parameters, axis: str) -> SpeedLimiter:
+    """Return the limits of one direction.
+
+    Args:
+        params: The controller's namespace.
+        axis: `linear/x` or `angular/z`.
+
+    Raises:
+        ParameterError: A value is no number, or a smallest value is above 0 or a
+            largest one below.
+    """
+    inside = params.namespace(axis)
+    return SpeedLimiter(*(_read_range(inside, kind) for kind in _KINDS))
+
+
+def _read_range(params: Parameters, kind: str) -> tuple[float, float]:
+    is_limited = params.get_bool(f"has_{kind}_limits", default=False)
+    high = params.get_float(f"max_{kind}", 0.0)
+    low = params.get_float(f"min_{kind}", -high)
+    if not is_limited:
+        return (-inf, inf)
+    if not low <= 0.0 <= high:
+        place = params.resolve(f"max_{kind}")
+        raise ParameterError(
+            f"Parameter '{place}' allows {low} to {high}; a range must contain 0.",
+            remedy=f"Give max_{kind} >= 0 and min_{kind} <= 0.",
+            details={"parameter": place},
+        )
+    return (low, high)
+
+
+def _clamp(value: float, bounds: tuple[float, float], factor: float) -> float:
+    return min(max(value, bounds[0] * factor), bounds[1] * factor)
+
 
 _ZEROS = (0.0,) * 6
 

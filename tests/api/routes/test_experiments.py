@@ -13,10 +13,8 @@ from station.trials.analysis import goal_as_plan
 from station.trials.background_experiments import BackgroundExperiments
 from station.trials.goal import Goal
 from station.trials.results import Results, file_of
-from station.trials.script import Script
-from station.trials.setup import Setup
 from station.trials.trace import Trace
-from station.trials.trial import Trial, TrialResult
+from station.trials.trial import Script, Setup, Trial, TrialResult
 from station.wire import ExperimentRequest
 from tests.api.conftest import VIEWER
 

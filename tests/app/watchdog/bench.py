@@ -1,7 +1,6 @@
 """A watch over a page of the test, with everything it does kept in lists."""
 
-from station.app.watchdog.settings import WatchdogSettings
-from station.app.watchdog.watch import Watch
+from station.app.watchdog.watch import Watch, WatchdogSettings
 from station.core.loop.heartbeat import Heartbeat, LoopLife, Phase
 
 OPERATOR, VIEWER = "operator-token", "viewer-token"

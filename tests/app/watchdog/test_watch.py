@@ -1,9 +1,15 @@
-"""The watchdog notices, tells, holds and ends a station, on a clock of the test."""
+"""The watchdog notices, tells, holds and ends a station, on a clock of the test.
 
+What the station tells its watchdog when it starts it.
+"""
+
+import json
 import signal
 
 import pytest
 
+from station.app.watchdog.__main__ import _settings
+from station.app.watchdog.watch import LOOK_PERIOD, NOTICE_AFTER, WatchdogSettings
 from station.core.loop.heartbeat import LoopLife, Phase
 from tests.app.watchdog.bench import NOW, Bench
 
@@ -147,3 +153,15 @@ def test_a_disk_that_takes_no_incident_keeps_nothing_from_being_done(tmp_path):
 
     assert "cannot be written" in bench.told[0]
     assert bench.sent == [signal.SIGTERM]
+
+
+def test_settings_survive_their_way_through_the_pipe():
+    settings = WatchdogSettings(
+        4711, "operator", "viewer", "/run/incidents", (("hold", "left"), ("hold",))
+    )
+
+    assert _settings(json.loads(json.dumps(settings._asdict()))) == settings
+
+
+def test_a_standstill_is_noticed_within_a_tenth_of_a_second():
+    assert NOTICE_AFTER + 2 * LOOK_PERIOD <= 0.1

@@ -8,9 +8,7 @@ import pytest
 from station.cli.main import main
 from station.client import ApiError
 from station.trials.results import Results, file_of
-from station.trials.script import Script
-from station.trials.setup import Setup
-from station.trials.trial import Trial, TrialResult
+from station.trials.trial import Script, Setup, Trial, TrialResult
 
 GROUP = "effort_group_position_controller"
 TRAJECTORY = "effort_joint_trajectory_controller"
