@@ -1,0 +1,305 @@
+"""Motions of an arm by each kind of command, from the same start pose.
+
+Source: franka_ros@c11f000 franka_example_controllers, src/*_example_controller.cpp, one
+for each class; differs: the start pose is checked at every start, not once when the
+controller is loaded.
+"""
+
+from collections.abc import Sequence
+from math import cos, floor, pi, sin
+from typing import ClassVar
+
+from typing_extensions import override
+
+from station.controllers.franka_arm import (
+    ARM_ID,
+    JOINT_NAMES,
+    read_arm_id,
+    read_arm_joints,
+)
+from station.core.control.controller import Controller
+from station.core.declared_parameter import DeclaredParameter
+from station.core.errors import ControllerStateError
+from station.core.franka import (
+    FrankaCartesianPoseHandle,
+    FrankaCartesianVelocityHandle,
+    FrankaPoseCartesianInterface,
+    FrankaVelocityCartesianInterface,
+)
+from station.core.hardware.interfaces import (
+    JointGroup,
+    PositionJointInterface,
+    VelocityJointInterface,
+)
+from station.core.parameters import Parameters
+
+START_POSE = (0.0, -pi / 4, 0.0, -3 * pi / 4, 0.0, pi / 2, pi / 4)
+"""Joint positions from which the motion examples start [rad], shape (7,)."""
+TOLERANCE = 0.1
+"""Largest distance of a joint from the start pose [rad]."""
+
+_REMEDY = (
+    "Bring the arm to its start pose first: station goto TRAJECTORY_CONTROLLER "
+    + " ".join(f"{q:.6g}" for q in START_POSE)
+)
+
+
+def check_start_pose(q_d: Sequence[float]) -> None:
+    """Refuse an arm that is not near the start pose.
+
+    Args:
+        q_d: Desired joint positions [rad], shape (7,).
+
+    Raises:
+        ControllerStateError: A joint is too far from the start pose.
+    """
+    for number, (q, start) in enumerate(zip(q_d, START_POSE, strict=True), 1):
+        if not abs(q - start) <= TOLERANCE:
+            raise ControllerStateError(
+                f"Joint {number} is at {q:.4f} rad; this example starts at "
+                f"{start:.4f} rad, at most {TOLERANCE} rad away. {_REMEDY}.",
+                remedy=_REMEDY,
+                details={"joint": number, "position": q},
+            )
+
+
+JOINT_AMPLITUDE = 0.2 * pi / 16.0
+"""Half of the range in which each joint moves [rad]."""
+_MIRRORED = 4
+
+
+class JointPositionExampleController(Controller[PositionJointInterface]):
+    """Swings all joints with a period of 10 s, the fifth in the opposite direction.
+
+    Parameters: `joint_names`, 7 names.
+    """
+
+    hardware_interface: ClassVar[type] = PositionJointInterface
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._joints = JointGroup([])
+        self._start: list[float] = []
+        self._elapsed = 0.0
+
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        return (*super().declared_parameters(), JOINT_NAMES)
+
+    @override
+    def init(self, interface: PositionJointInterface, params: Parameters) -> None:
+        names = read_arm_joints(params)
+        self._joints = JointGroup([interface.get_handle(name) for name in names])
+        self.joint_names = names
+
+    @override
+    def starting(self, time: float) -> None:
+        """Start at the measured joint positions.
+
+        Raises:
+            ControllerStateError: The arm is not near the start pose.
+        """
+        self._start = self._joints.get_positions()
+        check_start_pose(self._start)
+        self._elapsed = 0.0
+
+    @override
+    def update(self, time: float, period: float) -> None:
+        self._elapsed += period
+        offset = JOINT_AMPLITUDE * (1.0 - cos(pi / 5.0 * self._elapsed))
+        self._joints.set_commands([
+            q - offset if joint == _MIRRORED else q + offset
+            for joint, q in enumerate(self._start)
+        ])
+
+
+JOINT_PEAK = 0.1
+"""Highest velocity [rad/s]."""
+JOINT_HALF_PERIOD = 8.0
+"""Time after which the direction changes [s]."""
+
+
+class JointVelocityExampleController(Controller[VelocityJointInterface]):
+    """Moves all joints back and forth at the same velocity.
+
+    Parameters: `joint_names`, 7 names. `arm_id` is accepted and has no effect.
+    """
+
+    hardware_interface: ClassVar[type] = VelocityJointInterface
+    accepted_parameters: ClassVar[tuple[str, ...]] = ("arm_id",)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._joints = JointGroup([])
+        self._elapsed = 0.0
+
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        return (*super().declared_parameters(), JOINT_NAMES)
+
+    @override
+    def init(self, interface: VelocityJointInterface, params: Parameters) -> None:
+        names = read_arm_joints(params)
+        self._joints = JointGroup([interface.get_handle(name) for name in names])
+        self.joint_names = names
+
+    @override
+    def starting(self, time: float) -> None:
+        """Start at rest.
+
+        Raises:
+            ControllerStateError: The arm is not near the start pose.
+        """
+        check_start_pose(self._joints.get_positions())
+        self._elapsed = 0.0
+
+    @override
+    def update(self, time: float, period: float) -> None:
+        self._elapsed += period
+        sign = -1.0 if floor(self._elapsed / JOINT_HALF_PERIOD) % 2 else 1.0
+        turn = 2.0 * pi / JOINT_HALF_PERIOD * self._elapsed
+        omega = JOINT_PEAK / 2.0 * (1.0 - cos(turn))
+        self._joints.set_commands([sign * omega] * len(self.joint_names))
+
+
+RADIUS = 0.15
+"""Radius of the arc [m]."""
+
+
+class CartesianPoseExampleController(Controller[FrankaPoseCartesianInterface]):
+    """Moves along a quarter of a vertical circle and back, in 10 s.
+
+    Parameters: `arm_id`.
+    """
+
+    hardware_interface: ClassVar[type] = FrankaPoseCartesianInterface
+
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        return (*super().declared_parameters(), ARM_ID)
+
+    @override
+    def init(self, interface: FrankaPoseCartesianInterface, params: Parameters) -> None:
+        name = f"{read_arm_id(params)}_robot"
+        self._handle: FrankaCartesianPoseHandle = interface.get_handle(name)
+        self._start: list[float] = []
+        self._elapsed = 0.0
+
+    @override
+    def starting(self, time: float) -> None:
+        """Start at the desired pose of the end effector.
+
+        Raises:
+            ControllerStateError: The arm is not near the start pose.
+        """
+        state = self._handle.get_robot_state()
+        check_start_pose(state.q_d)
+        self._start = list(state.O_T_EE_d)
+        self._handle.set_command(self._start)
+        self._elapsed = 0.0
+
+    @override
+    def update(self, time: float, period: float) -> None:
+        self._elapsed += period
+        angle = pi / 4.0 * (1.0 - cos(pi / 5.0 * self._elapsed))
+        pose = list(self._start)
+        pose[12] -= RADIUS * sin(angle)
+        pose[14] -= RADIUS * (cos(angle) - 1.0)
+        self._handle.set_command(pose)
+
+
+TWIST_PEAK = 0.05
+"""Highest speed [m/s]."""
+TWIST_HALF_PERIOD = 4.0
+"""Time after which the direction changes [s]."""
+ANGLE = pi / 4.0
+"""Angle of the line below the horizontal [rad]."""
+
+
+class CartesianVelocityExampleController(Controller[FrankaVelocityCartesianInterface]):
+    """Moves forward and down, and back again.
+
+    Parameters: `arm_id`.
+    """
+
+    hardware_interface: ClassVar[type] = FrankaVelocityCartesianInterface
+
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        return (*super().declared_parameters(), ARM_ID)
+
+    @override
+    def init(
+        self, interface: FrankaVelocityCartesianInterface, params: Parameters
+    ) -> None:
+        name = f"{read_arm_id(params)}_robot"
+        self._handle: FrankaCartesianVelocityHandle = interface.get_handle(name)
+        self._elapsed = 0.0
+
+    @override
+    def starting(self, time: float) -> None:
+        """Start at rest.
+
+        Raises:
+            ControllerStateError: The arm is not near the start pose.
+        """
+        check_start_pose(self._handle.get_robot_state().q_d)
+        self._elapsed = 0.0
+
+    @override
+    def update(self, time: float, period: float) -> None:
+        self._elapsed += period
+        sign = -1.0 if floor(self._elapsed / TWIST_HALF_PERIOD) % 2 else 1.0
+        turn = 2.0 * pi / TWIST_HALF_PERIOD * self._elapsed
+        speed = TWIST_PEAK / 2.0 * (1.0 - cos(turn))
+        x, z = cos(ANGLE) * sign * speed, -sin(ANGLE) * sign * speed
+        self._handle.set_command([x, 0.0, z, 0.0, 0.0, 0.0])
+
+
+ELBOW_AMPLITUDE = pi / 10.0
+"""Half of the range in which joint 3 moves [rad]."""
+
+
+class ElbowExampleController(Controller[FrankaPoseCartesianInterface]):
+    """Swings the elbow to one side and back, in 10 s.
+
+    Parameters: `arm_id`.
+    """
+
+    hardware_interface: ClassVar[type] = FrankaPoseCartesianInterface
+
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        return (*super().declared_parameters(), ARM_ID)
+
+    @override
+    def init(self, interface: FrankaPoseCartesianInterface, params: Parameters) -> None:
+        name = f"{read_arm_id(params)}_robot"
+        self._handle: FrankaCartesianPoseHandle = interface.get_handle(name)
+        self._pose: list[float] = []
+        self._elbow: list[float] = []
+        self._elapsed = 0.0
+
+    @override
+    def starting(self, time: float) -> None:
+        """Start at the desired pose of the arm.
+
+        Raises:
+            ControllerStateError: The arm is not near the start pose.
+        """
+        state = self._handle.get_robot_state()
+        check_start_pose(state.q_d)
+        self._pose, self._elbow = list(state.O_T_EE_d), list(state.elbow_d)
+        self._handle.set_command(self._pose, self._elbow)
+        self._elapsed = 0.0
+
+    @override
+    def update(self, time: float, period: float) -> None:
+        self._elapsed += period
+        offset = ELBOW_AMPLITUDE * (1.0 - cos(pi / 5.0 * self._elapsed))
+        self._handle.set_command(self._pose, [self._elbow[0] + offset, self._elbow[1]])
