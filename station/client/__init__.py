@@ -11,23 +11,31 @@ with StationClient() as station:  # the one on this machine
 ```
 """
 
-from station.client.blocking import GoalHandle as GoalHandle
-from station.client.blocking import GripperClient as GripperClient
-from station.client.blocking import RobotClient as RobotClient
-from station.client.blocking import SimulationClient as SimulationClient
-from station.client.blocking import StationClient as StationClient
+from station.client.blocking import (
+    GoalHandle as GoalHandle,
+    GripperClient as GripperClient,
+    RobotClient as RobotClient,
+    SimulationClient as SimulationClient,
+    StationClient as StationClient,
+)
 from station.client.blocking_streams import Stream as Stream
 from station.client.controllers import AsyncGoalHandle as AsyncGoalHandle
-from station.client.errors import ApiError as ApiError
-from station.client.errors import MotionError as MotionError
-from station.client.errors import StationUnreachableError as StationUnreachableError
-from station.client.errors import StreamTimeoutError as StreamTimeoutError
-from station.client.poses import POSES as POSES
-from station.client.poses import Pose as Pose
-from station.client.poses import UnknownPoseError as UnknownPoseError
-from station.client.robots import AsyncGripperClient as AsyncGripperClient
-from station.client.robots import AsyncRobotClient as AsyncRobotClient
-from station.client.robots import AsyncSimulationClient as AsyncSimulationClient
+from station.client.errors import (
+    ApiError as ApiError,
+    MotionError as MotionError,
+    StationUnreachableError as StationUnreachableError,
+    StreamTimeoutError as StreamTimeoutError,
+)
+from station.client.poses import (
+    POSES as POSES,
+    Pose as Pose,
+    UnknownPoseError as UnknownPoseError,
+)
+from station.client.robots import (
+    AsyncGripperClient as AsyncGripperClient,
+    AsyncRobotClient as AsyncRobotClient,
+    AsyncSimulationClient as AsyncSimulationClient,
+)
 from station.client.samples import Samples as Samples
 from station.client.station_client import AsyncStationClient as AsyncStationClient
 from station.client.streams import AsyncStream as AsyncStream

@@ -3,17 +3,21 @@
 import cython
 
 if cython.compiled:
-    from cython.cimports.libc.math import atan2 as _atan2
-    from cython.cimports.libc.math import cos as _cos
-    from cython.cimports.libc.math import exp as _exp
-    from cython.cimports.libc.math import sin as _sin
-    from cython.cimports.libc.math import sqrt as _sqrt
+    from cython.cimports.libc.math import (
+        atan2 as _atan2,
+        cos as _cos,
+        exp as _exp,
+        sin as _sin,
+        sqrt as _sqrt,
+    )
 else:
-    from math import atan2 as _atan2
-    from math import cos as _cos
-    from math import exp as _exp
-    from math import sin as _sin
-    from math import sqrt as _sqrt
+    from math import (
+        atan2 as _atan2,
+        cos as _cos,
+        exp as _exp,
+        sin as _sin,
+        sqrt as _sqrt,
+    )
 
 
 def square_root(value: float) -> float:

@@ -19,8 +19,7 @@ from typing import TYPE_CHECKING
 from station.testing.bench import Bench as Bench
 from station.testing.hook_script import HookScript as HookScript
 from station.testing.scripted import ScriptedBench as ScriptedBench
-from station.testing.storm import StormReport as StormReport
-from station.testing.storm import storm as storm
+from station.testing.storm import StormReport as StormReport, storm as storm
 from station.testing.switch_observer import SwitchObserver as SwitchObserver
 
 if TYPE_CHECKING:

@@ -3,145 +3,169 @@
 Imports the reports and nothing else of the station, as the client does.
 """
 
-from station.reports import ArmRecord as ArmRecord
-from station.reports import Event as Event
-from station.reports import GainsChange as GainsChange
-from station.reports import HardwareInterface as HardwareInterface
-from station.reports import HardwareResource as HardwareResource
-from station.reports import HardwareTransmission as HardwareTransmission
-from station.reports import LoopReport as LoopReport
-from station.reports import Percentiles as Percentiles
-from station.reports import Playback as Playback
-from station.reports import Simulation as Simulation
-from station.reports import Waypoint as Waypoint
-from station.reports import WaypointPath as WaypointPath
-from station.wire.access import ControlPatch as ControlPatch
-from station.wire.access import ControlRequest as ControlRequest
-from station.wire.access import ControlState as ControlState
-from station.wire.access import NewToken as NewToken
-from station.wire.access import RoleName as RoleName
-from station.wire.access import Token as Token
-from station.wire.access import TokenRequest as TokenRequest
-from station.wire.access import Tokens as Tokens
-from station.wire.base import ControllerName as ControllerName
-from station.wire.base import RequestModel as RequestModel
-from station.wire.base import ResponseModel as ResponseModel
-from station.wire.controllers import ClaimedResources as ClaimedResources
-from station.wire.controllers import CommandAccepted as CommandAccepted
-from station.wire.controllers import CommandElement as CommandElement
-from station.wire.controllers import CommandInfo as CommandInfo
-from station.wire.controllers import CommandRequest as CommandRequest
-from station.wire.controllers import Controllers as Controllers
-from station.wire.controllers import ControllerSample as ControllerSample
-from station.wire.controllers import ControllerState as ControllerState
-from station.wire.controllers import ControllerType as ControllerType
-from station.wire.controllers import ControllerTypes as ControllerTypes
-from station.wire.controllers import DeclaredParameter as DeclaredParameter
-from station.wire.controllers import DesiredState as DesiredState
-from station.wire.controllers import Gains as Gains
-from station.wire.controllers import GainsPatch as GainsPatch
-from station.wire.controllers import Goal as Goal
-from station.wire.controllers import GoalRequest as GoalRequest
-from station.wire.controllers import GoalResult as GoalResult
-from station.wire.controllers import Goals as Goals
-from station.wire.controllers import LoadRequest as LoadRequest
-from station.wire.controllers import Parameter as Parameter
-from station.wire.controllers import ParameterRequest as ParameterRequest
-from station.wire.controllers import Reloaded as Reloaded
-from station.wire.controllers import ReloadRequest as ReloadRequest
-from station.wire.controllers import SwitchRequest as SwitchRequest
-from station.wire.controllers import SwitchResult as SwitchResult
-from station.wire.controllers import TrajectoryRequest as TrajectoryRequest
-from station.wire.controllers import Tunable as Tunable
-from station.wire.events import Alarm as Alarm
-from station.wire.events import Alarms as Alarms
-from station.wire.events import EventKindName as EventKindName
-from station.wire.events import Events as Events
-from station.wire.events import SeverityName as SeverityName
-from station.wire.experiments import ExperimentRequest as ExperimentRequest
-from station.wire.gain_sets import GainsChanges as GainsChanges
-from station.wire.gain_sets import GainSet as GainSet
-from station.wire.gain_sets import GainSetRequest as GainSetRequest
-from station.wire.gain_sets import GainSets as GainSets
-from station.wire.hardware import Clamp as Clamp
-from station.wire.hardware import Hardware as Hardware
-from station.wire.hardware import HardwareLimits as HardwareLimits
-from station.wire.hardware import HardwareRepair as HardwareRepair
-from station.wire.hardware import SoftLimits as SoftLimits
-from station.wire.protocol import CLOSE_BAD_REQUEST as CLOSE_BAD_REQUEST
-from station.wire.protocol import CLOSE_CONTROL_HELD as CLOSE_CONTROL_HELD
-from station.wire.protocol import CLOSE_FORBIDDEN as CLOSE_FORBIDDEN
-from station.wire.protocol import CLOSE_GOING_AWAY as CLOSE_GOING_AWAY
-from station.wire.protocol import CLOSE_TOO_SLOW as CLOSE_TOO_SLOW
-from station.wire.protocol import CLOSE_TRY_LATER as CLOSE_TRY_LATER
-from station.wire.protocol import CLOSE_UNAUTHORIZED as CLOSE_UNAUTHORIZED
-from station.wire.protocol import CLOSE_UNKNOWN_TOPIC as CLOSE_UNKNOWN_TOPIC
-from station.wire.protocol import PROBLEM_MEDIA_TYPE as PROBLEM_MEDIA_TYPE
-from station.wire.protocol import CommandCounts as CommandCounts
-from station.wire.protocol import FieldError as FieldError
-from station.wire.protocol import Problem as Problem
-from station.wire.protocol import StreamFormat as StreamFormat
-from station.wire.protocol import StreamFrame as StreamFrame
-from station.wire.recordings import Recording as Recording
-from station.wire.recordings import RecordingRequest as RecordingRequest
-from station.wire.recordings import Recordings as Recordings
-from station.wire.recordings import Trajectory as Trajectory
-from station.wire.robots import ActiveFault as ActiveFault
-from station.wire.robots import ArmError as ArmError
-from station.wire.robots import ArmLog as ArmLog
-from station.wire.robots import ArmModel as ArmModel
-from station.wire.robots import ArmReport as ArmReport
-from station.wire.robots import Arms as Arms
-from station.wire.robots import CartesianImpedance as CartesianImpedance
-from station.wire.robots import EndEffectorFrame as EndEffectorFrame
-from station.wire.robots import ExternalForce as ExternalForce
-from station.wire.robots import Fault as Fault
-from station.wire.robots import Faults as Faults
-from station.wire.robots import (
-    ForceTorqueCollisionBehavior as ForceTorqueCollisionBehavior,
+from station.reports import (
+    ArmRecord as ArmRecord,
+    Event as Event,
+    GainsChange as GainsChange,
+    HardwareInterface as HardwareInterface,
+    HardwareResource as HardwareResource,
+    HardwareTransmission as HardwareTransmission,
+    LoopReport as LoopReport,
+    Percentiles as Percentiles,
+    Playback as Playback,
+    Simulation as Simulation,
+    Waypoint as Waypoint,
+    WaypointPath as WaypointPath,
 )
-from station.wire.robots import FrameName as FrameName
-from station.wire.robots import FrankaState as FrankaState
-from station.wire.robots import FullCollisionBehavior as FullCollisionBehavior
-from station.wire.robots import GraspEpsilon as GraspEpsilon
-from station.wire.robots import Gripper as Gripper
-from station.wire.robots import GripperCommand as GripperCommand
-from station.wire.robots import GripperGraspRequest as GripperGraspRequest
-from station.wire.robots import GripperMoveRequest as GripperMoveRequest
-from station.wire.robots import GuidingRequest as GuidingRequest
-from station.wire.robots import JointImpedance as JointImpedance
-from station.wire.robots import Load as Load
-from station.wire.robots import Recoveries as Recoveries
-from station.wire.robots import Recovery as Recovery
-from station.wire.robots import RecoveryRequest as RecoveryRequest
-from station.wire.robots import ServiceInfo as ServiceInfo
-from station.wire.robots import Services as Services
-from station.wire.robots import StiffnessFrame as StiffnessFrame
-from station.wire.robots import UserStopRequest as UserStopRequest
-from station.wire.simulation import Contact as Contact
-from station.wire.simulation import MovingBase as MovingBase
-from station.wire.simulation import ObjectKind as ObjectKind
-from station.wire.simulation import ResetRequest as ResetRequest
-from station.wire.simulation import Scene as Scene
-from station.wire.simulation import SceneObject as SceneObject
-from station.wire.simulation import SimulationPatch as SimulationPatch
-from station.wire.simulation import StepRequest as StepRequest
-from station.wire.station import CommandViolations as CommandViolations
-from station.wire.station import Health as Health
-from station.wire.station import JointStates as JointStates
-from station.wire.station import Kernel as Kernel
-from station.wire.station import LoginRequest as LoginRequest
-from station.wire.station import Ready as Ready
-from station.wire.station import ReleaseRequest as ReleaseRequest
-from station.wire.station import Session as Session
-from station.wire.station import Status as Status
-from station.wire.station import StopRequest as StopRequest
-from station.wire.station import StopState as StopState
-from station.wire.station import StreamTicket as StreamTicket
-from station.wire.waypoint_paths import CaptureRequest as CaptureRequest
-from station.wire.waypoint_paths import LastPlayback as LastPlayback
-from station.wire.waypoint_paths import PlaybackPatch as PlaybackPatch
-from station.wire.waypoint_paths import PlayRequest as PlayRequest
-from station.wire.waypoint_paths import WaypointPathRequest as WaypointPathRequest
-from station.wire.waypoint_paths import WaypointPaths as WaypointPaths
-from station.wire.waypoint_paths import WaypointRequest as WaypointRequest
+from station.wire.access import (
+    ControlPatch as ControlPatch,
+    ControlRequest as ControlRequest,
+    ControlState as ControlState,
+    NewToken as NewToken,
+    RoleName as RoleName,
+    Token as Token,
+    TokenRequest as TokenRequest,
+    Tokens as Tokens,
+)
+from station.wire.base import (
+    ControllerName as ControllerName,
+    RequestModel as RequestModel,
+    ResponseModel as ResponseModel,
+)
+from station.wire.controllers import (
+    ClaimedResources as ClaimedResources,
+    CommandAccepted as CommandAccepted,
+    CommandElement as CommandElement,
+    CommandInfo as CommandInfo,
+    CommandRequest as CommandRequest,
+    Controllers as Controllers,
+    ControllerSample as ControllerSample,
+    ControllerState as ControllerState,
+    ControllerType as ControllerType,
+    ControllerTypes as ControllerTypes,
+    DeclaredParameter as DeclaredParameter,
+    DesiredState as DesiredState,
+    Gains as Gains,
+    GainsPatch as GainsPatch,
+    Goal as Goal,
+    GoalRequest as GoalRequest,
+    GoalResult as GoalResult,
+    Goals as Goals,
+    LoadRequest as LoadRequest,
+    Parameter as Parameter,
+    ParameterRequest as ParameterRequest,
+    Reloaded as Reloaded,
+    ReloadRequest as ReloadRequest,
+    SwitchRequest as SwitchRequest,
+    SwitchResult as SwitchResult,
+    TrajectoryRequest as TrajectoryRequest,
+    Tunable as Tunable,
+)
+from station.wire.events import (
+    Alarm as Alarm,
+    Alarms as Alarms,
+    EventKindName as EventKindName,
+    Events as Events,
+    SeverityName as SeverityName,
+)
+from station.wire.experiments import ExperimentRequest as ExperimentRequest
+from station.wire.gain_sets import (
+    GainsChanges as GainsChanges,
+    GainSet as GainSet,
+    GainSetRequest as GainSetRequest,
+    GainSets as GainSets,
+)
+from station.wire.hardware import (
+    Clamp as Clamp,
+    Hardware as Hardware,
+    HardwareLimits as HardwareLimits,
+    HardwareRepair as HardwareRepair,
+    SoftLimits as SoftLimits,
+)
+from station.wire.protocol import (
+    CLOSE_BAD_REQUEST as CLOSE_BAD_REQUEST,
+    CLOSE_CONTROL_HELD as CLOSE_CONTROL_HELD,
+    CLOSE_FORBIDDEN as CLOSE_FORBIDDEN,
+    CLOSE_GOING_AWAY as CLOSE_GOING_AWAY,
+    CLOSE_TOO_SLOW as CLOSE_TOO_SLOW,
+    CLOSE_TRY_LATER as CLOSE_TRY_LATER,
+    CLOSE_UNAUTHORIZED as CLOSE_UNAUTHORIZED,
+    CLOSE_UNKNOWN_TOPIC as CLOSE_UNKNOWN_TOPIC,
+    PROBLEM_MEDIA_TYPE as PROBLEM_MEDIA_TYPE,
+    CommandCounts as CommandCounts,
+    FieldError as FieldError,
+    Problem as Problem,
+    StreamFormat as StreamFormat,
+    StreamFrame as StreamFrame,
+)
+from station.wire.recordings import (
+    Recording as Recording,
+    RecordingRequest as RecordingRequest,
+    Recordings as Recordings,
+    Trajectory as Trajectory,
+)
+from station.wire.robots import (
+    ActiveFault as ActiveFault,
+    ArmError as ArmError,
+    ArmLog as ArmLog,
+    ArmModel as ArmModel,
+    ArmReport as ArmReport,
+    Arms as Arms,
+    CartesianImpedance as CartesianImpedance,
+    EndEffectorFrame as EndEffectorFrame,
+    ExternalForce as ExternalForce,
+    Fault as Fault,
+    Faults as Faults,
+    ForceTorqueCollisionBehavior as ForceTorqueCollisionBehavior,
+    FrameName as FrameName,
+    FrankaState as FrankaState,
+    FullCollisionBehavior as FullCollisionBehavior,
+    GraspEpsilon as GraspEpsilon,
+    Gripper as Gripper,
+    GripperCommand as GripperCommand,
+    GripperGraspRequest as GripperGraspRequest,
+    GripperMoveRequest as GripperMoveRequest,
+    GuidingRequest as GuidingRequest,
+    JointImpedance as JointImpedance,
+    Load as Load,
+    Recoveries as Recoveries,
+    Recovery as Recovery,
+    RecoveryRequest as RecoveryRequest,
+    ServiceInfo as ServiceInfo,
+    Services as Services,
+    StiffnessFrame as StiffnessFrame,
+    UserStopRequest as UserStopRequest,
+)
+from station.wire.simulation import (
+    Contact as Contact,
+    MovingBase as MovingBase,
+    ObjectKind as ObjectKind,
+    ResetRequest as ResetRequest,
+    Scene as Scene,
+    SceneObject as SceneObject,
+    SimulationPatch as SimulationPatch,
+    StepRequest as StepRequest,
+)
+from station.wire.station import (
+    CommandViolations as CommandViolations,
+    Health as Health,
+    JointStates as JointStates,
+    Kernel as Kernel,
+    LoginRequest as LoginRequest,
+    Ready as Ready,
+    ReleaseRequest as ReleaseRequest,
+    Session as Session,
+    Status as Status,
+    StopRequest as StopRequest,
+    StopState as StopState,
+    StreamTicket as StreamTicket,
+)
+from station.wire.waypoint_paths import (
+    CaptureRequest as CaptureRequest,
+    LastPlayback as LastPlayback,
+    PlaybackPatch as PlaybackPatch,
+    PlayRequest as PlayRequest,
+    WaypointPathRequest as WaypointPathRequest,
+    WaypointPaths as WaypointPaths,
+    WaypointRequest as WaypointRequest,
+)

@@ -1,5 +1,7 @@
 """WebSocket streams: each frame is made once and sent to all clients that asked."""
 
 from station.api.streams.broadcaster import Broadcaster as Broadcaster
-from station.api.streams.request import StreamRequest as StreamRequest
-from station.api.streams.request import StreamRequestError as StreamRequestError
+from station.api.streams.request import (
+    StreamRequest as StreamRequest,
+    StreamRequestError as StreamRequestError,
+)

@@ -4,8 +4,7 @@ from typing import NamedTuple
 
 import msgspec.msgpack
 import orjson
-from websockets.frames import Frame as WebSocketFrame
-from websockets.frames import Opcode
+from websockets.frames import Frame as WebSocketFrame, Opcode
 
 from station.api.streams.cycle_samples import Data, Payload
 from station.wire import StreamFormat

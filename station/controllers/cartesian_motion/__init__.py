@@ -5,10 +5,8 @@
 """
 
 from station.controllers.cartesian_motion.cartesian_jog_controller import (
-    CartesianJogController,
+    CartesianJogController as CartesianJogController,
 )
 from station.controllers.cartesian_motion.cartesian_streaming_controller import (
-    CartesianStreamingController,
+    CartesianStreamingController as CartesianStreamingController,
 )
-
-__all__ = ["CartesianJogController", "CartesianStreamingController"]

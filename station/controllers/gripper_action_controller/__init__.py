@@ -1,13 +1,7 @@
 """Open and close grippers with one joint by goals."""
 
 from station.controllers.gripper_action_controller.gripper_action_controller import (
-    EffortGripperActionController,
-    GripperActionController,
-    PositionGripperActionController,
+    EffortGripperActionController as EffortGripperActionController,
+    GripperActionController as GripperActionController,
+    PositionGripperActionController as PositionGripperActionController,
 )
-
-__all__ = [
-    "EffortGripperActionController",
-    "GripperActionController",
-    "PositionGripperActionController",
-]

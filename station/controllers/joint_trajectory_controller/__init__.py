@@ -1,23 +1,14 @@
 """Execute trajectories of joints over any joint command interface."""
 
 from station.controllers.joint_trajectory_controller.controller import (
-    EffortJointTrajectoryController,
-    JointTrajectoryController,
-    JointTrajectoryState,
-    PositionJointTrajectoryController,
-    PosVelAccJointTrajectoryController,
-    PosVelJointTrajectoryController,
-    VelocityJointTrajectoryController,
+    EffortJointTrajectoryController as EffortJointTrajectoryController,
+    JointTrajectoryController as JointTrajectoryController,
+    JointTrajectoryState as JointTrajectoryState,
+    PositionJointTrajectoryController as PositionJointTrajectoryController,
+    PosVelAccJointTrajectoryController as PosVelAccJointTrajectoryController,
+    PosVelJointTrajectoryController as PosVelJointTrajectoryController,
+    VelocityJointTrajectoryController as VelocityJointTrajectoryController,
 )
-from station.controllers.joint_trajectory_controller.execution import ErrorCode
-
-__all__ = [
-    "EffortJointTrajectoryController",
-    "ErrorCode",
-    "JointTrajectoryController",
-    "JointTrajectoryState",
-    "PosVelAccJointTrajectoryController",
-    "PosVelJointTrajectoryController",
-    "PositionJointTrajectoryController",
-    "VelocityJointTrajectoryController",
-]
+from station.controllers.joint_trajectory_controller.execution import (
+    ErrorCode as ErrorCode,
+)

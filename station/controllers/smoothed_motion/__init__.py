@@ -5,21 +5,12 @@ A `JointStreamingController` follows positions that arrive 10 to 100 times a sec
 """
 
 from station.controllers.smoothed_motion.joint_jog_controller import (
-    EffortJointJogController,
-    JointJogController,
-    PositionJointJogController,
+    EffortJointJogController as EffortJointJogController,
+    JointJogController as JointJogController,
+    PositionJointJogController as PositionJointJogController,
 )
 from station.controllers.smoothed_motion.joint_streaming_controller import (
-    EffortJointStreamingController,
-    JointStreamingController,
-    PositionJointStreamingController,
+    EffortJointStreamingController as EffortJointStreamingController,
+    JointStreamingController as JointStreamingController,
+    PositionJointStreamingController as PositionJointStreamingController,
 )
-
-__all__ = [
-    "EffortJointJogController",
-    "EffortJointStreamingController",
-    "JointJogController",
-    "JointStreamingController",
-    "PositionJointJogController",
-    "PositionJointStreamingController",
-]

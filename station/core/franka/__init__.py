@@ -1,70 +1,41 @@
 """What franka_hw adds to ros_control: the interfaces of an arm and of its hand."""
 
-from station.core.franka.franka_errors import ArmError
+from station.core.franka.franka_errors import ArmError as ArmError
 from station.core.franka.franka_interfaces import (
-    FrankaCartesianPoseHandle,
-    FrankaCartesianVelocityHandle,
-    FrankaPoseCartesianInterface,
-    FrankaStateHandle,
-    FrankaStateInterface,
-    FrankaVelocityCartesianInterface,
+    FrankaCartesianPoseHandle as FrankaCartesianPoseHandle,
+    FrankaCartesianVelocityHandle as FrankaCartesianVelocityHandle,
+    FrankaPoseCartesianInterface as FrankaPoseCartesianInterface,
+    FrankaStateHandle as FrankaStateHandle,
+    FrankaStateInterface as FrankaStateInterface,
+    FrankaVelocityCartesianInterface as FrankaVelocityCartesianInterface,
 )
 from station.core.franka.franka_model import (
-    Frame,
-    FrankaModel,
-    FrankaModelHandle,
-    FrankaModelInterface,
+    Frame as Frame,
+    FrankaModel as FrankaModel,
+    FrankaModelHandle as FrankaModelHandle,
+    FrankaModelInterface as FrankaModelInterface,
 )
-from station.core.franka.franka_robot_state import RobotMode, RobotState
+from station.core.franka.franka_robot_state import (
+    RobotMode as RobotMode,
+    RobotState as RobotState,
+)
 from station.core.franka.franka_services import (
-    ArmSimulation,
-    CollisionBehavior,
-    FaultKind,
-    FrankaServices,
-    FrankaServicesInterface,
-    SimulatedFault,
+    ArmSimulation as ArmSimulation,
+    CollisionBehavior as CollisionBehavior,
+    FaultKind as FaultKind,
+    FrankaServices as FrankaServices,
+    FrankaServicesInterface as FrankaServicesInterface,
+    SimulatedFault as SimulatedFault,
 )
 from station.core.franka.grippers import (
-    DEFAULT_EPSILON,
-    DEFAULT_SPEED,
-    GraspRequest,
-    GripperAction,
-    GripperActivity,
-    GripperCommand,
-    GripperServices,
-    GripperServicesInterface,
-    GripperState,
+    DEFAULT_EPSILON as DEFAULT_EPSILON,
+    DEFAULT_SPEED as DEFAULT_SPEED,
+    GraspRequest as GraspRequest,
+    GripperAction as GripperAction,
+    GripperActivity as GripperActivity,
+    GripperCommand as GripperCommand,
+    GripperServices as GripperServices,
+    GripperServicesInterface as GripperServicesInterface,
+    GripperState as GripperState,
 )
-from station.reports import ArmRecord
-
-__all__ = [
-    "DEFAULT_EPSILON",
-    "DEFAULT_SPEED",
-    "ArmError",
-    "ArmRecord",
-    "ArmSimulation",
-    "CollisionBehavior",
-    "FaultKind",
-    "Frame",
-    "FrankaCartesianPoseHandle",
-    "FrankaCartesianVelocityHandle",
-    "FrankaModel",
-    "FrankaModelHandle",
-    "FrankaModelInterface",
-    "FrankaPoseCartesianInterface",
-    "FrankaServices",
-    "FrankaServicesInterface",
-    "FrankaStateHandle",
-    "FrankaStateInterface",
-    "FrankaVelocityCartesianInterface",
-    "GraspRequest",
-    "GripperAction",
-    "GripperActivity",
-    "GripperCommand",
-    "GripperServices",
-    "GripperServicesInterface",
-    "GripperState",
-    "RobotMode",
-    "RobotState",
-    "SimulatedFault",
-]
+from station.reports import ArmRecord as ArmRecord

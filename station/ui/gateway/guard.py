@@ -10,8 +10,7 @@ from starlette.responses import PlainTextResponse
 from starlette.websockets import WebSocketClose
 
 from station.web.body_limit import announces_more_than, limited
-from station.wire.protocol import MAX_BODY_BYTES as MAX_API_BODY_BYTES
-from station.wire.protocol import PREFIX
+from station.wire.protocol import MAX_BODY_BYTES as MAX_API_BODY_BYTES, PREFIX
 
 if TYPE_CHECKING:
     from starlette.types import ASGIApp, Message, Receive, Scope, Send

@@ -18,8 +18,10 @@ from typing import Any
 import viser
 import websockets.asyncio.server
 from viser import _messages as viser_messages  # noqa: PLC2701 - no public name
-from websockets.asyncio.server import ServerConnection
-from websockets.asyncio.server import serve as Serve  # noqa: N812 - it is a class
+from websockets.asyncio.server import (
+    ServerConnection,
+    serve as Serve,  # noqa: N812 - it is a class
+)
 from websockets.http11 import Request, Response
 
 SECRET_HEADER = "X-Station-Gateway"

@@ -6,8 +6,7 @@ import threading
 import pytest
 
 from station.client import ApiError, StationClient
-from station.core.control import loading as loading_of_core
-from station.core.control import switching
+from station.core.control import loading as loading_of_core, switching
 from station.core.control.controller_loader import TableLoader
 from station.wire import controllers
 from tests.api.conftest import OPERATOR

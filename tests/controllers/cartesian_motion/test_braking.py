@@ -1,8 +1,7 @@
 """Ways to rest against Ruckig, and both modes of the kernel."""
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from station.controllers.cartesian_motion.pose_motion import (
     braking_peaks,

@@ -5,8 +5,7 @@ finite differences.
 """
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from station.controllers.cartesian_motion.linear_kinematics import (
     limited_joint,

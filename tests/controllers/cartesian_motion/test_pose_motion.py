@@ -1,8 +1,7 @@
 """A pose along its axes against the functions it is made of, and both modes."""
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from station.controllers.cartesian_motion import pose_motion
 from station.controllers.cartesian_motion.pose_motion import PoseMotion

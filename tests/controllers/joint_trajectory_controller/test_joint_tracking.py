@@ -3,8 +3,7 @@
 from math import pi
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from station.controllers.joint_trajectory_controller.execution import (
     JointTracking,

@@ -1,8 +1,7 @@
 """Time passes along a trajectory, and the joint is commanded along it."""
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from station.controllers.joint_trajectory_controller.execution import (
     JointTracking,

@@ -1,8 +1,7 @@
 """A set-point is followed, and replaced by a new one in the cycle that finds it."""
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from station.core.clock import ManualClock
 from station.core.hardware.interfaces import JointStateGroup, JointStateHandle

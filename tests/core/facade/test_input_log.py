@@ -3,8 +3,7 @@
 from station.core.control.switching import SwitchRequest
 from station.core.facade import input_log
 from tests.api.spring import make_station
-from tests.two_joint_station import TRAJECTORY
-from tests.two_joint_station import make_station as make_trajectory_station
+from tests.two_joint_station import TRAJECTORY, make_station as make_trajectory_station
 
 
 def _kinds(station):

@@ -1,7 +1,6 @@
 """Filter and rate limits of commands: the same bits in both modes."""
 
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from station.memory.doubles import doubles, put, zeros
 from tests.both_modes import arrays, assert_same, needs_both

@@ -1,8 +1,7 @@
 """Slots that lie side by side: in lists, in views, across views of one block."""
 
 import numpy as np
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from station.core.hardware.slots import in_memory_order, side_by_side
 from station.memory.doubles import Block, doubles

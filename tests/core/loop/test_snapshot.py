@@ -4,8 +4,7 @@ from array import array
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from station.core.control import loaded_controller
 from station.core.control.controller import (

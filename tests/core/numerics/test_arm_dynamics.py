@@ -3,8 +3,7 @@
 import numpy as np
 import pinocchio as pin
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from station.core.numerics import arm_dynamics
 from station.core.numerics.arm_chain import new_links

@@ -3,8 +3,7 @@
 from math import isnan, nan, pi
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from station.core.numerics.joint_errors import BOUNDED, CONTINUOUS, PLAIN, JointErrors
 from station.memory.doubles import doubles, zeros

@@ -4,8 +4,7 @@ from math import inf, nan
 from typing import NamedTuple
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from station.core.numerics.pid import PidGains, PidGroup
 from station.memory.doubles import doubles, put, zeros

@@ -1,8 +1,7 @@
 """The rhythm of publications."""
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from station.core.toolbox.publish_timer import PublishTimer
 from tests.both_modes import assert_same, needs_both, numbers

@@ -1,7 +1,6 @@
 """Whole nanoseconds become seconds as the original converts them, in both modes."""
 
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from station.core.trajectory.ros_time import to_seconds
 from tests.both_modes import assert_same, needs_both

@@ -3,8 +3,7 @@
 from itertools import chain
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from station.core.trajectory.splines import SPLINE_SIZE, sample_splines
 from station.memory.doubles import doubles, zeros

@@ -6,8 +6,7 @@ from types import SimpleNamespace
 
 import mujoco
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from station.hw.mujoco import joint_drives
 from station.hw.mujoco.joint_drives import DriveMode, JointDrives

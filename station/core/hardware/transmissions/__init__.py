@@ -1,75 +1,45 @@
 """Transmissions: from actuators to joints and back."""
 
 from station.core.hardware.transmissions.parser import (
-    ActuatorInfo,
-    JointInfo,
-    TransmissionInfo,
-    TransmissionParser,
+    ActuatorInfo as ActuatorInfo,
+    JointInfo as JointInfo,
+    TransmissionInfo as TransmissionInfo,
+    TransmissionParser as TransmissionParser,
 )
-from station.core.hardware.transmissions.raw_joint_data import RawJointData
+from station.core.hardware.transmissions.raw_joint_data import (
+    RawJointData as RawJointData,
+)
 from station.core.hardware.transmissions.transmission import (
-    DifferentialTransmission,
-    FourBarLinkageTransmission,
-    SimpleTransmission,
-    Transmission,
-    TransmissionInterfaceError,
+    DifferentialTransmission as DifferentialTransmission,
+    FourBarLinkageTransmission as FourBarLinkageTransmission,
+    SimpleTransmission as SimpleTransmission,
+    Transmission as Transmission,
+    TransmissionInterfaceError as TransmissionInterfaceError,
 )
 from station.core.hardware.transmissions.transmission_handle import (
-    ActuatorData,
-    Direction,
-    JointData,
-    TransmissionHandle,
+    ActuatorData as ActuatorData,
+    Direction as Direction,
+    JointData as JointData,
+    TransmissionHandle as TransmissionHandle,
 )
 from station.core.hardware.transmissions.transmission_interface import (
-    ActuatorToJointEffortInterface,
-    ActuatorToJointPositionInterface,
-    ActuatorToJointStateInterface,
-    ActuatorToJointVelocityInterface,
-    JointToActuatorEffortInterface,
-    JointToActuatorPositionInterface,
-    JointToActuatorStateInterface,
-    JointToActuatorVelocityInterface,
-    Propagation,
-    RobotTransmissions,
-    TransmissionInterface,
+    ActuatorToJointEffortInterface as ActuatorToJointEffortInterface,
+    ActuatorToJointPositionInterface as ActuatorToJointPositionInterface,
+    ActuatorToJointStateInterface as ActuatorToJointStateInterface,
+    ActuatorToJointVelocityInterface as ActuatorToJointVelocityInterface,
+    JointToActuatorEffortInterface as JointToActuatorEffortInterface,
+    JointToActuatorPositionInterface as JointToActuatorPositionInterface,
+    JointToActuatorStateInterface as JointToActuatorStateInterface,
+    JointToActuatorVelocityInterface as JointToActuatorVelocityInterface,
+    Propagation as Propagation,
+    RobotTransmissions as RobotTransmissions,
+    TransmissionInterface as TransmissionInterface,
 )
 from station.core.hardware.transmissions.transmission_interface_loader import (
-    LoadedTransmission,
-    TransmissionInterfaceLoader,
+    LoadedTransmission as LoadedTransmission,
+    TransmissionInterfaceLoader as TransmissionInterfaceLoader,
 )
 from station.core.hardware.transmissions.transmission_loader import (
-    TransmissionFactory,
-    load_transmission,
+    TransmissionFactory as TransmissionFactory,
+    load_transmission as load_transmission,
 )
-
-__all__ = [
-    "ActuatorData",
-    "ActuatorInfo",
-    "ActuatorToJointEffortInterface",
-    "ActuatorToJointPositionInterface",
-    "ActuatorToJointStateInterface",
-    "ActuatorToJointVelocityInterface",
-    "DifferentialTransmission",
-    "Direction",
-    "FourBarLinkageTransmission",
-    "JointData",
-    "JointInfo",
-    "JointToActuatorEffortInterface",
-    "JointToActuatorPositionInterface",
-    "JointToActuatorStateInterface",
-    "JointToActuatorVelocityInterface",
-    "LoadedTransmission",
-    "Propagation",
-    "RawJointData",
-    "RobotTransmissions",
-    "SimpleTransmission",
-    "Transmission",
-    "TransmissionFactory",
-    "TransmissionHandle",
-    "TransmissionInfo",
-    "TransmissionInterface",
-    "TransmissionInterfaceError",
-    "TransmissionInterfaceLoader",
-    "TransmissionParser",
-    "load_transmission",
-]

@@ -2,8 +2,7 @@
 
 from math import isnan, nan
 
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from station.core.hardware.limits import limited_joints as joint_limits
 from station.core.hardware.limits.limited_joints import LIMITS, MEMORY, free_range

@@ -19,8 +19,8 @@ from station.core.hardware.limits import (
     JointLimitsError,
     PositionJointSaturationHandle,
     SoftJointLimits,
+    limited_joints as codes,
 )
-from station.core.hardware.limits import limited_joints as codes
 from station.core.hardware.limits.joint_limits_handle import JointLimitsGroup
 from station.core.hardware.limits.limited_joints import LIMITS, VelocitySaturation
 from station.memory.doubles import doubles

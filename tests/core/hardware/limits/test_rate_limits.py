@@ -3,8 +3,7 @@
 from math import inf
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from station.core.hardware.limits import limited_joints as codes
 from station.core.hardware.limits.limited_joints import LIMITS, MEMORY

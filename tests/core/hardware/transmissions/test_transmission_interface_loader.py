@@ -9,8 +9,10 @@ import pytest
 
 from station.core.errors import StationError
 from station.core.hardware import transmissions as transmission_interfaces
-from station.core.hardware.interfaces import joint as actuator_interfaces
-from station.core.hardware.interfaces import joint as joint_interfaces
+from station.core.hardware.interfaces import (
+    joint as actuator_interfaces,
+    joint as joint_interfaces,
+)
 from station.core.hardware.interfaces.joint import (
     ActuatorHandle,
     ActuatorStateHandle,

@@ -3,8 +3,7 @@
 from math import cos, pi, sin, sqrt
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from station.core.franka import Frame, FrankaPoseCartesianInterface, RobotState
 from station.hw.franka.arm.arm_limits import MotionLimits

@@ -5,8 +5,7 @@ from math import cos, hypot, pi, sin
 from random import Random
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from station.core.franka import FrankaPoseCartesianInterface
 from station.hw.franka.commands.pose_bridge import PoseBridge

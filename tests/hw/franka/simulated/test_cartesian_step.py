@@ -3,8 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from station.core.franka import Frame, RobotState
 from station.hw.franka.arm.arm_limits import PANDA_LIMITS, MotionLimits

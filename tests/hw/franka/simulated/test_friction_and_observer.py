@@ -3,8 +3,7 @@
 from math import exp
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from station.core.franka import Frame
 from station.core.franka.joint_memory import JointMemory

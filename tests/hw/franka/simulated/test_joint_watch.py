@@ -4,8 +4,7 @@ from dataclasses import replace
 from math import cos, dist
 
 import pytest
-from hypothesis import assume, example, given
-from hypothesis import strategies as st
+from hypothesis import assume, example, given, strategies as st
 
 from station.core.franka import Frame
 from station.core.franka.joint_memory import JointMemory

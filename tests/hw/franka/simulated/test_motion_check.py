@@ -1,8 +1,7 @@
 """Conditions of motions, each at its bound."""
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from station.core.franka.joint_memory import JointMemory
 from station.hw.franka.arm.arm_limits import FR3_LIMITS, PANDA_LIMITS

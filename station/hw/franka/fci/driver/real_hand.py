@@ -25,8 +25,10 @@ from station.core.franka import (
 from station.core.hardware.interfaces import JointStateHandle, JointStateInterface
 from station.core.ports.goal import GoalStatus
 from station.hw.franka.fci.driver.hand_link import HandLink, HandOrder
-from station.hw.franka.fci.wire.gripper_protocol import GripperCommand as HandCommand
-from station.hw.franka.fci.wire.gripper_protocol import GripperStatus
+from station.hw.franka.fci.wire.gripper_protocol import (
+    GripperCommand as HandCommand,
+    GripperStatus,
+)
 from station.hw.franka.hand.hand_limits import OPEN_WIDTH, check_grasp, check_move
 from station.memory.doubles import Block
 

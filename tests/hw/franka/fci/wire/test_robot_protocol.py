@@ -3,8 +3,7 @@
 import ctypes
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from station.core.franka.franka_errors import ERROR_NAMES
 from station.core.franka.franka_robot_state import RobotState
