@@ -1,4 +1,4 @@
-"""Where the station may be reached from, and what that asks for."""
+"""Checks of the addresses the station listens on, and of what they require."""
 
 import socket
 from ipaddress import ip_address

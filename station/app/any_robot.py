@@ -20,7 +20,7 @@ DRIVE = "mobile_base_controller"
 
 
 def configure_robot(reference: str, base: BaseType = "fixed") -> dict[str, object]:
-    """Return what a configuration file for a robot would hold.
+    """Return the content of a configuration file for a robot.
 
     Its controllers are a joint state controller, a joint trajectory controller and a
     position controller for all joints with a motor except wheels, a velocity controller

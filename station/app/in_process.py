@@ -126,7 +126,7 @@ class InProcessStation:
 
     @property
     def is_threaded(self) -> bool:
-        """Whether the control thread runs."""
+        """Return whether the control thread runs."""
         return self._clock is None
 
     @property

@@ -89,7 +89,7 @@ def recover_all(
 def make_foxglove(
     app: "FastAPI", station: Station, config: StationConfig, policy: HostPolicy
 ) -> "FoxglovePort | None":
-    """Return what is served to Foxglove; None when it is not configured.
+    """Return the Foxglove server; None when it is not configured.
 
     Args:
         app: The application of the API, whose tokens and lease count there, too.
@@ -121,7 +121,7 @@ def make_foxglove(
 
 
 def describe(station: Station, config: StationConfig) -> dict[str, str]:
-    """Return what a recording says of its station, by topic."""
+    """Return the station's description for a recording, by topic."""
     # The secrets of the server are nothing that a file should carry.
     secret = {"api", "ui", "watchdog", "records", "foxglove"}
     values = config.model_dump(mode="json", exclude=secret)

@@ -1,4 +1,4 @@
-"""What a station tells its watchdog, and what it does when the watchdog ends."""
+"""The station's side of the watchdog: reports to it, and its supervision."""
 
 import math
 import os
@@ -54,7 +54,7 @@ class StationWatchdog:
 
     @property
     def url(self) -> str:
-        """Where the watchdog answers; empty when there is none."""
+        """Return the address of the watchdog; empty when there is none."""
         return self._process.url if self._process else ""
 
     def start(self, authenticator: Authenticator) -> None:
@@ -76,7 +76,7 @@ class StationWatchdog:
         self._process.start(self._settings)
 
     def announce(self, step: str) -> None:
-        """Tell which step of the start-up begins; the watchdog says when it is long.
+        """Report the start of a start-up step; the watchdog warns of a long one.
 
         Args:
             step: What is done, e.g. `Loading the controller 'arm'`.
@@ -135,7 +135,7 @@ class StationWatchdog:
             process.kill()
 
     def _tell_tokens(self, process: WatchdogProcess) -> None:
-        """Tell which named tokens are new, and which have ended."""
+        """Report the named tokens that are new, and those that have ended."""
         known = self._authenticator
         valid = {} if known is None else known.named.by_digest()
         for digest in self._told.keys() - valid.keys():
@@ -177,7 +177,7 @@ class StationWatchdog:
 
 
 def _status(station: Station) -> dict[str, object]:
-    """Return what an incident tells of the station; takes no lock."""
+    """Return the station's status for an incident; takes no lock."""
     snapshot = station.snapshots.latest()
     if snapshot is None:
         return {}

@@ -120,7 +120,7 @@ class WatchdogProcess:
         return code
 
     def age(self, now: float) -> float:
-        """Return how long ago the watchdog has looked last; negative while it starts.
+        """Return the time since the watchdog's last look; negative while it starts.
 
         Args:
             now: Monotonic time [s].

@@ -329,7 +329,7 @@ class ControlLease(_Client[AsyncControlLease]):
 
     @property
     def lost(self) -> ApiError | None:
-        """Why control was lost, see `AsyncControlLease`."""
+        """Return the reason for the loss of control, see `AsyncControlLease`."""
         return self._source.lost
 
     def __enter__(self) -> Self:

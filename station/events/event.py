@@ -13,7 +13,7 @@ MAX_DETAILS = 4000
 
 @dataclass(frozen=True, slots=True)
 class Origin:
-    """Where an event comes from.
+    """The origin of an event.
 
     Attributes:
         who: Name of the token or person; empty for the station itself.

@@ -35,7 +35,7 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class EventLogState:
-    """How the event log is doing.
+    """The state of the event log.
 
     Attributes:
         newest_id: Number of the newest event; 0 when there is none.
@@ -264,7 +264,7 @@ class EventLog:
         return found
 
     def state(self) -> EventLogState:
-        """Return how the log is doing."""
+        """Return the state of the log."""
         with self._lock:
             return EventLogState(
                 newest_id=self._newest,

@@ -299,7 +299,7 @@ class Form:
         return all(data[begin:end] == text for begin, end, text in self._texts)
 
     def reader(self, wanted: Sequence[int]) -> Callable[[bytes], tuple[float, ...]]:
-        """Return what reads some of the numbers from messages of this form.
+        """Return a reader of some of the numbers in messages of this form.
 
         Args:
             wanted: Places among `names`, growing.

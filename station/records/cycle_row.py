@@ -30,7 +30,7 @@ class SampleForm(NamedTuple):
 
 
 class RowForm(NamedTuple):
-    """What is the same in many cycles.
+    """The layout that many cycles share.
 
     Attributes:
         mode: The robot's mode.

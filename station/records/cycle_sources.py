@@ -1,4 +1,4 @@
-"""What a recording has besides the snapshots, sampled in the cycles while it runs."""
+"""Sources of a recording besides the snapshots, sampled in the cycles."""
 
 from abc import ABC, abstractmethod
 from array import array
@@ -41,7 +41,7 @@ class CycleSource(ABC, Generic[SampleT]):
 
     @abstractmethod
     def sample(self) -> SampleT:
-        """Return what is kept of a cycle; control thread, must not wait."""
+        """Return the sample of a cycle; control thread, must not wait."""
 
     @abstractmethod
     def message(
@@ -78,7 +78,7 @@ class CycleSource(ABC, Generic[SampleT]):
 
     @property
     def failure(self) -> str | None:
-        """Why no cycle is sampled any more; None while all is well."""
+        """Return the reason why sampling has ended; None while it goes on."""
         return self._tap.failure
 
     def take(

@@ -1,4 +1,4 @@
-"""Where the links of a robot are in each other, for viewers that draw it."""
+"""The poses of a robot's links in each other, for viewers that draw it."""
 
 from collections.abc import Mapping
 from math import cos, sin

@@ -33,7 +33,7 @@ class IncidentWatch:
         self._last_burst = -BURST_PAUSE
 
     def look(self, row: Row) -> list[str]:
-        """Return what went wrong in a cycle, one sentence each."""
+        """Return the incidents of a cycle, one sentence each."""
         causes = []
         if row.form is not self._form:
             self._form = row.form
@@ -54,7 +54,7 @@ class IncidentWatch:
         return causes
 
     def look_at_stop(self) -> list[str]:
-        """Return why the station was stopped since the last call; once per batch."""
+        """Return the reason for a stop since the last call; once per batch."""
         latch = self._station.loop.stop_latch
         if latch.cycle == self._stop_cycle:
             return []

@@ -59,7 +59,7 @@ class Loss:
 
 @dataclass(frozen=True, slots=True)
 class Recovered:
-    """What a recovery found.
+    """The findings of a recovery.
 
     Attributes:
         is_changed: Whether the file was changed; a whole file is left as it is.
@@ -87,12 +87,12 @@ class Recovered:
 
     @property
     def lost_cycles(self) -> int:
-        """How many cycles between its first and its last are not in the file."""
+        """Return the number of missing cycles between the first and the last."""
         between = self.last_cycle - self.first_cycle + 1
         return max(0, between - self.cycles) if self.cycles else 0
 
     def text(self) -> str:
-        """Return what was lost, in sentences; empty if nothing was."""
+        """Return a description of the loss, in sentences; empty if nothing was lost."""
         sentences = []
         if self.losses:
             times = ", ".join(self._told(loss) for loss in self.losses)
@@ -304,7 +304,7 @@ def _ending(content: Content, begin: int) -> bytes:
 
 
 def _found(content: Content, dropped: int, *, is_changed: bool) -> Recovered:
-    """Return what there is to tell of a file."""
+    """Return the findings in a file."""
     spans = [span for span in content.spans if span.has_messages]
     cycles = next(
         (n for n, one in content.channels.items() if one.topic == _CYCLES), None
@@ -346,7 +346,7 @@ def _loss(content: Content, span: Span) -> Loss:
 
 
 def _lost_messages(content: Content, spans: list[Span]) -> int | None:
-    """Return how many messages were in damaged chunks; None when nothing says so."""
+    """Return the number of messages in damaged chunks; None if it is unknown."""
     if not spans:
         return 0
     kept = sum(content.counts.values())

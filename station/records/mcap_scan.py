@@ -93,7 +93,7 @@ class Span:
 
 @dataclass
 class Content:
-    """What a file holds.
+    """The content of a file.
 
     Attributes:
         end: Offset behind the last whole record of the data.
@@ -145,7 +145,7 @@ class McapScan:
         self._content = Content()
 
     def run(self) -> Content:
-        """Return what the file holds."""
+        """Return the content of the file."""
         content, at = self._content, len(MAGIC)
         while at < self._size:
             self._pause()
@@ -231,7 +231,7 @@ class McapScan:
         return self._take_indexes(chunk)
 
     def _messages_of(self, records: bytes) -> dict[int, list[tuple[int, int]]]:
-        """Return where the messages of a chunk are, and keep what describes them."""
+        """Return the positions of a chunk's messages, and keep their descriptions."""
         content, at = self._content, 0
         entries: dict[int, list[tuple[int, int]]] = {}
         last: dict[int, tuple[int, int, int]] = {}
@@ -320,7 +320,7 @@ class McapScan:
                 return
 
     def _next_whole(self, at: int) -> int:
-        """Return where the next whole record begins; the file's size without one."""
+        """Return the start of the next whole record; the file's size without one."""
         body = self._body(at)
         if body is not None:
             end = at + HEAD.size + len(body[1])
@@ -333,7 +333,7 @@ class McapScan:
         return self._search(at + 1)
 
     def _search(self, at: int) -> int:
-        """Return where the next chunk, or the end of the data, can be found."""
+        """Return the start of the next chunk, or of the end of the data."""
         overlap = 64
         while at < self._size:
             self._pause()

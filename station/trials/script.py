@@ -27,7 +27,7 @@ from station.wire.excitations import Command, Motion, Push
 
 
 class Script(BaseModel):
-    """What a trial does.
+    """The script of a trial.
 
     Attributes:
         controller: The controller that is started and commanded.

@@ -1,4 +1,4 @@
-"""What happened in a trial, cycle by cycle."""
+"""The trace of a trial, cycle by cycle."""
 
 import io
 from dataclasses import dataclass, fields, replace

@@ -84,7 +84,7 @@ class Trial:
 
 @dataclass(frozen=True, slots=True)
 class TrialResult:
-    """What came out of a trial.
+    """The result of a trial.
 
     Attributes:
         hash: The trial's.

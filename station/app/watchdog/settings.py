@@ -1,4 +1,4 @@
-"""What the station tells its watchdog when it starts it."""
+"""The settings that the station hands to its watchdog at the start."""
 
 from typing import NamedTuple
 
@@ -10,7 +10,7 @@ LOOK_PERIOD = 0.01
 
 
 class WatchdogSettings(NamedTuple):
-    """Whom to watch, and what to do about a loop that stands still.
+    """The watched process, and the reaction to a loop that stands still.
 
     Attributes:
         pid: The station's process.

@@ -1,4 +1,4 @@
-"""Where a base with two sides of wheels is, from its wheels or from its commands.
+"""Odometry of a base with two sides of wheels, from its wheels or its commands.
 
 Source: ros_controllers@678b92a diff_drive_controller/src/odometry.cpp, Odometry;
 differs: the wheels' positions at the start count as the place where the base is, so

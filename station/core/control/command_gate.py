@@ -269,7 +269,7 @@ class CommandGate:
     def find_intrusion(
         self, one: "LoadedController", loaded: "Iterable[LoadedController]"
     ) -> str | None:
-        """Return which command a call of `one` has written without owning it.
+        """Return a command that a call of `one` has written without owning it.
 
         Asked after every update while the gate traces. What was written is put back.
 

@@ -82,7 +82,7 @@ class CommandGuard:
         return 0.0, 0.0
 
     def _steps(self) -> list[float]:
-        """Return how far the commands are from the last ones or from slowing down.
+        """Return the distance of each command from the last one or from slowing down.
 
         Slowing down is everything between rest and what keeps the present motion.
         """
@@ -116,7 +116,7 @@ class CommandGuard:
 
 
 def _distance(command: float, rest: float, present: float) -> float:
-    """Return how far a command is from the range between rest and the present."""
+    """Return the distance of a command from the range between rest and the present."""
     if not math.isfinite(present):
         return abs(command - rest)
     low, high = min(rest, present), max(rest, present)

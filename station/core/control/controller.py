@@ -156,7 +156,7 @@ class PackedSample(ControllerSample):
 
 
 def unpack_sample(sample: ControllerSample | PackedColumns) -> ControllerSample:
-    """Return what `SampleColumns` has packed as a sample; others as they are."""
+    """Return the unpacked sample of `SampleColumns`; others unchanged."""
     return PackedSample(*sample) if isinstance(sample, tuple) else sample
 
 
@@ -225,7 +225,7 @@ class ControllerBase:
         return ()
 
     def usual_update(self) -> UsualUpdate | None:
-        """Return what does the same as `update` in a usual cycle; None for nothing.
+        """Return a quicker equal of `update` for usual cycles; None if there is none.
 
         A subclass that overrides `update` alone gets its `update` called.
         """

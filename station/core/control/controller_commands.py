@@ -26,7 +26,7 @@ class ControllerCommands:
         self.blocks = make_blocks(self.slots)
 
     def refused(self) -> str | None:
-        """Return which command is not a real finite number; None when all are.
+        """Return the command that is not a real finite number; None if all are.
 
         Called after every call of the controller, so that a bad value is charged to
         the call that wrote it. Real numbers of other types become floats.
@@ -49,7 +49,7 @@ class ControllerCommands:
             block.write_copy()
 
     def values(self) -> list[float]:
-        """Return what the commands are now, in the order of `slots`."""
+        """Return the present commands, in the order of `slots`."""
         return [storage[index] for storage, index in self.slots]
 
     def put_back(self, values: list[float]) -> str | None:
@@ -98,11 +98,11 @@ class ControllerCommands:
         return None
 
     def jumps(self) -> dict[str, float]:
-        """Return how far the commands are from those before the start, by resource."""
+        """Return each command's distance from that before the start, by resource."""
         return {guard.name: guard.jump() for guard in self.guards}
 
     def excessive_jump(self) -> str | None:
-        """Return which command is too far from the one before; None if none is."""
+        """Return the command that is too far from the one before; None if none is."""
         for guard in self.guards:
             step, limit = guard.excess()
             if step > 0.0:

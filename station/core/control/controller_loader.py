@@ -1,4 +1,4 @@
-"""Where controllers come from: tables, installed packages, or any Python class.
+"""The sources of controllers: tables, installed packages, or any Python class.
 
 Source: ros_control@0.20.0 controller_manager/controller_loader_interface.h,
 controller_loader.h; differs: a plugin is a Python class named `module:Class`.

@@ -106,7 +106,7 @@ class ControllerManager:
 
     @property
     def update_budget(self) -> float:
-        """How long an update of a controller may take [s wall time], > 0.
+        """Return the longest allowed update of a controller [s wall time], > 0.
 
         Infinite until somebody sets it: cycles that are stepped take no wall time into
         account.
@@ -119,7 +119,7 @@ class ControllerManager:
 
     @property
     def command_violations(self) -> tuple[int, str | None]:
-        """How often somebody has written a command without a claim, and the last."""
+        """Return the number of commands written without a claim, and the last one."""
         gate = self._lifecycle.gate
         return gate.violations, gate.last_violation
 
@@ -178,7 +178,7 @@ class ControllerManager:
         self._lifecycle.void_commands(reason)
 
     def samples(self) -> dict[str, ControllerSample]:
-        """Return what each running controller did last, by name."""
+        """Return the last sample of each running controller, by name."""
         found = {
             one.info.name: one.controller.sample
             for one in self._lifecycle.loaded

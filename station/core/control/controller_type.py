@@ -1,4 +1,4 @@
-"""What people learn about a type of controllers before they load one."""
+"""The description of a controller type, available before loading one."""
 
 from dataclasses import dataclass
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class LoadedController:
-    """What the manager keeps for each loaded controller.
+    """The manager's record of a loaded controller.
 
     Attributes:
         controller: The controller.
@@ -120,7 +120,7 @@ class LoadedController:
             self.controller.goals.abort(reason)
 
     def excessive_jump(self) -> str | None:
-        """Return which command is too far from the one before; None if none is."""
+        """Return the command that is too far from the one before; None if none is."""
         return None if self.may_jump else self.commands.excessive_jump()
 
     def add_fault(self, text: str) -> None:

@@ -83,7 +83,7 @@ class Loading:
         self._done.set()
 
     def status(self) -> ControllerStatus:
-        """Return what people are told about it."""
+        """Return the status of the controller, for people."""
         return ControllerStatus(
             self.name,
             "",

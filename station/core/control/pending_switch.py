@@ -16,7 +16,7 @@ __all__ = ["PendingSwitch", "SwitchOutcome", "SwitchProgress", "refused"]
 
 
 class SwitchProgress(Enum):
-    """Where a pending switch is."""
+    """The phases of a pending switch."""
 
     POSTED = "posted"
     CLAIMED = "claimed"
@@ -103,7 +103,7 @@ class PendingSwitch:
         return timeout > 0.0 and since is not None and time - since > timeout + 1e-9
 
     def lateness(self, time: float) -> str | None:
-        """Return why the switch is given up at station time `time` [s], or None."""
+        """Return the reason to give up the switch at station time `time` [s]."""
         if not self.is_late(time):
             return None
         if time == self.time:
@@ -111,7 +111,7 @@ class PendingSwitch:
         return "the hardware was not ready in time"
 
     def result(self) -> SwitchResult:
-        """Return what the finished switch did.
+        """Return the result of the finished switch.
 
         Raises:
             StationError: It was refused in the control thread.

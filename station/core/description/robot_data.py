@@ -1,4 +1,4 @@
-"""Where the robots of example-robot-data are on this machine.
+"""The location of example-robot-data's robots on this machine.
 
 All of them come with that package, 430 MB. The Panda alone can be fetched into the
 user's own directory, in the same layout.
@@ -30,7 +30,7 @@ def is_complete() -> bool:
 
 
 def fetched_directory() -> Path:
-    """Return where fetched robots are kept; the directory need not exist.
+    """Return the directory of fetched robots; it need not exist.
 
     It is `example-robot-data` below `$STATION_ROBOT_DATA`, or below
     `$XDG_DATA_HOME/control-station`. Mesh files are named `package://example-robot-data/`,

@@ -49,7 +49,7 @@ class StationStatus:
 
 
 def label_robot(hw: RobotHW) -> str:
-    """Return what everybody calls a robot who must know whether something real moves.
+    """Return the label that tells people whether something real moves.
 
     Args:
         hw: The robot; one of several counts as real if any of them is.

@@ -153,7 +153,7 @@ class ControlLoop:
 
     @property
     def state(self) -> LoopState:
-        """Whether the thread runs, was stopped, or died."""
+        """Return the state of the thread: running, stopped, or dead."""
         return self._state
 
     def start(self) -> None:
@@ -261,7 +261,7 @@ class ControlLoop:
             raise self._death()
 
     def report(self) -> LoopReport:
-        """Return how the loop is doing. Any thread."""
+        """Return the state and the statistics of the loop. Any thread."""
         return self._meter.report(
             state=self._state,
             failure=self._failure,
@@ -291,7 +291,7 @@ class ControlLoop:
         return late
 
     def age(self) -> float:
-        """Return how long ago the control thread woke up last [s wall time]."""
+        """Return the time since the control thread last woke up [s wall time]."""
         return self.clock.now() - self.heartbeat.beats[0]
 
     def failure_summary(self) -> str:

@@ -1,4 +1,4 @@
-"""How the control loop is doing: measured each cycle, summarised on demand."""
+"""The state of the control loop: measured each cycle, summarised on demand."""
 
 import numpy as np
 

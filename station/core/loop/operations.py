@@ -1,4 +1,4 @@
-"""What other threads want done between two cycles; the control thread does it."""
+"""Operations of other threads, carried out by the control thread between cycles."""
 
 import threading
 from collections import deque

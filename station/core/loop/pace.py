@@ -1,4 +1,4 @@
-"""Whether station time passes, and how fast."""
+"""The pace of station time: paused or running, and its speed."""
 
 from station.core.errors import ParameterError
 

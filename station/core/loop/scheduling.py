@@ -1,4 +1,4 @@
-"""What a Python process can do so that its control thread is on time.
+"""The means by which a Python process keeps its control thread on time.
 
 The interpreter's switch interval decides how long the control thread waits for a busy
 neighbour; a full garbage collection over a large heap takes tens of milliseconds

@@ -1,4 +1,4 @@
-"""What a cycle left behind, kept in a ring: one writer, any number of readers."""
+"""Snapshots of cycles, kept in a ring: one writer, any number of readers."""
 
 from array import array
 from collections.abc import Sequence

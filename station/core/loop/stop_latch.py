@@ -6,7 +6,7 @@ from station.core.errors import StoppedError
 
 
 class StopState(Enum):
-    """Where the latched stop is."""
+    """The states of the latched stop."""
 
     ARMED = "armed"
     """Motion is possible."""

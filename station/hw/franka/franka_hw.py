@@ -247,7 +247,7 @@ class FrankaHW(RobotHW):
 
     @property
     def is_commanded(self) -> bool:
-        """Whether controllers command the arm, or are about to."""
+        """Return whether controllers command the arm, or are about to."""
         return self._motion.is_active
 
     @property
@@ -305,7 +305,7 @@ class FrankaHW(RobotHW):
         self._reading.nominal = arm_cycles_of(period, time, name, is_real=is_real)
 
     def longest_period(self) -> float:
-        """Return how long the simulated world goes on without the loop [s]."""
+        """Return the longest time that the world advances without the loop [s]."""
         told, nominal = self._parameters, self._reading.nominal
         longest = (nominal + told.most_lost_packets) * self.arm.cycle_time
         return longest if told.waits_for_late_loop else inf
@@ -488,7 +488,7 @@ def model_interface(
 def arm_cycles_of(
     period: float, cycle_time: float, arm_id: str, *, is_real: bool = False
 ) -> int:
-    """Return how many cycles of the arm a period of the loop has; warn of a slow loop.
+    """Return the number of arm cycles in a period; warn of a slow loop.
 
     Args:
         period: Nominal period of the loop [s], > 0.

@@ -111,7 +111,7 @@ class FrankaParameters:
 
     @property
     def waits_for_late_loop(self) -> bool:
-        """Whether `realtime_config` is `ignore`."""
+        """Return whether `realtime_config` is `ignore`."""
         return self.most_lost_packets < MOST_LOST_PACKETS
 
 

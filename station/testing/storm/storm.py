@@ -136,7 +136,7 @@ class _Stopped:
 
 
 class _Owners:
-    """What an owner has written is what reaches the robot."""
+    """The check that the robot receives exactly what an owner has written."""
 
     def __init__(self, manager: ControllerManager) -> None:
         self._manager = manager

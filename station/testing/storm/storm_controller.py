@@ -51,7 +51,7 @@ _TURN = 100
 
 @dataclass(frozen=True, slots=True)
 class Mischief:
-    """What a controller does wrong, once.
+    """A fault that a controller commits once.
 
     Attributes:
         callback: In which callback, one of `CALLBACKS`.
@@ -117,7 +117,7 @@ class StormController(ControllerBase):
         return (InterfaceResources(interface, tuple(sorted(resources))),)
 
     def find_overwritten(self) -> str | None:
-        """Return which of its commands is not what it wrote; None if all are.
+        """Return a command that is not what it wrote; None if all are.
 
         Control thread, while it runs.
         """

@@ -1,4 +1,4 @@
-"""What a storm has done and found."""
+"""The actions and the findings of a storm."""
 
 from collections import Counter
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from typing_extensions import override
 
 @dataclass(frozen=True)
 class StormReport:
-    """What a storm has done and found.
+    """The actions and the findings of a storm.
 
     Attributes:
         seed: With which it can be repeated; the order of the threads is not.
@@ -34,7 +34,7 @@ class StormReport:
 
     @property
     def ok(self) -> bool:
-        """Whether nothing was wrong."""
+        """Return whether nothing was wrong."""
         return not self.problems
 
     @override

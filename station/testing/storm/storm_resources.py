@@ -1,4 +1,4 @@
-"""Which sets of resources of a robot a controller of the storm can claim."""
+"""The sets of a robot's resources that a controller of the storm can claim."""
 
 from typing import NamedTuple
 
@@ -8,7 +8,7 @@ from station.testing.switch_observer import command_places
 
 
 class Claim(NamedTuple):
-    """What a controller of the storm claims.
+    """The claim of a controller of the storm.
 
     Attributes:
         interface: Wire name of the hardware interface.

@@ -52,7 +52,7 @@ class Disturbances:
             self._count += 1
 
     def stamp(self) -> int | None:
-        """Return how many there were; None while there is one."""
+        """Return the count of entries and exits; None while a thread is inside."""
         with self._lock:
             return None if self._active else self._count
 

@@ -66,7 +66,7 @@ class JointLimitsGroup:
         return views["asked"][slot], views["command"][slot], int(views["reason"][slot])
 
     def memory(self, slot: int) -> dict[str, float]:
-        """Return what is remembered of a joint, by the names in `MEMORY`."""
+        """Return the remembered state of a joint, by the names in `MEMORY`."""
         return {name: self._views[name][slot] for name in MEMORY}
 
     def remember(self, slot: int, memory: Mapping[str, float]) -> None:

@@ -159,11 +159,11 @@ class JointLimitsHandle(ResourceHandle):
 
     @property
     def enforces_alone(self) -> bool:
-        """Whether the handle's class has a way of its own to enforce limits."""
+        """Return whether the handle's class has a way of its own to enforce limits."""
         return type(self).enforce_limits is not JointLimitsHandle.enforce_limits
 
     def memory(self) -> dict[str, float]:
-        """Return what is remembered of the last cycle. For interfaces."""
+        """Return the state remembered from the last cycle. For interfaces."""
         return self._group.memory(self._slot)
 
     def join(self, group: JointLimitsGroup, slot: int) -> None:

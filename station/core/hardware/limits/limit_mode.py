@@ -41,7 +41,7 @@ _RATE: Mapping[str, _MakeHandle] = {
 
 
 class LimitMode(Enum):
-    """How commands are limited.
+    """The methods of limiting commands.
 
     Attributes:
         ROS_CONTROL: By the soft limits of a joint that has them, otherwise by

@@ -1,4 +1,4 @@
-"""What all transmissions of two actuators and two joints have in common."""
+"""The common part of all transmissions of two actuators and two joints."""
 
 from collections.abc import Sequence
 from typing import ClassVar

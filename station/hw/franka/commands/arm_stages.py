@@ -106,7 +106,7 @@ class ArmReading:
         return cycles
 
     def blindness(self) -> str | None:
-        """Return which reading was not finite at the last `read`; None if all were."""
+        """Return the reading that was not finite at the last `read`, or None."""
         if self.bad < 0:
             return None
         reading, joint = divmod(self.bad, 7)

@@ -92,7 +92,7 @@ class CartesianCommands:
             put(rest, [0.0] * len(rest))
 
     def checks(self) -> tuple[FiniteCheck, ...]:
-        """Return what looks for commands that are not finite, for what is taken."""
+        """Return the checks for commands that are not finite, of the taken commands."""
         pose = (self._pose, self._pose_elbow) if self.has_pose else ()
         twist = (self._twist, self._twist_elbow) if self.has_twist else ()
         return tuple(map(FiniteCheck, (*pose, *twist)))

@@ -85,7 +85,7 @@ class CommandSender:
 
     @property
     def bridges_gaps(self) -> bool:
-        """Whether the cycles that a late loop misses are filled with commands."""
+        """Return whether commands fill the cycles that a late loop misses."""
         return self.has_pose
 
     def send_commands(self, period: float) -> None:
