@@ -207,6 +207,7 @@ class ControllerBase:
         """
         if self.sampled is None:
             return self._sample
+        # Read once: the control thread may pack another sample meanwhile.
         newest = self.sampled.newest
         return None if newest is None else unpack_sample(newest)
 
@@ -376,6 +377,8 @@ class ClaimingController(ControllerBase):
         found: list[object] = []
         for interface_type in (*required, *optional):
             interface: object | None = hw.get(interface_type)
+            # Always so here, `_find_interfaces` has refused otherwise; it is for the
+            # type checker.
             if interface is not None:
                 found.append(interface)
             elif interface_type in required:

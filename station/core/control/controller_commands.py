@@ -33,6 +33,8 @@ class ControllerCommands:
         """
         for block in self.blocks:
             if not block.copy_commands():
+                # The quick look also rejects numbers that can be converted, e.g. of
+                # NumPy. `_find_refused` converts those and names the first real fault.
                 refused = self._find_refused()
                 if refused is not None:
                     return refused
@@ -41,6 +43,7 @@ class ControllerCommands:
 
     def is_as_written(self) -> bool:
         """Return whether the commands are those that `refused` looked at last."""
+        # Shared commands may be written by the other owner at any time.
         return self.is_shared or not any(block.has_changed() for block in self.blocks)
 
     def write_again(self) -> None:
@@ -91,6 +94,8 @@ class ControllerCommands:
                 command.
         """
         for guard in self.guards:
+            # A command taken over from a stopped controller goes on, so that the change
+            # is smooth; all others begin at rest.
             if guard.claim not in taken_over or guard.refused_command() is not None:
                 guard.write_rest()
             if not guard.remember():

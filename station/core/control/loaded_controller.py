@@ -92,7 +92,10 @@ class LoadedController:
         controller = self.controller
         port = controller.set_points
         self.fresh = True
+        # Asked at each start: a test or a subclass may have replaced `update` since the
+        # last one.
         self.sampled, self.usual = controller.sampled, None
+        # A class that overrides `update` alone must get its calls.
         if is_in_force(controller, "usual_update", "update"):
             self.usual = controller.usual_update()
         self.last_set_point = None if port is None else port.last
@@ -108,6 +111,7 @@ class LoadedController:
     def _newest_goal(self) -> Goal | None:
         port = self.controller.goals
         goals = [] if port is None else port.goals()
+        # Compiled code does not wrap negative indices around.
         return goals[len(goals) - 1] if goals else None
 
     def abort_goals(self, reason: str) -> None:
@@ -164,6 +168,7 @@ class LoadedController:
             self.controller.is_running(),
             percentiles.max,
             mean,
+            # Rounding can make it slightly negative.
             max(self.durations.squares / count - mean * mean, 0.0),
             self.overruns - self.overruns_before,
             self.last_overrun,

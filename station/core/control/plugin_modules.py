@@ -81,6 +81,7 @@ def _of_package(name: str) -> list[str]:
     everything else, the module alone.
     """
     package = _package(name)
+    # The station's own modules are never imported anew.
     if package == _package(__name__):
         return [name]
     return [one for one in list(sys.modules) if _package(one) == package]
@@ -94,4 +95,5 @@ def _stamp(name: str) -> Stamp | None:
         found = Path(path).stat()
     except OSError:
         return None
+    # The size finds a second change within the resolution of the time.
     return found.st_mtime_ns, found.st_size

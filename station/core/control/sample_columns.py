@@ -40,6 +40,7 @@ class SampleColumns:
         self.size = len(columns[0])
         self.row = zeros(sum(len(view) for view in self.views))
         self.packed = memoryview(self.row).cast("B")
+        # No station time yet: readers take the row for empty.
         self.row[0] = float("nan")
         self.width = len(self.row)
 

@@ -61,7 +61,11 @@ class Heartbeat:
     _ENDED = 3
 
     def __init__(self, memory: mmap.mmap | bytearray | None = None) -> None:
+        # Without shared memory there is no watchdog; the loop writes its beats all the
+        # same.
         view = memoryview(bytearray(PAGE_BYTES) if memory is None else memory)
+        # Eight bytes at a multiple of eight are written at once, so another process
+        # never reads half a time.
         self.beats = view[0:8].cast("d")
         self.flags = view[8:12]
         self.watchdog_beats = view[16:24].cast("d")
@@ -105,6 +109,7 @@ class Heartbeat:
         Args:
             reason: Why, for people; at most 511 bytes of UTF-8 are kept.
         """
+        # One byte stays zero, as the end of the text.
         text = reason.encode()[: _REASON_BYTES - 1]
         # The flag comes last: the loop reads the reason once it sees the flag.
         self._reason[:] = text.ljust(_REASON_BYTES, b"\0")

@@ -35,6 +35,7 @@ class Pace:
             return True
         if self.steps_due == 0:
             return False
+        # A step is used up by the cycle that it permits.
         self.steps_due -= 1
         return True
 

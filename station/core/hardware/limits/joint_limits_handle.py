@@ -132,6 +132,7 @@ class JointLimitsHandle(ResourceHandle):
             "max_acceleration": limits.max_acceleration,
             "max_jerk": limits.max_jerk,
             "max_effort": limits.max_effort,
+            # A continuous joint has no range that a soft limit could be inside of.
             "soft_min": soft.min_position if has_range else None,
             "soft_max": soft.max_position if has_range else None,
             "k_position": soft.k_position,
@@ -139,6 +140,7 @@ class JointLimitsHandle(ResourceHandle):
         }
         absent = self.unlimited
         bounds = {name: absent if x is None else x for name, x in found.items()}
+        # No lower limit must be below everything, where `unlimited` is infinite.
         if limits.min_position is None:
             bounds["min_position"] = -absent
         return bounds
@@ -160,6 +162,8 @@ class JointLimitsHandle(ResourceHandle):
     @property
     def enforces_alone(self) -> bool:
         """Return whether the handle's class has a way of its own to enforce limits."""
+        # A subclass that enforces in its own way must get its calls; a group would pass
+        # it over.
         return type(self).enforce_limits is not JointLimitsHandle.enforce_limits
 
     def memory(self) -> dict[str, float]:

@@ -32,6 +32,7 @@ def joint_limits_from_urdf(
         min_position=joint.limit.lower,
         max_position=joint.limit.upper,
         max_velocity=joint.limit.velocity,
+        # As in ros_control, a URDF states none, and an earlier one is forgotten.
         max_acceleration=None,
         max_effort=joint.limit.effort,
         angle_wraparound=(
