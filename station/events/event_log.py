@@ -127,6 +127,8 @@ class EventLog:
             origin: Who did it, and from where.
         """
         stamp, cycle = self._station_time()
+        # Memory and disk give the same answer, whatever objects the caller has handed
+        # over.
         plain = json.loads(written_details(details or {}))
         with self._lock:
             event = Event(
@@ -292,6 +294,7 @@ class EventLog:
     def _queue(self, event: Event) -> None:
         if self._path is None:
             return
+        # The file could not be opened: counted as lost on disk, and still in memory.
         if self._file is None:
             self._lost += 1
             return

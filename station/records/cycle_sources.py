@@ -99,8 +99,10 @@ class CycleSource(ABC, Generic[SampleT]):
         """
         taken, lost = self._tap.read_since(self._cycle)
         if taken:
+            # What was lost is reported once.
             self._cycle = taken[0].cycle - 1
         for one in taken:
+            # The rest waits for its cycle's row, so that messages are in order.
             if one.cycle > until:
                 break
             for message in self.message(encoder, one.stamp, one.sample):
@@ -172,5 +174,6 @@ def sources_of(station: Station) -> list[CommandSource | ArmSource]:
 
 def _memory(group: JointGroup) -> bytes:
     if group.commands is not None:
+        # Commands side by side are copied in one piece.
         return group.commands.tobytes()
     return array("d", group.get_commands()).tobytes()

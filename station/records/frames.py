@@ -45,6 +45,7 @@ def transforms(urdf: Urdf, positions: Mapping[str, float], stamp: int) -> Values
 def _position(joint: Joint, positions: Mapping[str, float]) -> float:
     if joint.name in positions:
         return positions[joint.name]
+    # A joint that mimics another one is no joint of the robot's state.
     mimic = joint.mimic
     if mimic is None:
         return 0.0

@@ -89,6 +89,7 @@ class Recovered:
     def lost_cycles(self) -> int:
         """Return the number of missing cycles between the first and the last."""
         between = self.last_cycle - self.first_cycle + 1
+        # Cycles have consecutive numbers, so what is missing is known.
         return max(0, between - self.cycles) if self.cycles else 0
 
     def text(self) -> str:
@@ -136,6 +137,7 @@ def recover_file(path: Path, pause: Callable[[], None] = lambda: None) -> Recove
     try:
         with os.fdopen(open_regular(path, os.O_RDWR), "r+b") as file:
             _lock(path, file)
+            # Before the scan: a file that is no recording must not be changed.
             has_magic = _check_magic(path, file)
             content = McapScan(file, pause).run()
             if content.is_whole and has_magic:
@@ -210,6 +212,7 @@ def _mend(file: BinaryIO, content: Content) -> None:
             if not (len(data) == room or len(data) <= room - HEAD.size):
                 chunk.index.message_index_offsets.clear()
                 chunk.index.message_index_length = 0
+    # What comes after the last whole record is replaced by a new index.
     file.truncate(content.end)
     file.seek(0, io.SEEK_END)
     file.write(tail)
@@ -221,6 +224,7 @@ def _fill(file: BinaryIO, begin: int, end: int, wanted: list[bytes]) -> None:
     data = b""
     for record in wanted:
         left = end - begin - len(data) - len(record)
+        # The rest of the span becomes a record to skip, which needs a head of its own.
         if left == 0 or left >= HEAD.size:
             data += record
     left = end - begin - len(data)
@@ -298,6 +302,7 @@ def _ending(content: Content, begin: int) -> bytes:
     body = _bytes(builder)
     builder = RecordBuilder()
     Footer(summary_crc=0, summary_offset_start=0, summary_start=summary).write(builder)
+    # The checksum covers the footer up to itself.
     footer = _bytes(builder)[:-4]
     checksum = zlib.crc32(body + footer).to_bytes(4, "little")
     return data_end + body + footer + checksum + MAGIC

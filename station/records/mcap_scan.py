@@ -186,6 +186,7 @@ class McapScan:
         elif opcode == Opcode.DATA_END:
             (checksum,) = struct.unpack("<I", data)
             content.has_end = True
+            # Zero means that the writer has computed none.
             is_as_written = checksum in {0, self._checksum}
             is_damaged = content.spans or content.missing_indexes
             content.is_whole = is_as_written and not is_damaged
@@ -204,6 +205,7 @@ class McapScan:
         held_at = name_at + 4 + length
         (held,) = struct.unpack_from("<Q", data, held_at)
         records = data[held_at + 8 :]
+        # A station writes nothing else.
         if held != len(records) or compression not in {"", "lz4"}:
             return None
         if compression:
@@ -242,6 +244,8 @@ class McapScan:
                 channel, number, stamp, _ = MESSAGE.unpack_from(records, at)
                 entries.setdefault(channel, []).append((stamp, begin))
                 last[channel] = (number, at, at + length)
+                # First and last message of a channel say how long the recording is,
+                # without reading all again.
                 if channel not in content.first_of:
                     content.first_of[channel] = _message(records, at, at + length)
             else:
@@ -334,6 +338,8 @@ class McapScan:
 
     def _search(self, at: int) -> int:
         """Return the start of the next chunk, or of the end of the data."""
+        # Longer than what the pattern matches, so that a head across two blocks is
+        # found.
         overlap = 64
         while at < self._size:
             self._pause()
