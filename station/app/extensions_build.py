@@ -24,6 +24,8 @@ class ExtensionsBuild:
         """Start to build if that is needed; return what runs, and why."""
         if compiled.needs_building():
             try:
+                # The compiler must not inherit the priority of the control thread's
+                # helpers.
                 with ordinary_priority():
                     compiled.build_in_background()
             except OSError as error:

@@ -40,6 +40,7 @@ def make_recorder(
     section = config.records
     if not section.enabled:
         return None
+    # Looked up without importing: a warning beats a station that does not start.
     missing = [one for one in _PACKAGES if importlib.util.find_spec(one) is None]
     if missing:
         warn(
@@ -106,6 +107,7 @@ def make_foxglove(
 
     texts = describe(station, config)
     description = texts.get("/robot_description", "")
+    # A mock may have no description, and a text may be no URDF.
     urdf = parse_urdf(description) if description.lstrip().startswith("<") else None
     return FoxglovePort(
         app,

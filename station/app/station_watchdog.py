@@ -50,6 +50,7 @@ class StationWatchdog:
         self._may_start_at = 0.0
         self._authenticator: Authenticator | None = None
         self._told: dict[str, NamedToken] = {}
+        # The loop writes its beats in any case, in memory that nobody else reads.
         self.heartbeat = self._process.heartbeat if self._process else Heartbeat()
 
     @property
@@ -98,6 +99,7 @@ class StationWatchdog:
         if self._process is None:
             return
         station.loop.right_of_way.give()
+        # Between two pieces: building the status takes a part of a period.
         status = _status(station)
         station.loop.right_of_way.give()
         self._process.tell(status)
@@ -109,6 +111,7 @@ class StationWatchdog:
         if code is None:
             self._look_at_its_beat(station, self._process, now)
             return
+        # A watchdog that ends at once must not keep the station busy with starts.
         self._may_start_at = now + RESTART_PERIOD
         self._told = {}
         station.watchdog_failure = f"The watchdog ended (exit code {code})."
@@ -138,6 +141,7 @@ class StationWatchdog:
         """Report the named tokens that are new, and those that have ended."""
         known = self._authenticator
         valid = {} if known is None else known.named.by_digest()
+        # Revoked and expired ones first, so that none is valid for longer than needed.
         for digest in self._told.keys() - valid.keys():
             process.tell_token({"digest": digest, "role": "", "expires": None})
         for digest in valid.keys() - self._told.keys():
