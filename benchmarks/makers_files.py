@@ -23,7 +23,8 @@ BEGIN, END = "<!-- makers -->", "<!-- end of makers -->"
 _URL = "https://raw.githubusercontent.com/{repository}/{commit}/{path}"
 _NAMES = {"joint", "left_wheel", "right_wheel", "joint_name"}
 _LISTS = {"joints", "joint_names", "left_wheel", "right_wheel"}
-_MOST_WORDS = 110
+_MOST = 160  # characters of a line of a page
+_MOST_NAME = 110
 
 
 @dataclass
@@ -128,18 +129,22 @@ def table(rows: list[Row]) -> str:
     """Return the rows in Markdown."""
     lines = ["| file | controllers | loaded | what is missing |", "|---|---|---|---|"]
     for row in rows:
-        told = sorted({_short(reason) for reason in row.reasons})
-        lines.append(
-            f"| `{row.repository}/{row.path}` | {row.controllers} | {row.loaded} | "
-            f"{'; '.join(told[:2])} |"
-        )
+        missing = "; ".join(sorted({_short(reason) for reason in row.reasons})[:2])
+        name = f"{row.repository}/{row.path}"
+        if missing and len(name) > _MOST_NAME:  # the list beside this file has it whole
+            name = f"{row.repository}/…/{Path(row.path).name}"
+        begin = f"| `{name}` | {row.controllers} | {row.loaded} | "
+        most = _MOST - len(begin) - len(" |")
+        if len(missing) > most:
+            missing = f"{missing[: most - 1]}…"
+        lines.append(f"{begin}{missing} |")
     return "\n".join(lines)
 
 
 def _short(reason: str) -> str:
     text = re.sub(r"\S*/(?=[^/ ]+\.yaml)", "", " ".join(reason.split()))
-    text = text.replace("|", "\\|")
-    return text if len(text) <= _MOST_WORDS else f"{text[:_MOST_WORDS]}…"
+    text = re.sub(r"No loader knows the controller type '[\w/]*?(\w+)'.*", r"\1", text)
+    return text.replace("|", "\\|")
 
 
 def main() -> int:

@@ -49,7 +49,7 @@ class CompilationStatus:
 
     @property
     def is_compiled(self) -> bool:
-        """Whether the extensions run."""
+        """Return whether the extensions run."""
         return self.mode == "compiled"
 
     def text(self) -> str:
@@ -85,7 +85,7 @@ class BuildRecord:
 
 
 def record_path(package: Path | None = None) -> Path:
-    """Return where the record of the extensions for this Python lies."""
+    """Return the path of the record of the extensions for this Python."""
     return (package or PACKAGE) / f"compiled{SUFFIX.removesuffix('.so')}.json"
 
 
@@ -148,7 +148,7 @@ def file_digest(path: Path) -> str:
 
 @cache
 def status() -> CompilationStatus:
-    """Return what this process runs; the first call decides.
+    """Return the implementation that this process runs; the first call decides.
 
     Raises:
         ImportError: `STATION_COMPILED=1`, and no extensions fit; or the variable has
@@ -175,7 +175,7 @@ def status() -> CompilationStatus:
 
 
 def find_misfit() -> str | None:
-    """Return why the extensions cannot run, one sentence; None if they can.
+    """Return the reason why the extensions cannot run; None if they can.
 
     A library that is cut short would end the process that loads it, so the digests are
     compared before.
@@ -194,7 +194,7 @@ def find_misfit() -> str | None:
 
 
 def present_status() -> CompilationStatus:
-    """Return what this process runs, and what has been built since its start."""
+    """Return the implementation that runs, and what was built since the start."""
     now = status()
     if now.is_compiled or now.is_forced:
         return now
@@ -207,7 +207,7 @@ def present_status() -> CompilationStatus:
 
 
 def _prospect() -> str:
-    """Return what would change that the sources run, one sentence."""
+    """Return the sentence that says how to run the extensions instead."""
     if is_being_built():
         return _BEING_BUILT
     if failure := find_failure():
@@ -220,7 +220,7 @@ def _prospect() -> str:
 
 
 def missing_tool() -> str | None:
-    """Return what is missing for a build, one sentence; None when all is there."""
+    """Return a sentence about the missing build tool; None if nothing is missing."""
     built_with = str(sysconfig.get_config_var("CC") or "")
     commands = (os.environ.get("CC", ""), built_with, "cc", "gcc", "clang")
     words = [shlex.split(command) for command in commands]
@@ -236,7 +236,7 @@ def missing_tool() -> str | None:
 
 
 def find_failure() -> str:
-    """Return why these sources could not be built, one sentence; empty otherwise."""
+    """Return the reason why these sources failed to build; empty otherwise."""
     record = read_record()
     if record is None or not _is_of_these_sources(record):
         return ""
@@ -263,7 +263,7 @@ def needs_building() -> bool:
 
 
 def stamps() -> dict[str, int]:
-    """Return when each extension was written [ns], by its path."""
+    """Return the time at which each extension was written [ns], by path."""
     record = read_record()
     paths = [] if record is None else [PACKAGE / path for path in record.extensions]
     return {str(path): path.stat().st_mtime_ns for path in paths}

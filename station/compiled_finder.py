@@ -36,7 +36,7 @@ class CompiledFinder:
         path: Sequence[str] | None,
         target: ModuleType | None = None,  # noqa: ARG002 - the protocol's
     ) -> ModuleSpec | None:
-        """Return where a compiled module is; None for every other module.
+        """Return the location of a compiled module; None for every other module.
 
         Raises:
             ImportError: The extension was built anew since this process has decided.

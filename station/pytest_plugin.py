@@ -59,7 +59,7 @@ def station(request: pytest.FixtureRequest) -> "Iterator[InProcessStation]":
 
 @pytest.fixture
 def rerun() -> "Callable[[Path | str], RerunResult]":
-    """Return what runs a recording again and fails when a cycle is not the same."""
+    """Return a function that re-runs a recording and fails if a cycle differs."""
     from station.app.rerun import rerun as run_again
 
     def check(path: "Path | str") -> "RerunResult":

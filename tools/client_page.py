@@ -13,6 +13,7 @@ from station import client
 
 PAGE = Path(__file__).parents[1] / "docs" / "client.md"
 BEGIN = "<!-- Below: written by `make client` from the docstrings. -->\n"
+MOST = 160  # characters of a line of a page
 NOWHERE = client.StationClient("http://nowhere", "token")
 # The parts of a client, such as `client.recordings`, in the order in which it has them.
 PARTS = tuple(
@@ -39,12 +40,20 @@ def page() -> str:
 
 def _section(kind: type) -> str:
     rows = "".join(
-        f"| `{name}{_arguments(member)}` | {_first_line(member)} |\n"
+        _row(name, member)
         for name, member in _members(kind).items()
         if not name.startswith("_") and _is_described(member)
     )
     title = f"\n### {kind.__name__}\n\n{_first_line(kind)}\n"
     return title + (f"\n| Name | |\n|---|---|\n{rows}" if rows else "")
+
+
+def _row(name: str, member: object) -> str:
+    row = f"| `{name}{_arguments(member)}` | {_first_line(member)} |\n"
+    if len(row) <= MOST:
+        return row
+    # Too long for a line of a page: the arguments without their defaults.
+    return f"| `{name}{_arguments(member, defaults=False)}` | {_first_line(member)} |\n"
 
 
 def _members(kind: type) -> dict[str, object]:
@@ -59,12 +68,14 @@ def _is_described(member: object) -> bool:
     return inspect.isfunction(member) or isinstance(member, property)
 
 
-def _arguments(member: object) -> str:
+def _arguments(member: object, *, defaults: bool = True) -> str:
     """Return the arguments of a method with their defaults; nothing for a property."""
     if not inspect.isfunction(member):
         return ""
     parameters = list(inspect.signature(member).parameters.values())[1:]
     plain = [p.replace(annotation=inspect.Parameter.empty) for p in parameters]
+    if not defaults:
+        plain = [p.replace(default=inspect.Parameter.empty) for p in plain]
     return str(inspect.Signature(plain))
 
 

@@ -31,7 +31,7 @@ def controllers(station: Station) -> wire.Controllers:
 
 
 def switch_result(result: SwitchResult) -> wire.SwitchResult:
-    """Return what a switch did, and which parts of the request it left out."""
+    """Return the result of a switch, with the parts of the request left out."""
     return wire.SwitchResult(
         ok=result.ok,
         started=list(result.started),
@@ -68,7 +68,7 @@ def controller_sample(
     names: list[str],
     published: Mapping[str, Mapping[str, object]] | None = None,
 ) -> wire.ControllerSample:
-    """Return what a controller did in one cycle, and its latest messages."""
+    """Return a controller's sample of one cycle and its latest messages."""
     messages = {
         topic: {key: _json(value) for key, value in message.items()}
         for topic, message in (published or {}).items()
@@ -148,7 +148,7 @@ def hardware(report: HardwareReport) -> wire.Hardware:
 
 
 def clamps(reports: Iterable[ClampReport]) -> list[wire.Clamp]:
-    """Return how often limits cut off commands, each with the last time."""
+    """Return the count of commands cut off by limits, each with its last time."""
     return [
         wire.Clamp(
             joint=report.last.joint,

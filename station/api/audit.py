@@ -49,7 +49,7 @@ def note_preview(connection: HTTPConnection) -> None:
 
 
 def origin_of(connection: HTTPConnection) -> Origin:
-    """Return who is behind a request or a WebSocket, as far as it has proved that."""
+    """Return the identity behind a request or WebSocket, as far as it is proved."""
     client = connection.client
     return Origin(
         who=connection.scope.get("state", {}).get(WHO, ""),

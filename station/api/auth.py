@@ -71,7 +71,7 @@ class Session:
         self._closed.set()
 
     async def wait_for_end(self) -> None:
-        """Return when the session was closed or has expired."""
+        """Wait until the session is closed or has expired."""
         while not self.has_ended():
             with contextlib.suppress(TimeoutError):
                 await asyncio.wait_for(self._closed.wait(), EXPIRY_PERIOD)
@@ -104,7 +104,7 @@ class Access:
         return any(end is not None and end.has_ended() for end in ends)
 
     async def wait_for_end(self) -> None:
-        """Return when the access was withdrawn; for the station's own tokens, never."""
+        """Wait until the access is withdrawn; for the station's own tokens, forever."""
         ends = [
             asyncio.ensure_future(end.wait_for_end())
             for end in (self.session, self.token)
@@ -216,7 +216,7 @@ class Authenticator:
         return Role.VIEWER if viewer else None
 
     def access_of_token(self, token: str) -> Access | None:
-        """Return what the bearer of a token may do; None when nobody knows it."""
+        """Return the access that a token grants; None for an unknown token."""
         role = self.role_of_token(token)
         if role is not None:
             return Access(role)

@@ -134,7 +134,7 @@ class Control:
             raise error
 
     def name_of(self, access: Access, key: str | None) -> str:
-        """Return who a caller is, e.g. `ada (operator)` for one who holds control.
+        """Return the name of a caller, e.g. `ada (operator)` for the holder of control.
 
         Args:
             access: What the caller may do.

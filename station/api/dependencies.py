@@ -58,7 +58,7 @@ async def access(
     services: ServicesDep,
     _: Annotated[object, Security(_bearer)] = None,
 ) -> Access:
-    """Return what the caller may do, and what proves it.
+    """Return the caller's access and the proof of it.
 
     Raises:
         ProblemError: The caller proves nothing.

@@ -348,7 +348,7 @@ def _allowed(request: Request) -> dict[str, str]:
 
 
 def _http_remedy(request: Request, status: int) -> str:
-    """Return what to do; for an unknown path, with the paths that resemble it."""
+    """Return the remedy; for an unknown path, with the paths that resemble it."""
     remedy = HTTP_REMEDIES.get(status, "See /docs.")
     if status != 404:
         return remedy

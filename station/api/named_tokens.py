@@ -77,7 +77,7 @@ class NamedToken:
         self._revoked.set()
 
     async def wait_for_end(self) -> None:
-        """Return when the token was revoked or has expired."""
+        """Wait until the token is revoked or has expired."""
         while not self.has_ended():
             with contextlib.suppress(TimeoutError):
                 await asyncio.wait_for(self._revoked.wait(), LOOK_PERIOD)

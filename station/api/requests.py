@@ -31,7 +31,7 @@ def fault(request: wire.Fault) -> SimulatedFault:
 
 
 def grasp(request: wire.GripperGraspRequest) -> GraspRequest:
-    """Return what to grasp, and how."""
+    """Return the width, the force and the tolerances of a grasp."""
     return GraspRequest(
         width=request.width,
         force=request.force,

@@ -111,7 +111,7 @@ class ApiServer:
 
     @property
     def url(self) -> str:
-        """Return where clients reach it from this machine."""
+        """Return the address under which clients of this machine reach it."""
         host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(self.host, self.host)
         return f"{self._scheme}://{f'[{host}]' if ':' in host else host}:{self.port}"
 

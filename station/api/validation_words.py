@@ -46,7 +46,7 @@ _WORDS: Mapping[str, str | Callable[[Context], str]] = {
 
 
 def explain(kind: str, context: Context) -> str:
-    """Return what is wrong, to follow the name of the field.
+    """Return an explanation of the error, to follow the name of the field.
 
     Args:
         kind: The validator's name of the error.
@@ -57,7 +57,7 @@ def explain(kind: str, context: Context) -> str:
 
 
 def explain_json(body: object, position: int, why: str) -> str:
-    """Return why a body is no JSON.
+    """Return the reason why a body is not valid JSON.
 
     Args:
         body: The body.

@@ -1,4 +1,4 @@
-"""Where the station may be reached from, and what that asks for."""
+"""Checks of the addresses the station listens on, and of what they require."""
 
 import socket
 from ipaddress import ip_address
@@ -26,6 +26,8 @@ def check_exposure(host: str, token: str | None) -> None:
     Raises:
         ExposedHostError: `host` is not this machine's own and `token` is None.
     """
+    # The station's own tokens lie in files that programs of this user read; other
+    # machines need a token that somebody chose.
     if token is None and not is_loopback(host):
         raise ExposedHostError(
             f"api.host is '{host}', which other machines can reach, and there is no "
@@ -40,4 +42,5 @@ def host_names(host: str) -> list[str]:
     if is_loopback(host):
         return []
     name = socket.gethostname()
+    # The last one is the name in mDNS.
     return [host, name, f"{name.partition('.')[0]}.local"]

@@ -1,4 +1,4 @@
-"""What the user is told when a station runs."""
+"""The lines that a starting station prints for its user."""
 
 from dataclasses import dataclass
 from urllib.parse import urlencode
@@ -6,7 +6,7 @@ from urllib.parse import urlencode
 
 @dataclass(frozen=True, slots=True)
 class Announcement:
-    """Where to find a station that has just started.
+    """The addresses of a station that has just started.
 
     Attributes:
         api_url: The API.
@@ -27,7 +27,7 @@ class Announcement:
     kernel: str
 
     def lines(self) -> list[str]:
-        """Return what to print at once."""
+        """Return the lines to print at once."""
         return [
             f"API        {self.api_url}/docs",
             f"Token      {self.token} (also in {self.runtime_file})",
@@ -36,7 +36,7 @@ class Announcement:
         ]
 
     def dashboard_line(self) -> str:
-        """Return what to print when the dashboard answers: an address that logs in."""
+        """Return the line for a dashboard that answers: an address that logs in."""
         return f"Dashboard  {self.ui_url}/login?{urlencode({'token': self.token})}"
 
     def as_json(self) -> dict[str, str]:

@@ -20,7 +20,7 @@ DRIVE = "mobile_base_controller"
 
 
 def configure_robot(reference: str, base: BaseType = "fixed") -> dict[str, object]:
-    """Return what a configuration file for a robot would hold.
+    """Return the content of a configuration file for a robot.
 
     Its controllers are a joint state controller, a joint trajectory controller and a
     position controller for all joints with a motor except wheels, a velocity controller
@@ -36,6 +36,7 @@ def configure_robot(reference: str, base: BaseType = "fixed") -> dict[str, objec
     """
     urdf = repair_robot(load_robot_files(reference), base=base).urdf
     driven = driven_joints(urdf)
+    # Positions mean nothing to a wheel that turns without end.
     wheels = [name for name in driven if is_wheel(urdf, name)]
     limbs = [name for name in driven if name not in wheels]
     controllers: dict[str, dict[str, object]] = {
@@ -99,6 +100,7 @@ def _sides(wheels: list[str]) -> tuple[list[str], list[str]] | None:
     """Return the left and the right wheels by their names; None if they do not pair."""
     left = [name for name in wheels if "left" in name]
     right = [name for name in wheels if "right" in name]
+    # Otherwise nothing says which wheels drive.
     return (left, right) if left and len(left) == len(right) else None
 
 

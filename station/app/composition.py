@@ -33,7 +33,7 @@ class Composition:
     not_loaded: dict[str, StationError]
 
     def warnings(self) -> list[str]:
-        """Return what the log says about the controllers of the configuration."""
+        """Return warnings about the configured controllers, for the log."""
         missing = [
             f"Controller '{name}' is not loaded: {error} {error.remedy}"
             for name, error in self.not_loaded.items()

@@ -134,7 +134,7 @@ def protocols_of(parameters: FrankaParameters) -> Sequence[RobotProtocol]:
 def model_library_of(
     parameters: FrankaParameters, warn: Callable[[str], None]
 ) -> ModelLibrary:
-    """Return where clients get the model of an arm from.
+    """Return the source of an arm's model library for clients.
 
     Args:
         parameters: The arm.

@@ -98,6 +98,7 @@ class InProcessStation:
         self._stack = ExitStack()
         if threaded:
             self._stack.enter_context(realtime_interpreter())
+            # In reverse order at the end: the loop stops before its robot closes.
             self._stack.callback(self.facade.loop.hw.close)
             self._stack.callback(self.facade.loop.stop)
             self.facade.loop.start()
@@ -120,13 +121,14 @@ class InProcessStation:
 
     def close(self) -> None:
         """Stop all controllers and end the control thread."""
+        # A stop with a reason of its own keeps it.
         if self.facade.loop.stop_latch.state is not StopState.STOPPED:
             self.facade.stop("the program ends")
         self._stack.close()
 
     @property
     def is_threaded(self) -> bool:
-        """Whether the control thread runs."""
+        """Return whether the control thread runs."""
         return self._clock is None
 
     @property
@@ -162,6 +164,8 @@ class InProcessStation:
             loop.step(cycles, tick)
             return
         while cycles > 0:
+            # At the same cycles whatever the sizes of the steps, so that recordings are
+            # the same.
             ahead = min(cycles, _DRAIN - loop.cycle % _DRAIN)
             loop.step(ahead, tick)
             cycles -= ahead
@@ -222,10 +226,13 @@ class InProcessStation:
         if not self.is_threaded:
             self.step(round(seconds / loop.period))
             return
+        # Half a period less: station time is a sum of periods, and rounding must not
+        # add a cycle.
         end = loop.time + seconds - 0.5 * loop.period
         while loop.time < end:
             loop.check_alive()
             left = (end - loop.time) / loop.pace.real_time_factor
+            # Short sleeps: the simulation may be paused, slowed down, or die meanwhile.
             loop.clock.sleep_until(loop.clock.now() + min(left, 0.1))
 
     def switch(self, start: Sequence[str] = (), stop: Sequence[str] = ()) -> None:
@@ -342,6 +349,7 @@ class InProcessStation:
             raise MotionError(f"No JointTrajectoryController is loaded. {why}".rstrip())
         found.sort(
             key=lambda c: (
+                # One that runs already needs no switch.
                 c.state is not ControllerState.RUNNING,
                 not c.type.startswith("position_"),
             )
@@ -379,5 +387,6 @@ def open_station(
 def _numbers(values: object) -> object:
     """Return numbers as a list with None for what is not finite; others as they are."""
     if isinstance(values, list | tuple):
+        # As the API sends them: JSON has no NaN.
         return [v if math.isfinite(v) else None for v in values]
     return values

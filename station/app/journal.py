@@ -144,7 +144,7 @@ class Journal:
         )
 
     def _follow_experiments(self) -> Callable[[RunState], None]:
-        """Return what records how far an experiment is, a hundred times at most."""
+        """Return a callback that records at most 100 steps of an experiment."""
         last = RunState("", "")
 
         def tell(state: RunState) -> None:

@@ -303,7 +303,7 @@ class StationRun:
     def _watch(
         self, station: Station, announcement: Announcement, signals: ShutdownSignals
     ) -> None:
-        """Tell what there is to tell until a signal comes."""
+        """Print news of the station until a signal comes."""
         self._tell(announcement)
         if not announcement.scheduler.startswith("SCHED_FIFO"):
             self._warn(
@@ -397,7 +397,7 @@ def _dashboard_url(api_url: str, port: int) -> str | None:
 
 
 def _fingerprint(tls: TlsFiles | None) -> str:
-    """Return what tells a certificate from others; empty without TLS."""
+    """Return the fingerprint of a certificate; empty without TLS."""
     if tls is None:
         return ""
     return hashlib.sha256(tls.certificate.read_bytes()).hexdigest()

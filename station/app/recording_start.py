@@ -40,6 +40,7 @@ def make_recorder(
     section = config.records
     if not section.enabled:
         return None
+    # Looked up without importing: a warning beats a station that does not start.
     missing = [one for one in _PACKAGES if importlib.util.find_spec(one) is None]
     if missing:
         warn(
@@ -89,7 +90,7 @@ def recover_all(
 def make_foxglove(
     app: "FastAPI", station: Station, config: StationConfig, policy: HostPolicy
 ) -> "FoxglovePort | None":
-    """Return what is served to Foxglove; None when it is not configured.
+    """Return the Foxglove server; None when it is not configured.
 
     Args:
         app: The application of the API, whose tokens and lease count there, too.
@@ -106,6 +107,7 @@ def make_foxglove(
 
     texts = describe(station, config)
     description = texts.get("/robot_description", "")
+    # A mock may have no description, and a text may be no URDF.
     urdf = parse_urdf(description) if description.lstrip().startswith("<") else None
     return FoxglovePort(
         app,
@@ -121,7 +123,7 @@ def make_foxglove(
 
 
 def describe(station: Station, config: StationConfig) -> dict[str, str]:
-    """Return what a recording says of its station, by topic."""
+    """Return the station's description for a recording, by topic."""
     # The secrets of the server are nothing that a file should carry.
     secret = {"api", "ui", "watchdog", "records", "foxglove"}
     values = config.model_dump(mode="json", exclude=secret)

@@ -36,7 +36,7 @@ _BATCH = 1000
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """Where a re-run leaves the recording.
+    """The first difference between a re-run and its recording.
 
     Attributes:
         cycle: The first cycle that is not the same.
@@ -55,7 +55,7 @@ class Difference:
 
 @dataclass(frozen=True, slots=True)
 class RerunResult:
-    """How a re-run compares with its recording.
+    """The comparison of a re-run with its recording.
 
     Attributes:
         cycles: Number of cycles that were compared.
@@ -70,7 +70,7 @@ class RerunResult:
 
     @property
     def is_equal(self) -> bool:
-        """Whether every cycle is the same, bit for bit."""
+        """Return whether every cycle is the same, bit for bit."""
         return self.difference is None
 
     def as_json(self) -> dict[str, object]:

@@ -26,7 +26,7 @@ _MOST = 150
 
 @dataclass(frozen=True, slots=True)
 class _Record:
-    """What the file holds; the sessions as JSON, which a private file has as a text."""
+    """The content of the file; the sessions are JSON inside a text."""
 
     station: str
     sessions: str

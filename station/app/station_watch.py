@@ -51,6 +51,7 @@ class StationWatch:
             now = time.monotonic()
             if is_alive(*self._station) or self._is_adopted():
                 lost_since = None
+            # Nothing is shown yet, so nothing is lost.
             elif not self.is_serving:
                 os._exit(0)
             elif lost_since is None:
@@ -63,6 +64,7 @@ class StationWatch:
         dashboard_path(os.getpid()).unlink(missing_ok=True)
         # A dashboard that hangs must not keep the token either.
         time.sleep(ENDING_TIME)
+        # Not `sys.exit`: this thread cannot end the others.
         os._exit(1)
 
     def _is_adopted(self) -> bool:
@@ -70,6 +72,7 @@ class StationWatch:
         if record is None:
             return False
         station = (record.station_pid, record.station_started)
+        # The record may be that of the station that has just ended.
         if station == self._station or not is_alive(*station):
             return False
         self._station = station

@@ -1,4 +1,4 @@
-"""What a station tells its watchdog, and what it does when the watchdog ends."""
+"""The station's side of the watchdog: reports to it, and its supervision."""
 
 import math
 import os
@@ -50,11 +50,12 @@ class StationWatchdog:
         self._may_start_at = 0.0
         self._authenticator: Authenticator | None = None
         self._told: dict[str, NamedToken] = {}
+        # The loop writes its beats in any case, in memory that nobody else reads.
         self.heartbeat = self._process.heartbeat if self._process else Heartbeat()
 
     @property
     def url(self) -> str:
-        """Where the watchdog answers; empty when there is none."""
+        """Return the address of the watchdog; empty when there is none."""
         return self._process.url if self._process else ""
 
     def start(self, authenticator: Authenticator) -> None:
@@ -76,7 +77,7 @@ class StationWatchdog:
         self._process.start(self._settings)
 
     def announce(self, step: str) -> None:
-        """Tell which step of the start-up begins; the watchdog says when it is long.
+        """Report the start of a start-up step; the watchdog warns of a long one.
 
         Args:
             step: What is done, e.g. `Loading the controller 'arm'`.
@@ -98,6 +99,7 @@ class StationWatchdog:
         if self._process is None:
             return
         station.loop.right_of_way.give()
+        # Between two pieces: building the status takes a part of a period.
         status = _status(station)
         station.loop.right_of_way.give()
         self._process.tell(status)
@@ -109,6 +111,7 @@ class StationWatchdog:
         if code is None:
             self._look_at_its_beat(station, self._process, now)
             return
+        # A watchdog that ends at once must not keep the station busy with starts.
         self._may_start_at = now + RESTART_PERIOD
         self._told = {}
         station.watchdog_failure = f"The watchdog ended (exit code {code})."
@@ -135,9 +138,10 @@ class StationWatchdog:
             process.kill()
 
     def _tell_tokens(self, process: WatchdogProcess) -> None:
-        """Tell which named tokens are new, and which have ended."""
+        """Report the named tokens that are new, and those that have ended."""
         known = self._authenticator
         valid = {} if known is None else known.named.by_digest()
+        # Revoked and expired ones first, so that none is valid for longer than needed.
         for digest in self._told.keys() - valid.keys():
             process.tell_token({"digest": digest, "role": "", "expires": None})
         for digest in valid.keys() - self._told.keys():
@@ -177,7 +181,7 @@ class StationWatchdog:
 
 
 def _status(station: Station) -> dict[str, object]:
-    """Return what an incident tells of the station; takes no lock."""
+    """Return the station's status for an incident; takes no lock."""
     snapshot = station.snapshots.latest()
     if snapshot is None:
         return {}

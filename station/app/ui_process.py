@@ -65,7 +65,7 @@ VIEWER_VARIABLE = "STATION_VIEWER_TOKEN"
 
 @dataclass(frozen=True, slots=True)
 class UiOptions:
-    """What the dashboard is told.
+    """The settings that are handed to the dashboard process.
 
     Attributes:
         api_url: The station's API.
@@ -99,7 +99,7 @@ class UiOptions:
     viewer_token: str = ""
 
     def shown(self) -> str:
-        """Return what the dashboard draws, and with which version of the program."""
+        """Return a text of all that decides whether a running dashboard can stay."""
         first = (self.robot_description, self.arm_id, self.base, self.base_moves)
         drawn = (*first, self.beside)
         told = (self.reconnect_window, self.certificate)
@@ -121,7 +121,7 @@ class UiOptions:
 
 
 class _Process(Protocol):
-    """What is needed of `subprocess.Popen`, of a process that somebody else started."""
+    """The part of `subprocess.Popen` that a process started elsewhere also offers."""
 
     @property
     def pid(self) -> int: ...

@@ -51,6 +51,7 @@ def stop_through_watchdog(url: str, token: str, reason: str) -> WatchdogStop:
         )
         answer = connection.getresponse()
         told = json.loads(answer.read())
+    # ValueError: another program has the port and answers no JSON.
     except (OSError, HTTPException, ValueError) as error:
         raise WatchdogError(
             f"The watchdog at {url} does not answer: {error}.",

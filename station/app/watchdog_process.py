@@ -37,6 +37,8 @@ class WatchdogProcess:
     """
 
     def __init__(self) -> None:
+        # Without a name in the file system: it goes with the last process that has it
+        # open.
         self._page = os.memfd_create("station-heartbeat")
         os.ftruncate(self._page, PAGE_BYTES)
         self.heartbeat = Heartbeat(mmap.mmap(self._page, PAGE_BYTES))
@@ -45,6 +47,8 @@ class WatchdogProcess:
         flags = fcntl.fcntl(self._stacks, fcntl.F_GETFL)
         fcntl.fcntl(self._stacks, fcntl.F_SETFL, flags | os.O_APPEND)
         faulthandler.register(STACK_SIGNAL, file=self._stacks, all_threads=True)
+        # Made here, so that the address stays the same when the watchdog is started
+        # again.
         self._listener = socket.create_server(("127.0.0.1", 0), backlog=32)
         self.url = f"http://127.0.0.1:{self._listener.getsockname()[1]}"
         self._settings: WatchdogSettings | None = None
@@ -67,6 +71,8 @@ class WatchdogProcess:
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,
             pass_fds=inherited,
+            # Ctrl-C in the terminal ends the station in order; the watchdog must
+            # outlive that.
             start_new_session=True,
         )
         pipe = self._process.stdin
@@ -120,7 +126,7 @@ class WatchdogProcess:
         return code
 
     def age(self, now: float) -> float:
-        """Return how long ago the watchdog has looked last; negative while it starts.
+        """Return the time since the watchdog's last look; negative while it starts.
 
         Args:
             now: Monotonic time [s].
@@ -139,6 +145,7 @@ class WatchdogProcess:
         if self._process is not None:
             self._close_pipe()
             try:
+                # The closed pipe tells it to end.
                 self._process.wait(timeout)
             except subprocess.TimeoutExpired:
                 self._process.kill()

@@ -43,7 +43,7 @@ class Failure:
 
 
 def failure_of(error: Exception) -> Failure | None:
-    """Return how to report `error`; None when it is a defect of the program."""
+    """Return the report of `error`; None when it is a defect of the program."""
     if isinstance(error, StationError):
         return Failure(
             error.code, error.message, error.remedy, isinstance(error, UsageError)
@@ -61,7 +61,7 @@ def failure_of(error: Exception) -> Failure | None:
 
 
 def _failure_of_missing(error: ModuleNotFoundError) -> Failure | None:
-    """Return how to report that a package of an extra is missing; None for others."""
+    """Return the report of a missing package of an extra; None for others."""
     missing = missing_extra(error)
     return None if missing is None else failure_of(missing)
 

@@ -54,6 +54,7 @@ def _run(coroutine: Coroutine[Any, Any, R]) -> R:
         RuntimeError: It waits for an event loop.
     """
     try:
+        # Nothing in it waits for an event loop, so it runs to its end in one step.
         coroutine.send(None)
     except StopIteration as end:
         result: R = end.value
@@ -137,6 +138,7 @@ class _BlockingConnection(AsyncConnection):
     ) -> None:
         if transport is None:
             verify = True if tls is None else tls
+            # Without proxies of the environment: a stop must not depend on one.
             transport = _Inline(httpx.HTTPTransport(verify=verify, trust_env=False))
         super().__init__(url, token, timeout, transport, tls)
 
@@ -329,7 +331,7 @@ class ControlLease(_Client[AsyncControlLease]):
 
     @property
     def lost(self) -> ApiError | None:
-        """Why control was lost, see `AsyncControlLease`."""
+        """Return the reason for the loss of control, see `AsyncControlLease`."""
         return self._source.lost
 
     def __enter__(self) -> Self:

@@ -105,12 +105,14 @@ def _outcome(future: "Future[R]") -> R:
     try:
         return future.result()
     except BaseException:
+        # Ctrl-C ends the wait alone; what was waited for must end, too.
         future.cancel()
         raise
 
 
 PORTAL = Portal()
 """The event loop of this process."""
+# A child process has no threads but the one that forked, and so no loop.
 os.register_at_fork(after_in_child=PORTAL.forget)
 
 
@@ -177,6 +179,7 @@ class Stream:
         """End the stream; an iteration under way ends."""
         self._is_closed = True
         if self._receiving is not None:
+            # A thread that waits for a frame wakes up.
             self._receiving.cancel()
         _leave(self, self._source)
 
@@ -283,6 +286,7 @@ class CommandStream:
         sending, self._sending = self._sending, None
         if sending is not None:
             self._offer(None)
+            # The set-points sent before `close` still go out, if the link takes them.
             wait([sending], timeout=CLOSE_TIMEOUT)
             sending.cancel()
         _leave(self, self._source)
@@ -308,6 +312,7 @@ class CommandStream:
         """
         message = written(values, epoch, rates)
         self._source.link()
+        # Sending has failed: the error belongs to the caller of `send`.
         if self._sending is not None and self._sending.done():
             self._sending.result()
         self._offer(message)
@@ -319,6 +324,7 @@ class CommandStream:
         that is there at once: at 1 kHz the program would feel the difference.
         """
         self._pending.append(message)
+        # Otherwise the loop is awake already; waking it costs more than a set-point.
         if len(self._pending) == 1:
             PORTAL.call(self._arrived.set)
 

@@ -59,6 +59,8 @@ class Promptness:
         """Return the header of a change that is sent now; none before an answer."""
         if not self._ahead:
             return {}
+        # The largest difference is that of the quickest answer, hence the best estimate
+        # of the clocks.
         not_after = self._now() + max(self._ahead) + self._within
         return {NOT_AFTER_HEADER: f"{not_after:.3f}"}
 
@@ -104,6 +106,7 @@ class AsyncConnection:
             headers=bearer(token),
             timeout=timeout,
             transport=transport,
+            # Without proxies of the environment: they would see the token.
             trust_env=False,
             verify=True if tls is None else tls,
         )
@@ -152,6 +155,7 @@ class AsyncConnection:
         """
         self.url, self.token, self.lease = url, token, None
         self._http.base_url = httpx.URL(url)
+        # `bearer` is empty without a token, so the old one would stay.
         self._http.headers.pop("Authorization", None)
         self._http.headers.update(bearer(token))
 
@@ -281,6 +285,7 @@ class AsyncConnection:
                     async for part in response.aiter_bytes():
                         file.write(part)
         except httpx.TransportError as error:
+            # Half a file must not pass for a recording.
             target.unlink(missing_ok=True)
             raise StationUnreachableError(self.url, error) from error
 
@@ -295,6 +300,7 @@ class AsyncConnection:
         headers: Mapping[str, str] | None = None,
         patience: float = 0.0,
     ) -> ModelT:
+        # The answer to a long operation may take its time; connecting may not.
         read = self.timeout + patience if math.isfinite(patience) else None
         try:
             response = await self._http.request(
@@ -317,10 +323,12 @@ class AsyncConnection:
 
 def _written(body: BaseModel | Mapping[str, JsonValue]) -> bytes:
     if isinstance(body, BaseModel):
+        # Defaults are the station's: an older client must not fix them.
         return body.model_dump_json(exclude_unset=True).encode()
     return json.dumps(dict(body), allow_nan=False).encode()
 
 
 def segment(name: str) -> str:
     """Return `name` as one segment of a path."""
+    # Names have slashes, which are no separators here.
     return quote(name, safe="")

@@ -162,7 +162,7 @@ class AsyncStationClient(AsyncControllersClient):
         return await self._connection.get("/health", wire.Health)
 
     async def ready(self) -> wire.Ready:
-        """Return when the loop runs with fresh cycles; an error says why not."""
+        """Wait until the loop runs with fresh cycles, or raise the reason why not."""
         return await self._connection.get("/ready", wire.Ready)
 
     async def session(self) -> wire.Session:

@@ -74,7 +74,7 @@ class LoopSection(_Section):
     controller_modules: list[ModuleName]
 
     def longest_update(self) -> float:
-        """Return how long an update may take [s wall time]; infinite for no budget."""
+        """Return the longest allowed update [s wall time]; infinite for no budget."""
         if self.update_budget is None:
             return inf
         if self.update_budget == "period":
@@ -118,7 +118,7 @@ class Controller(_Section):
 
 
 class TlsSection(_Section):
-    """What the server proves with who it is; both files or none.
+    """The certificate and the key of the server; both files or none.
 
     Attributes:
         certificate: PEM file with the certificate chain; None serves without TLS.

@@ -18,7 +18,7 @@ EACH_JOINT = "<joint>"
 
 
 class ParameterType(Enum):
-    """What the value of a parameter is."""
+    """The type of a parameter's value."""
 
     NUMBER = "number"
     BOOLEAN = "boolean"
@@ -31,7 +31,7 @@ class ParameterType(Enum):
 
 
 class NameKind(Enum):
-    """What the strings of a parameter are names of."""
+    """The kind of things that the strings of a parameter name."""
 
     NOTHING = ""
     JOINT = "joint"
@@ -89,7 +89,7 @@ class DeclaredParameter:
 
     @property
     def is_required(self) -> bool:
-        """Whether loading fails when the parameter is absent."""
+        """Return whether loading fails when the parameter is absent."""
         return self.default is None and not self.default_text
 
     def inside(self, namespace: str) -> "DeclaredParameter":

@@ -1,4 +1,4 @@
-"""Which packages of this distribution are extras, and how one of them is installed."""
+"""The extras of this distribution, and the commands that install them."""
 
 import json
 import sys
@@ -54,7 +54,7 @@ class MissingExtraError(StationError, ModuleNotFoundError):
 
 
 def missing_extra(error: ImportError) -> MissingExtraError | None:
-    """Return what to tell about an import that failed; None if no extra brings it.
+    """Return the message for a failed import; None if no extra brings the package.
 
     Args:
         error: The error of the import.
@@ -89,7 +89,7 @@ def install_command(extra: str) -> str:
 
 
 def _origin() -> Mapping[str, object]:
-    """Return where this installation comes from; empty if it is from an index.
+    """Return the origin of this installation; empty if it is from an index.
 
     Source: PyPA specification "Recording the Direct URL Origin of installed
     distributions", `direct_url.json`.

@@ -1,4 +1,4 @@
-"""Whether a quicker way of doing the same still does the same.
+"""A check that a quicker implementation still returns what the slow one does.
 
 A controller may offer a quicker way than its method `update`, an arm than `read_once`.
 A subclass, or a test, that replaces one of these expects to be called in every cycle,

@@ -21,7 +21,7 @@ _LOOK = 0.01
 
 
 def user_folder(name: str) -> Path:
-    """Return where files of this user are kept.
+    """Return the folder of this user's files.
 
     Args:
         name: Name of the folder among the data of the control station.

@@ -153,7 +153,7 @@ class _Loader(yaml.SafeLoader):
 
 @dataclass(frozen=True, slots=True)
 class TextKind:
-    """Where a text comes from, and so how much of it is read.
+    """The origin of a text, which decides how much of it is read.
 
     Attributes:
         characters: Longest text.

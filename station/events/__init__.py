@@ -1,4 +1,4 @@
-"""What happened at a station: kept on disk, told to whoever listens."""
+"""The events of a station: kept on disk, and passed on to listeners."""
 
 from station.events.alarms import (
     Alarm as Alarm,

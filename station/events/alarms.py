@@ -86,6 +86,7 @@ class Alarms:
         """Compare the station with the list: raise what is new, clear what is gone."""
         now = self._log.wall_time()
         with self._lock:
+            # One alarm a subject: a cause that changes its text is the same alarm.
             causes = {cause.subject: cause for cause in self._causes()}
             for alarm in list(self._alarms.values()):
                 if alarm.cleared_at is not None:
@@ -93,6 +94,7 @@ class Alarms:
                 cause = causes.get(alarm.cause.subject)
                 if cause == alarm.cause:
                     del causes[cause.subject]
+                # Nobody has seen it yet, so the new text takes its place.
                 elif cause is not None and alarm.acknowledged_at is None:
                     self._keep(replace(alarm, cause=causes.pop(cause.subject)))
                 else:
@@ -101,6 +103,7 @@ class Alarms:
             for cause in causes.values():
                 self._newest += 1
                 self._alarms[self._newest] = Alarm(self._newest, cause, now)
+            # After the new ones were added: these are never given up for old ones.
             self._bound()
 
     def all(self) -> list[Alarm]:
@@ -130,6 +133,7 @@ class Alarms:
                     "acknowledged leaves when its cause is gone, and one that returns "
                     "has a new number.",
                 )
+            # The first person stays on record.
             if alarm.acknowledged_at is not None:
                 return alarm
             alarm = replace(
@@ -151,6 +155,7 @@ class Alarms:
     def _keep(self, alarm: Alarm) -> None:
         """Put a changed alarm into the list, or take it out when it is done with."""
         self._alarms[alarm.id] = alarm
+        # Gone and seen: only the event log keeps it.
         if alarm.cleared_at is not None and alarm.acknowledged_at is not None:
             del self._alarms[alarm.id]
 

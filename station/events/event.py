@@ -13,7 +13,7 @@ MAX_DETAILS = 4000
 
 @dataclass(frozen=True, slots=True)
 class Origin:
-    """Where an event comes from.
+    """The origin of an event.
 
     Attributes:
         who: Name of the token or person; empty for the station itself.
@@ -39,6 +39,7 @@ def written_details(details: Mapping[str, object]) -> str:
     """
     if not details:
         return "{}"
+    # NaN is no JSON; `_plain` has made it null.
     text = json.dumps(_plain(details), allow_nan=False)
     if len(text) <= MAX_DETAILS:
         return text
@@ -48,6 +49,7 @@ def written_details(details: Mapping[str, object]) -> str:
 def _plain(value: object) -> object:
     """Return a value as JSON has it."""
     if isinstance(value, float):
+        # Neither NaN nor infinite.
         return value if value - value == 0.0 else None
     if isinstance(value, Mapping):
         return {str(key): _plain(each) for key, each in value.items()}

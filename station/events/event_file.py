@@ -48,6 +48,7 @@ class EventFile:
             path, timeout=BUSY_TIMEOUT, check_same_thread=False
         )
         try:
+            # Readers do not wait for the writer, nor the writer for them.
             self._connection.execute("PRAGMA journal_mode = WAL")
             # The log is synchronised at its checkpoints: a power cut may cost the last
             # events, the end of the process costs none.

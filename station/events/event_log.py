@@ -35,7 +35,7 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class EventLogState:
-    """How the event log is doing.
+    """The state of the event log.
 
     Attributes:
         newest_id: Number of the newest event; 0 when there is none.
@@ -127,6 +127,8 @@ class EventLog:
             origin: Who did it, and from where.
         """
         stamp, cycle = self._station_time()
+        # Memory and disk give the same answer, whatever objects the caller has handed
+        # over.
         plain = json.loads(written_details(details or {}))
         with self._lock:
             event = Event(
@@ -264,7 +266,7 @@ class EventLog:
         return found
 
     def state(self) -> EventLogState:
-        """Return how the log is doing."""
+        """Return the state of the log."""
         with self._lock:
             return EventLogState(
                 newest_id=self._newest,
@@ -292,6 +294,7 @@ class EventLog:
     def _queue(self, event: Event) -> None:
         if self._path is None:
             return
+        # The file could not be opened: counted as lost on disk, and still in memory.
         if self._file is None:
             self._lost += 1
             return

@@ -1,4 +1,4 @@
-"""What happens again and again is recorded a few times and then counted."""
+"""Repeated events: recorded a few times and then counted."""
 
 import threading
 from collections.abc import Callable

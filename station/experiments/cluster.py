@@ -77,7 +77,7 @@ class ClusterExecutor(Executor):
 
     @property
     def worker_count(self) -> int:
-        """How many workers get work."""
+        """Return the number of workers that get work."""
         return max(1, len(self._good))
 
     @override
@@ -118,7 +118,7 @@ class ClusterExecutor(Executor):
             )
 
     def _difference(self, worker: str, answer: object) -> str | None:
-        """Return why a worker does not fit; None when it does."""
+        """Return the reason why a worker does not fit; None when it does."""
         if not isinstance(answer, Identity):
             return (
                 f"Worker {worker} cannot run these trials: {answer}. Install the "

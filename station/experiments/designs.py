@@ -1,4 +1,4 @@
-"""Which values the trials of a sweep have: ranges, and points within them."""
+"""The values for the trials of a sweep: ranges, and points within them."""
 
 import itertools
 import math

@@ -1,4 +1,4 @@
-"""What makes a simulated robot differ from its model: load, friction, delay, noise."""
+"""Deviations of a simulated robot from its model: load, friction, delay, noise."""
 
 import math
 from collections import deque

@@ -1,4 +1,4 @@
-"""What was asked for, made ready to run: one way for the command line and the API."""
+"""A request made ready to run: one way for the command line and the API."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
@@ -115,7 +115,7 @@ class Experiment(ABC):
 
     @property
     def stopped(self) -> str:
-        """Why it ended, if there is something to say; empty if not."""
+        """Return the reason for the end; empty if there is none to state."""
         return ""
 
     @abstractmethod
@@ -358,7 +358,7 @@ def _changed(
 
 
 def _script(world: TrialWorld, request: ExperimentRequest) -> Script:
-    """Return what the trials do.
+    """Return the script of the trials.
 
     Raises:
         UnknownParameterError: The controller has no such joint.

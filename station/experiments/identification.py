@@ -193,7 +193,7 @@ def _solve(regressors: Array, target: Array, noise: float) -> tuple[Array, Array
 
 
 def _model_error(regressors: Array, target: Array, free: Array, noise: float) -> Array:
-    """Return how far parts of the motion put each parameter apart, shape (3,).
+    """Return the spread of each parameter between parts of the motion, shape (3,).
 
     Friction that is no line over the speed, elasticity and coupling that the model
     lacks are the same at every repetition: residuals do not show how far they draw a
@@ -223,7 +223,7 @@ def _white_noise(values: Array) -> float:
 
 
 def _without(known: Array, values: Array) -> Array:
-    """Return what of the columns of `values` the columns of `known` do not explain."""
+    """Return the part of `values` that the columns of `known` do not explain."""
     scale = np.linalg.norm(known, axis=0)
     scaled = known / np.where(scale > 0.0, scale, 1.0)
     explained, *_ = np.linalg.lstsq(scaled, values, rcond=None)

@@ -1,4 +1,4 @@
-"""Where trials run on this machine: in processes of low priority, or in this one."""
+"""Executors of trials on this machine: processes of low priority, or this one."""
 
 import os
 import signal
@@ -119,7 +119,7 @@ def make_pool(workers: int | None = None) -> Executor:
 
 
 def worker_count(executor: Executor) -> int:
-    """Return how many trials an executor can run at the same time, as far as known."""
+    """Return the number of trials that an executor runs at once, if known."""
     for name in ("worker_count", "_max_workers"):
         known = getattr(executor, name, None)
         if isinstance(known, int):
@@ -128,11 +128,11 @@ def worker_count(executor: Executor) -> int:
 
 
 def losses(executor: Executor) -> tuple[type[BaseException], ...]:
-    """Return what a future ends with when the process that had its work died."""
+    """Return the exception types of a future whose worker process has died."""
     return (BrokenProcessPool, *getattr(executor, "worker_losses", ()))
 
 
 def refusals(executor: Executor) -> Mapping[str, str]:
-    """Return why workers get no work, by their addresses; empty for local processes."""
+    """Return the reasons for giving workers no work, by address; empty if local."""
     found: Mapping[str, str] = getattr(executor, "refused", {})
     return found

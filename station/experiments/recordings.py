@@ -26,7 +26,7 @@ _POSITION = f"{_JOINTS}position/"
 
 
 def recorded_script(path: Path, controller: str) -> Script:
-    """Return what a controller was asked for in a recording, as a script.
+    """Return a controller's recorded requests as a script.
 
     The script has its set-points in the longest time in which the controller ran
     without a break, a reset or a stop, and begins where the joints were then, at rest.

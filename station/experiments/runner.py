@@ -26,7 +26,7 @@ _DEATHS = 5
 
 @dataclass(slots=True)
 class Progress:
-    """How far an experiment is.
+    """The progress of an experiment.
 
     Attributes:
         total: How many trials it has.

@@ -287,7 +287,7 @@ class TrialWorld:
         self._world.push(WorldPush(push.link, push.force), steps)
 
     def _why_ended(self, controller: str) -> str | None:
-        """Return why the controller does not run any more; None while it runs."""
+        """Return the reason why the controller has stopped; None while it runs."""
         facade = self.station.facade
         if self._world.diverged_because is not None:
             return self._world.diverged_because

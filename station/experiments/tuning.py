@@ -50,7 +50,7 @@ class Tuned:
 
 @dataclass(frozen=True, slots=True)
 class Search:
-    """How the search is done.
+    """The options of a search.
 
     Attributes:
         trials: Most trials, the first one among them, >= 2; a generation that does
@@ -193,7 +193,7 @@ def _begin(
 
 
 class _Space:
-    """Where a search looks: the logarithms of factors on the gains.
+    """The space of a search: the logarithms of factors on the gains.
 
     Args:
         gains: The gains at which it begins, by parameter, > 0.

@@ -46,7 +46,7 @@ class Check:
 
 @dataclass(frozen=True, slots=True)
 class Scorecard:
-    """What was seen of a robot.
+    """The results of a robot's checks.
 
     Attributes:
         robot: What was checked.
@@ -60,7 +60,7 @@ class Scorecard:
 
     @property
     def is_good(self) -> bool:
-        """Whether no check failed."""
+        """Return whether no check failed."""
         return all(check.outcome != "failed" for check in self.checks)
 
     def to_html(self) -> str:

@@ -1,4 +1,4 @@
-"""What runs in a worker process: trials, in worlds that are kept from one to the next.
+"""The work of a worker process: trials, in worlds that it keeps between them.
 
 Only plain text travels to a worker and back, so that any executor can carry it.
 """
@@ -34,7 +34,7 @@ _worlds: "OrderedDict[str, TrialWorld]" = OrderedDict()
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """What must be the same wherever the trials of an experiment run.
+    """The facts that must be equal on all machines that run an experiment's trials.
 
     Attributes:
         station: Version of the station, and a digest of its arithmetic.
@@ -49,7 +49,7 @@ class Identity:
 
 
 def identity(setup_text: str) -> Identity:
-    """Return what this process would run trials with.
+    """Return the identity of this process as a place for trials.
 
     Raises:
         StationError: The setup cannot be used here.

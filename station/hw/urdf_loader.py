@@ -46,7 +46,7 @@ def load_urdf(files: RobotFiles) -> Urdf:
 
 
 def _find_remedy(urdf: Urdf, joint: Joint) -> str:
-    """Return what to do about a joint that cannot be simulated."""
+    """Return the remedy for a joint that cannot be simulated."""
     kind = joint.type
     if kind in _SIMULATED:
         return f"Correct the joint '{joint.name}' of the URDF."
@@ -63,7 +63,7 @@ def _find_remedy(urdf: Urdf, joint: Joint) -> str:
 
 
 def _find_problem(joint: Joint) -> str | None:
-    """Return why a joint cannot be simulated, or None if it can."""
+    """Return the reason why a joint cannot be simulated, or None if it can."""
     if joint.type not in _SIMULATED:
         allowed = ", ".join(kind.value for kind in _SIMULATED)
         return (

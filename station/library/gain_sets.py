@@ -39,7 +39,7 @@ class GainSet:
 
 
 def default_folder() -> Path:
-    """Return where the gain sets of this user are kept."""
+    """Return the folder of this user's gain sets."""
     return user_folder(_KIND.folder)
 
 
@@ -58,7 +58,7 @@ class GainSets:
 
     @property
     def folder(self) -> Path:
-        """Where the files are."""
+        """Return the folder of the files."""
         return self._files.folder
 
     def names(self) -> list[str]:
@@ -115,7 +115,7 @@ class GainSets:
         return found
 
     def differences(self, name: str) -> list[GainDifference]:
-        """Return where a set differs from the gains in force of its controllers.
+        """Return the differences between a set and the gains in force.
 
         Raises:
             GainSetNotFoundError: There is no set of that name.

@@ -14,7 +14,7 @@ _SHORTEST = 0.1
 
 @dataclass(frozen=True, slots=True)
 class PathPlan:
-    """How joints go along the waypoints of a path.
+    """The motion of joints along the waypoints of a path.
 
     Attributes:
         path: Name of the path.
@@ -32,7 +32,7 @@ class PathPlan:
 
     @property
     def times(self) -> list[float]:
-        """When the joints are at each waypoint [s], shape (k,)."""
+        """Return the times at which the joints pass each waypoint [s], shape (k,)."""
         return [state.time_from_start for state in self.states]
 
     def goal(self) -> dict[str, object]:

@@ -22,7 +22,7 @@ LOOK_PERIOD = 0.05
 
 @dataclass(frozen=True, slots=True)
 class PlayOptions:
-    """How a path is played.
+    """The options of playing a path.
 
     Attributes:
         controller: The trajectory controller; None for the one that runs and moves a
@@ -94,7 +94,7 @@ class PathPlayer:
         self._turn = 0
 
     def state(self) -> Playback | None:
-        """Return what plays or played last; None when nothing was played yet."""
+        """Return the path that plays or played last; None before the first."""
         with self._lock:
             self._look()
             return self._playback
@@ -280,7 +280,7 @@ class PathPlayer:
                 )
 
     def _since(self) -> Mapping[str, float]:
-        """Return where the way to the present waypoint began, by joint."""
+        """Return the start of the way to the present waypoint, by joint."""
         if self._playback is None or self._path is None or self._round is None:
             return {}
         number = self._playback.waypoint

@@ -114,7 +114,7 @@ class WaypointPaths:
             return found
 
     def present_positions(self) -> dict[str, float]:
-        """Return where the joints of the trajectory controllers are [rad or m].
+        """Return the positions of the trajectory controllers' joints [rad or m].
 
         Raises:
             LoopError: No cycle has run yet.

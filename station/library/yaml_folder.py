@@ -27,7 +27,7 @@ _REMEDY = "Correct or delete the file, or save it anew."
 
 @dataclass(frozen=True, slots=True)
 class FileKind:
-    """What the files of a folder are.
+    """The kind of files in a folder.
 
     Attributes:
         noun: What one of them is called in messages, e.g. `gain set`.
@@ -62,7 +62,7 @@ class YamlFolder:
 
     @property
     def folder(self) -> Path:
-        """Where the files are."""
+        """Return the folder of the files."""
         return self._folder or user_folder(self._kind.folder)
 
     def names(self) -> list[str]:
@@ -74,7 +74,7 @@ class YamlFolder:
         return sorted(name for name in found if _NAME.fullmatch(name))
 
     def read(self, name: str) -> Mapping[str, object]:
-        """Return what a file has.
+        """Return the content of a file.
 
         Raises:
             StationError: There is no such file, or it cannot be read or has no mapping;

@@ -43,7 +43,7 @@ def runtime_directory() -> Path:
 
 
 def process_start(pid: int) -> str:
-    """Return when a process started, in the system's own terms.
+    """Return the start time of a process, in the system's own terms.
 
     Returns:
         Empty for a process that has ended, its parent knowing or not.

@@ -1,4 +1,4 @@
-"""Whether all numbers of some memory are finite."""
+"""A check that all numbers of some memory are finite."""
 
 from station.memory.doubles import Doubles
 from station.memory.vectors import are_finite

@@ -1,4 +1,4 @@
-"""What is done to many doubles at once.
+"""Operations on many doubles at once.
 
 Compiled, these are loops, which take a tenth of the time of Python's own operations on
 memory; interpreted it is the other way round.

@@ -17,6 +17,7 @@ from typing import Any
 Values = dict[str, Any]
 """A message: values by field, with messages in it likewise."""
 
+# Version 1 of CDR, little-endian; alignment counts from behind these four bytes.
 _ENCAPSULATION = b"\x00\x01\x00\x00"
 _PRIMITIVES = {
     "bool": "?",
@@ -294,12 +295,13 @@ class Form:
 
     def fits(self, data: bytes) -> bool:
         """Return whether a message has this form."""
+        # The cheapest test first: messages of another form mostly have another length.
         if len(data) != self._size:
             return False
         return all(data[begin:end] == text for begin, end, text in self._texts)
 
     def reader(self, wanted: Sequence[int]) -> Callable[[bytes], tuple[float, ...]]:
-        """Return what reads some of the numbers from messages of this form.
+        """Return a reader of some of the numbers in messages of this form.
 
         Args:
             wanted: Places among `names`, growing.
@@ -355,6 +357,7 @@ class Form:
         end = reader.at
         if begin == end:
             return
+        # Texts side by side are compared as one.
         if self._texts and self._texts[-1][1] == begin:
             begin = self._texts.pop()[0]
         self._texts.append((begin, end, bytes(reader.data[begin:end])))
@@ -383,6 +386,7 @@ class _Reader:
         return value
 
     def take_doubles(self, size: int) -> list[float]:
+        # An empty array has no elements to align.
         if not size:
             return []
         self.at += -(self.at - 4) % _DOUBLE
@@ -392,6 +396,7 @@ class _Reader:
 
     def take_text(self) -> str:
         size = self.take("I")
+        # Without the zero at its end, which counts.
         text = self.data[self.at : self.at + size - 1]
         self.at += size
         return bytes(text).decode()
@@ -404,6 +409,7 @@ class _Reader:
         """
         size = struct.calcsize(code)
         self.at += -(self.at - 4) % size + size
+        # A damaged length must not read beyond the message.
         if self.at > len(self.data):
             raise struct.error("the message ends too early")
         return self.at
@@ -431,12 +437,14 @@ def _read_fields(text: str) -> tuple[Field, ...]:
     """
     fields = []
     for line in map(str.strip, text.splitlines()):
+        # A line with `=` is a constant, which no message carries.
         if not line or line.startswith("#") or "=" in line:
             continue
         found = _FIELD.fullmatch(line)
         if found is None:
             raise ValueError(f"{line!r} is no field of a message.")
         kind, array, name = found.groups()
+        # -1: as many elements as the message says.
         length = None if array is None else int(array[1:-1] or -1)
         fields.append(Field(name, kind, length))
     return tuple(fields)

@@ -49,6 +49,7 @@ class CycleMessages:
 
     def stamp(self, time: float) -> int:
         """Return the wall time of a station time [ns since 1970]."""
+        # Station time goes on evenly; the wall clock may be set while the station runs.
         return self.origin + round(time * 1e9)
 
     def of_row(self, row: Row) -> Iterator[Message]:

@@ -12,6 +12,7 @@ from typing import NamedTuple
 from station.core.control.controller import unpack_sample
 from station.core.loop.snapshot import Record
 
+# Cycle, epoch, time, period, number of the form, bytes of the joints.
 _HEAD = struct.Struct("<QQddII")
 _COLUMNS = 4
 _DOUBLE = 8
@@ -30,7 +31,7 @@ class SampleForm(NamedTuple):
 
 
 class RowForm(NamedTuple):
-    """What is the same in many cycles.
+    """The layout that many cycles share.
 
     Attributes:
         mode: The robot's mode.
@@ -113,6 +114,8 @@ class RowPacker:
 
     def forget_forms(self) -> None:
         """Ask anew for the elements of each controller: one was loaded or unloaded."""
+        # The rows in memory still have the numbers of the old forms, so these stay in
+        # the list.
         self._indices.clear()
 
     def _add_form(
@@ -122,6 +125,7 @@ class RowPacker:
         for name, size in zip(names, sizes, strict=True):
             known, count = self._elements(name), size // (_COLUMNS * _DOUBLE)
             numbered = (str(number) for number in range(count))
+            # A controller may sample another number of elements than it has joints.
             elements = tuple(known) if len(known) == count else tuple(numbered)
             forms.append(SampleForm(name, elements))
         self._forms.append(RowForm(mode, self._joints, tuple(forms), sizes))

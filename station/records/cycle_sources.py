@@ -1,4 +1,4 @@
-"""What a recording has besides the snapshots, sampled in the cycles while it runs."""
+"""Sources of a recording besides the snapshots, sampled in the cycles."""
 
 from abc import ABC, abstractmethod
 from array import array
@@ -44,7 +44,7 @@ class CycleSource(ABC, Generic[SampleT]):
 
     @abstractmethod
     def sample(self) -> SampleT:
-        """Return what is kept of a cycle; control thread, must not wait."""
+        """Return the sample of a cycle; control thread, must not wait."""
 
     @abstractmethod
     def message(
@@ -81,7 +81,7 @@ class CycleSource(ABC, Generic[SampleT]):
 
     @property
     def failure(self) -> str | None:
-        """Why no cycle is sampled any more; None while all is well."""
+        """Return the reason why sampling has ended; None while it goes on."""
         return self._tap.failure
 
     def take(
@@ -102,8 +102,10 @@ class CycleSource(ABC, Generic[SampleT]):
         """
         taken, lost = self._tap.read_since(self._cycle)
         if taken:
+            # What was lost is reported once.
             self._cycle = taken[0].cycle - 1
         for one in taken:
+            # The rest waits for its cycle's row, so that messages are in order.
             if one.cycle > until:
                 break
             for message in self.message(encoder, one.stamp, one.sample):
@@ -175,5 +177,6 @@ def sources_of(station: Station) -> list[CommandSource | ArmSource]:
 
 def _memory(group: JointGroup) -> bytes:
     if group.commands is not None:
+        # Commands side by side are copied in one piece.
         return group.commands.tobytes()
     return array("d", group.get_commands()).tobytes()

@@ -79,6 +79,7 @@ def csv_pieces(
         RecordingRefusedError: The recording does not have what is wanted; likewise.
     """
     table = RecordingTable(path, choice, pause)
+    # Before the first piece: an error after it would cut an answer off.
     table.check()
     return _csv_pieces(table)
 
@@ -91,6 +92,8 @@ def _csv_pieces(table: RecordingTable) -> Iterator[str]:
         writer.writerow(row)
         if number % _ROWS == 0:
             yield buffer.getvalue()
+            # The buffer is used again, so that a large table needs no more memory than
+            # a piece.
             buffer.seek(0)
             buffer.truncate()
     yield buffer.getvalue()
@@ -112,6 +115,7 @@ def _columns(table: RecordingTable) -> Columns:
 
 
 def _write_csv(table: RecordingTable, target: Path) -> None:
+    # `x`: an existing file is never overwritten.
     with target.open("x", newline="", encoding="utf-8") as file:
         file.writelines(_csv_pieces(table))
 

@@ -33,11 +33,14 @@ class IncidentWatch:
         self._last_burst = -BURST_PAUSE
 
     def look(self, row: Row) -> list[str]:
-        """Return what went wrong in a cycle, one sentence each."""
+        """Return the incidents of a cycle, one sentence each."""
         causes = []
+        # Mode and controllers are the form, so nothing of them is compared in a usual
+        # cycle.
         if row.form is not self._form:
             self._form = row.form
             causes += self._look_at_form(row.form)
+        # Between one period and two: rounding must not count as a skipped deadline.
         if row.period > 1.5 * self._period:
             causes += self._skipped(row)
         return causes
@@ -45,6 +48,7 @@ class IncidentWatch:
     def _look_at_form(self, form: RowForm) -> list[str]:
         causes = []
         if form.mode != self._mode:
+            # A recording that begins during a reflex is no incident.
             if form.mode in REFLEX_MODES and self._mode is not None:
                 causes.append(f"The robot went from {self._mode} to {form.mode}.")
             self._mode = form.mode
@@ -54,8 +58,9 @@ class IncidentWatch:
         return causes
 
     def look_at_stop(self) -> list[str]:
-        """Return why the station was stopped since the last call; once per batch."""
+        """Return the reason for a stop since the last call; once per batch."""
         latch = self._station.loop.stop_latch
+        # Stops are told apart by the cycle that carried them out.
         if latch.cycle == self._stop_cycle:
             return []
         self._stop_cycle = latch.cycle
@@ -72,9 +77,11 @@ class IncidentWatch:
 
     def _skipped(self, row: Row) -> list[str]:
         count = round(row.period / self._period) - 1
+        # No more than the deque holds, however long the gap.
         self._skips.extend([row.time] * min(count, BURST))
         if len(self._skips) < BURST or row.time - self._skips[0] > BURST_WINDOW:
             return []
+        # The same deadlines must not make a second burst.
         self._skips.clear()
         if row.time - self._last_burst < BURST_PAUSE:
             return []

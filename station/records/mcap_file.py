@@ -33,6 +33,7 @@ class DiskFile:
     """
 
     def __init__(self, path: Path) -> None:
+        # Recordings are for their user alone; an existing file is never written over.
         self._descriptor = os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600)
         # Another station of this user must neither recover nor delete it meanwhile.
         try_lock(self._descriptor)
@@ -144,9 +145,11 @@ class McapFile:
     def write_out(self) -> None:
         """Write to the disk what is complete; `failure` says why not."""
         data = memoryview(self._buffer.take())
+        # After a failed write the file has a gap. More data would only hide it.
         if self.failure is not None:
             return
         try:
+            # A full disk may take a part.
             while data:
                 data = data[self.disk.write(data) :]
         except OSError as error:
@@ -154,6 +157,7 @@ class McapFile:
 
     def close(self) -> None:
         """Write the rest, with an index of the whole, and close the file."""
+        # First: it puts the index into the buffer.
         self._writer.close()
         for channel in self._channels.values():
             channel.close()

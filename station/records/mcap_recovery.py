@@ -59,7 +59,7 @@ class Loss:
 
 @dataclass(frozen=True, slots=True)
 class Recovered:
-    """What a recovery found.
+    """The findings of a recovery.
 
     Attributes:
         is_changed: Whether the file was changed; a whole file is left as it is.
@@ -87,12 +87,13 @@ class Recovered:
 
     @property
     def lost_cycles(self) -> int:
-        """How many cycles between its first and its last are not in the file."""
+        """Return the number of missing cycles between the first and the last."""
         between = self.last_cycle - self.first_cycle + 1
+        # Cycles have consecutive numbers, so what is missing is known.
         return max(0, between - self.cycles) if self.cycles else 0
 
     def text(self) -> str:
-        """Return what was lost, in sentences; empty if nothing was."""
+        """Return a description of the loss, in sentences; empty if nothing was lost."""
         sentences = []
         if self.losses:
             times = ", ".join(self._told(loss) for loss in self.losses)
@@ -136,6 +137,7 @@ def recover_file(path: Path, pause: Callable[[], None] = lambda: None) -> Recove
     try:
         with os.fdopen(open_regular(path, os.O_RDWR), "r+b") as file:
             _lock(path, file)
+            # Before the scan: a file that is no recording must not be changed.
             has_magic = _check_magic(path, file)
             content = McapScan(file, pause).run()
             if content.is_whole and has_magic:
@@ -210,6 +212,7 @@ def _mend(file: BinaryIO, content: Content) -> None:
             if not (len(data) == room or len(data) <= room - HEAD.size):
                 chunk.index.message_index_offsets.clear()
                 chunk.index.message_index_length = 0
+    # What comes after the last whole record is replaced by a new index.
     file.truncate(content.end)
     file.seek(0, io.SEEK_END)
     file.write(tail)
@@ -221,6 +224,7 @@ def _fill(file: BinaryIO, begin: int, end: int, wanted: list[bytes]) -> None:
     data = b""
     for record in wanted:
         left = end - begin - len(data) - len(record)
+        # The rest of the span becomes a record to skip, which needs a head of its own.
         if left == 0 or left >= HEAD.size:
             data += record
     left = end - begin - len(data)
@@ -298,13 +302,14 @@ def _ending(content: Content, begin: int) -> bytes:
     body = _bytes(builder)
     builder = RecordBuilder()
     Footer(summary_crc=0, summary_offset_start=0, summary_start=summary).write(builder)
+    # The checksum covers the footer up to itself.
     footer = _bytes(builder)[:-4]
     checksum = zlib.crc32(body + footer).to_bytes(4, "little")
     return data_end + body + footer + checksum + MAGIC
 
 
 def _found(content: Content, dropped: int, *, is_changed: bool) -> Recovered:
-    """Return what there is to tell of a file."""
+    """Return the findings in a file."""
     spans = [span for span in content.spans if span.has_messages]
     cycles = next(
         (n for n, one in content.channels.items() if one.topic == _CYCLES), None
@@ -346,7 +351,7 @@ def _loss(content: Content, span: Span) -> Loss:
 
 
 def _lost_messages(content: Content, spans: list[Span]) -> int | None:
-    """Return how many messages were in damaged chunks; None when nothing says so."""
+    """Return the number of messages in damaged chunks; None if it is unknown."""
     if not spans:
         return 0
     kept = sum(content.counts.values())

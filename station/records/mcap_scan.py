@@ -93,7 +93,7 @@ class Span:
 
 @dataclass
 class Content:
-    """What a file holds.
+    """The content of a file.
 
     Attributes:
         end: Offset behind the last whole record of the data.
@@ -145,7 +145,7 @@ class McapScan:
         self._content = Content()
 
     def run(self) -> Content:
-        """Return what the file holds."""
+        """Return the content of the file."""
         content, at = self._content, len(MAGIC)
         while at < self._size:
             self._pause()
@@ -186,6 +186,7 @@ class McapScan:
         elif opcode == Opcode.DATA_END:
             (checksum,) = struct.unpack("<I", data)
             content.has_end = True
+            # Zero means that the writer has computed none.
             is_as_written = checksum in {0, self._checksum}
             is_damaged = content.spans or content.missing_indexes
             content.is_whole = is_as_written and not is_damaged
@@ -204,6 +205,7 @@ class McapScan:
         held_at = name_at + 4 + length
         (held,) = struct.unpack_from("<Q", data, held_at)
         records = data[held_at + 8 :]
+        # A station writes nothing else.
         if held != len(records) or compression not in {"", "lz4"}:
             return None
         if compression:
@@ -231,7 +233,7 @@ class McapScan:
         return self._take_indexes(chunk)
 
     def _messages_of(self, records: bytes) -> dict[int, list[tuple[int, int]]]:
-        """Return where the messages of a chunk are, and keep what describes them."""
+        """Return the positions of a chunk's messages, and keep their descriptions."""
         content, at = self._content, 0
         entries: dict[int, list[tuple[int, int]]] = {}
         last: dict[int, tuple[int, int, int]] = {}
@@ -242,6 +244,8 @@ class McapScan:
                 channel, number, stamp, _ = MESSAGE.unpack_from(records, at)
                 entries.setdefault(channel, []).append((stamp, begin))
                 last[channel] = (number, at, at + length)
+                # First and last message of a channel say how long the recording is,
+                # without reading all again.
                 if channel not in content.first_of:
                     content.first_of[channel] = _message(records, at, at + length)
             else:
@@ -320,7 +324,7 @@ class McapScan:
                 return
 
     def _next_whole(self, at: int) -> int:
-        """Return where the next whole record begins; the file's size without one."""
+        """Return the start of the next whole record; the file's size without one."""
         body = self._body(at)
         if body is not None:
             end = at + HEAD.size + len(body[1])
@@ -333,7 +337,9 @@ class McapScan:
         return self._search(at + 1)
 
     def _search(self, at: int) -> int:
-        """Return where the next chunk, or the end of the data, can be found."""
+        """Return the start of the next chunk, or of the end of the data."""
+        # Longer than what the pattern matches, so that a head across two blocks is
+        # found.
         overlap = 64
         while at < self._size:
             self._pause()

@@ -49,7 +49,7 @@ RECORDING, STOPPED, FAILED, RECOVERED = "recording", "stopped", "failed", "recov
 
 @dataclass(frozen=True, slots=True)
 class RecordingInfo:
-    """What is known of a recording.
+    """The description of a recording.
 
     Attributes:
         identifier: Its name in the folder.
@@ -84,7 +84,7 @@ class RecordingInfo:
 
 @dataclass(frozen=True, slots=True)
 class Quota:
-    """How much a folder may hold.
+    """The limits of a folder's size.
 
     Attributes:
         bytes: Most bytes of all files together.
@@ -207,7 +207,7 @@ class RecordStore:
         return [info for info in found if info is not None]
 
     def skipped(self) -> list[str]:
-        """Return which descriptions in the folder cannot be used, and why."""
+        """Return the unusable descriptions in the folder, each with the reason."""
         found = []
         for path in self._descriptions():
             try:
@@ -251,7 +251,7 @@ class RecordStore:
         )
 
     def file(self, identifier: str) -> Path:
-        """Return where the file of a recording is."""
+        """Return the path of a recording's file."""
         return self.folder / f"{identifier}.mcap"
 
     def delete(self, identifier: str) -> RecordingInfo:
@@ -305,7 +305,7 @@ class RecordStore:
             )
 
     def interrupted(self) -> list[str]:
-        """Return which recordings a killed station has left, by identifier."""
+        """Return the recordings that a killed station has left, by identifier."""
         found = []
         for path in self._descriptions():
             with suppress(OSError, ValueError):
@@ -439,7 +439,7 @@ def default_folder() -> Path:
 
 
 def _checked(values: Mapping[str, object]) -> RecordingInfo:
-    """Return what a description says.
+    """Return the content of a description.
 
     Raises:
         ValueError: A value is of another type than it should be.

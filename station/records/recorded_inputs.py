@@ -1,4 +1,4 @@
-"""What was asked of a station since its first cycle, as a recording keeps it."""
+"""The inputs of a station since its first cycle, as a recording keeps them."""
 
 import json
 from collections.abc import Callable, Iterable, Mapping

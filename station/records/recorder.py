@@ -203,7 +203,7 @@ class Recorder:
         return self.last
 
     def info(self, identifier: str) -> RecordingInfo:
-        """Return what is known of a recording now.
+        """Return the present description of a recording.
 
         Args:
             identifier: Which one; or its name, if no other one has it.

@@ -118,7 +118,7 @@ def read_messages(
 
 
 def read_facts(path: Path) -> Mapping[str, str]:
-    """Return what a recording says about itself.
+    """Return a recording's description of itself.
 
     Raises:
         RecordingFileError: The file is no whole recording.
@@ -138,7 +138,7 @@ def read_texts(path: Path, topic: str) -> list[str]:
 
 
 def read_inputs(path: Path) -> list[dict[str, object]]:
-    """Return what was asked of the station, in the order of its cycles."""
+    """Return the inputs of the station, in the order of its cycles."""
     return [json.loads(text) for text in read_texts(path, "/inputs")]
 
 

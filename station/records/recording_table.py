@@ -37,7 +37,7 @@ Row = tuple[float, ...]
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """What of a recording is wanted.
+    """The selected part of a recording.
 
     Attributes:
         channels: Channels, or channels with a field, e.g. `joint_states` or
@@ -67,7 +67,7 @@ class Choice:
 
 @dataclass(slots=True)
 class _Reading:
-    """How messages of one form become cells of a row."""
+    """The conversion of one form of messages into the cells of a row."""
 
     form: Form
     read: Callable[[bytes], Row]
@@ -250,7 +250,7 @@ class RecordingTable:
 
 
 def _every(rate: float | None) -> Callable[[int], bool]:
-    """Return what says for each cycle, in their order, whether its row is wanted."""
+    """Return a filter that says of each cycle, in order, whether its row is kept."""
     if rate is None:
         return lambda _: True
     first: int | None = None

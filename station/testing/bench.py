@@ -151,7 +151,7 @@ class Bench:
         )
 
     def status(self, name: str) -> ControllerStatus:
-        """Return what people are told about a controller.
+        """Return the status of a controller, for people.
 
         Raises:
             ControllerNotFoundError: No controller of that name is loaded.
@@ -164,7 +164,7 @@ class Bench:
         return self.manager.get_controller(name).state.value
 
     def fault(self, name: str) -> str | None:
-        """Return why a controller was stopped; None if it was not."""
+        """Return the fault that stopped a controller; None if there was none."""
         return self.status(name).fault
 
     def commands(self) -> list[float]:

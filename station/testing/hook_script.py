@@ -14,12 +14,12 @@ Answer = Literal["DONE", "ONGOING", "ERROR", "raise"]
 
 
 class HookError(RuntimeError):
-    """What a hook raises that was told to raise."""
+    """The error of a hook that is scripted to raise."""
 
 
 @dataclass
 class HookScript:
-    """What the hooks of one robot answer; may be changed between two cycles.
+    """The scripted answers of one robot's hooks; may be changed between two cycles.
 
     A hook that is told to fail does so before the robot's own hook is called, so that
     nothing has changed in the robot.

@@ -133,7 +133,7 @@ class SwitchObserver:
         return self._running[max(bisect_right(self._cycles, cycle) - 1, 0)]
 
     def untruth(self, result: SwitchResult) -> str | None:
-        """Return what an answer to a switch says that was not so; None if it is true.
+        """Return a false statement in the answer to a switch; None if all is true.
 
         Args:
             result: The answer; its cycle must have been looked at.
@@ -248,7 +248,7 @@ class SwitchObserver:
 
 
 class _Mirror:
-    """What one robot was told about running controllers.
+    """One robot's knowledge of the running controllers.
 
     Args:
         robot: The robot; it may be part of a combined one.
@@ -276,7 +276,7 @@ class _Mirror:
         robot.do_switch = watched_do_switch  # type: ignore[method-assign]
 
     def difference(self, running: Sequence[ControllerInfo]) -> str | None:
-        """Return what the robot was told wrongly; None if nothing.
+        """Return a running controller the robot knows wrongly; None if there is none.
 
         Args:
             running: The controllers that run.

@@ -1,1 +1,1 @@
-"""What a trial is and what came out of it; needs no simulator."""
+"""Trials and their results; needs no simulator."""

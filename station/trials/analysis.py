@@ -1,4 +1,4 @@
-"""What the trials of an experiment say together: the best, a summary, a comparison."""
+"""The analysis of an experiment: the best trial, a summary, a comparison."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -30,7 +30,7 @@ _COMMAND = (sys.executable, "-m", "station.experiments")
 
 @dataclass(frozen=True, slots=True)
 class RunState:
-    """How far the experiment is that runs, or that ran last.
+    """The progress of the running experiment, or of the last one.
 
     Attributes:
         name: Its name.
@@ -83,7 +83,7 @@ class BackgroundExperiments:
 
     @property
     def state(self) -> RunState | None:
-        """How far the experiment is that runs, or that ran last; None before any."""
+        """Return the progress of the running or last experiment; None before any."""
         state = self._state
         if state is None or state.state != RUNNING:
             return state
@@ -239,5 +239,5 @@ class BackgroundExperiments:
 
 
 def spare_processors() -> int:
-    """Return how many processors a station may lend: all but one, one at least."""
+    """Return the processors a station may lend: all but one, at least one."""
     return max(1, len(os.sched_getaffinity(0)) - 1)

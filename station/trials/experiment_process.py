@@ -92,7 +92,7 @@ class ExperimentProcess:
         _check(json.loads(line))
 
     def lines(self) -> Iterator[dict[str, Any]]:
-        """Return what the process tells, as it does, until it ends."""
+        """Return the lines of the process as it prints them, until it ends."""
         with self._told:
             for line in self._told:
                 if line.endswith("\n"):  # that of a killed process may be cut off

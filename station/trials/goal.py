@@ -1,4 +1,4 @@
-"""What makes a trial better than another one."""
+"""The goal of a search: the measure by which trials are compared."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -62,7 +62,7 @@ class Bound:
 
 @dataclass(frozen=True, slots=True)
 class Goal:
-    """What a better trial is.
+    """The measure by which one trial is better than another.
 
     Args:
         weights: Weight of each metric in the cost, > 0. Metrics count relative to those

@@ -182,7 +182,7 @@ class LiveBench:
         return begin, element.unit
 
     def _elements(self, controller: str) -> list[SetPointElement]:
-        """Return what a controller commands, which is positions of joints.
+        """Return the commanded elements of a controller, which are joint positions.
 
         Raises:
             InvalidCommandError: It commands something else.
@@ -261,7 +261,7 @@ class LiveBench:
             )
 
     def _range(self, element: SetPointElement) -> tuple[float, float]:
-        """Return where the set-point of a joint may be."""
+        """Return the allowed range of a joint's set-point."""
         low, high = element.minimum, element.maximum
         for report in self._station.loop.hw.joint_limits():
             limits = report.limits

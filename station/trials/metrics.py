@@ -36,7 +36,7 @@ _STEADY = 0.1
 
 @dataclass(frozen=True, slots=True)
 class Counts:
-    """What is counted beside the trace.
+    """The counts beside the trace.
 
     Attributes:
         reflexes: How often an arm fell into its reflex.

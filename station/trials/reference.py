@@ -27,7 +27,7 @@ POSITION_UNITS = frozenset({"rad", "m"})
 
 
 class Reference(ABC):
-    """What a controller is asked to do in a trial."""
+    """The motion that a controller is asked for in a trial."""
 
     @abstractmethod
     def command(self, cycle: int) -> None:
@@ -170,7 +170,7 @@ class _Trajectory(Reference):
 def make_reference(
     facade: Station, script: Script, begin: Sequence[float] | None = None
 ) -> Reference:
-    """Return what gives a script to its controller, which runs.
+    """Return a function that gives a script to its running controller.
 
     Args:
         facade: The station.
@@ -221,7 +221,7 @@ def _begin(facade: Station, controller: str, element: SetPointElement) -> float:
 
 
 def _column(motion: Motion, names: list[str]) -> int:
-    """Return which element of a set-point a motion moves.
+    """Return the index of the set-point's element that a motion moves.
 
     Raises:
         UnknownParameterError: There is none of that name.

@@ -1,4 +1,4 @@
-"""What the API says of experiments, from their files and from the one that runs."""
+"""The API's reports on experiments, from their files and the running one."""
 
 import math
 from collections.abc import Sequence
@@ -26,7 +26,7 @@ _POINTS = 400
 
 
 def summary_of(results: Results, state: RunState | None) -> ExperimentSummary:
-    """Return what an experiment is and how far it is.
+    """Return the summary and the progress of an experiment.
 
     Args:
         results: The experiment.

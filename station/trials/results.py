@@ -66,7 +66,7 @@ class Row:
 
 
 def default_folder() -> Path:
-    """Return where the experiments of this user are kept."""
+    """Return the folder of this user's experiments."""
     return user_folder("experiments")
 
 
@@ -204,7 +204,7 @@ class Results:
     def differs_in(
         self, kind: str, setup: Setup, plan: Mapping[str, object]
     ) -> list[str]:
-        """Return what another start of this experiment would have otherwise."""
+        """Return the differences that another start of this experiment would have."""
         mine = {**self.plan, "kind": self.kind, "configuration": self.setup.text}
         other = {**plan, "kind": kind, "configuration": setup.text}
         return [
@@ -314,7 +314,7 @@ class Results:
         return noted.get("state", ""), noted.get("reason", "")
 
     def created(self) -> float:
-        """Return when the file was made [s since 1970]."""
+        """Return the time at which the file was made [s since 1970]."""
         query = "SELECT value FROM about WHERE key = 'created'"
         (text,) = self._connection.execute(query).fetchone()
         return float(text)
@@ -346,7 +346,7 @@ class Results:
         return list(islice(self._rows(where, (number,)), count))
 
     def find(self, trial_hash: str) -> TrialResult | None:
-        """Return what came out of a trial; None when it has not ended."""
+        """Return the result of a trial; None when it has not ended."""
         found = next(self._rows("WHERE hash = ?", (trial_hash,)), None)
         return None if found is None else found.result
 
@@ -369,7 +369,7 @@ class Results:
         return Trial.from_json(self.setup, found[0][0])
 
     def count(self, state: State | None = None) -> int:
-        """Return how many trials have ended, in a certain state when one is given."""
+        """Return the number of ended trials, optionally in a certain state."""
         query = "SELECT COUNT(*) FROM trials WHERE ? IS NULL OR state = ?"
         (count,) = self._connection.execute(query, (state, state)).fetchone()
         return int(count)

@@ -1,4 +1,4 @@
-"""The cycles of a trial: what happened in them, and how they are collected."""
+"""The trace of a trial, cycle by cycle, and what collects it."""
 
 import io
 from dataclasses import dataclass, fields, replace

@@ -25,7 +25,7 @@ from station.wire.excitations import Command, Motion, Push
 
 
 class Script(BaseModel):
-    """What a trial does.
+    """The script of a trial.
 
     A script is plain data, so that a file can hold it:
 
@@ -264,7 +264,7 @@ class Trial:
 
 @dataclass(frozen=True, slots=True)
 class TrialResult:
-    """What came out of a trial.
+    """The result of a trial.
 
     Attributes:
         hash: The trial's.

@@ -10,6 +10,7 @@ def announces_more_than(scope: Scope, most: int) -> bool:
     A length that is not a number counts as one that is too large.
     """
     lengths = Headers(scope=scope).getlist("content-length")
+    # Of several headers each counts. Longer numbers would take time to convert.
     return any(not n.isdecimal() or len(n) > 18 or int(n) > most for n in lengths)
 
 
@@ -27,6 +28,7 @@ def limited(receive: Receive, most: int, too_large: Exception) -> Receive:
         nonlocal size
         message = await receive()
         size += len(message.get("body", b""))
+        # A body may be longer than announced, or come in chunks without a length.
         if size > most:
             raise too_large
         return message

@@ -62,6 +62,7 @@ class FailedLogins:
         """
         client = connection.client
         delay = self.note(_network("" if client is None else client.host))
+        # An attacker must not occupy all connections by being slow.
         if not delay or self._held >= MOST_HELD:
             return
         self._held += 1
@@ -77,11 +78,14 @@ class FailedLogins:
             source: The network that it came from.
         """
         now = self._now()
+        # Taken out and put in again: the dictionary's order is that of the last
+        # failures.
         record = self._records.pop(source, _Record())
         if now - record.last > FORGET_AFTER:
             record.count = 0
         record.count += 1
         record.last = now
+        # Bounded, because addresses are cheap.
         while len(self._records) >= MOST_SOURCES:
             del self._records[next(iter(self._records))]
         self._records[source] = record
@@ -95,6 +99,7 @@ class FailedLogins:
         late = record.count - FREE_FAILURES
         if late <= 0:
             return 0.0
+        # The exponent is bounded, or many failures would overflow a float.
         return min(LONGEST_DELAY, FIRST_DELAY * 2.0 ** min(late - 1, 10))
 
 
@@ -104,6 +109,7 @@ def _network(host: str) -> str:
         address = ip_address(host)
     except ValueError:
         return host
+    # One customer has a whole /64 and could use another address for every try.
     if isinstance(address, IPv6Address) and address.ipv4_mapped is None:
         return f"{IPv6Address(int(address) >> 64 << 64)}/64"
     return str(getattr(address, "ipv4_mapped", None) or address)

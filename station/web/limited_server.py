@@ -29,6 +29,7 @@ from uvicorn.protocols.websockets.websockets_sansio_impl import (
 
 MOST_CONNECTIONS = 256
 """Most connections at a time, WebSockets among them."""
+# Log files, recordings, the database of events, pipes to other processes.
 RESERVED_DESCRIPTORS = 40
 """File descriptors that connections leave to the rest of the process."""
 EXTRA_CONNECTIONS = 16
@@ -84,6 +85,7 @@ class LimitedProtocol(H11Protocol):
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]  # as uvicorn has it
         super().connection_made(transport)
         self.since = self.loop.time()
+        # A new connection is let in first: it may be the one that asks for a stop.
         if len(self.connections) > self.most:
             self._make_room()
         self.loop.call_later(LOOK_PERIOD, self._look)
@@ -96,6 +98,7 @@ class LimitedProtocol(H11Protocol):
     def present_phase(self) -> Phase:
         """Return the phase of the connection."""
         cycle = self.cycle
+        # A connection that is kept alive waits for the next request.
         if cycle is None or cycle.response_complete:
             return Phase.REQUEST
         if cycle.more_body:
@@ -105,6 +108,7 @@ class LimitedProtocol(H11Protocol):
     def _make_room(self) -> None:
         """End the connection that has kept the server waiting longest, or this one."""
         is_crowded = len(self.connections) > self.most + self.extra
+        # Every other connection is being answered, so the new one has to go.
         if not make_room(self.connections - {self}) and is_crowded:
             self.transport.abort()
 
@@ -112,6 +116,7 @@ class LimitedProtocol(H11Protocol):
         if self.transport.is_closing() or self.transport.get_protocol() is not self:
             return  # it has ended, or it is a WebSocket now
         phase, now = self.present_phase(), self.loop.time()
+        # The time of a phase begins when it is first seen, at most `LOOK_PERIOD` late.
         if phase is not self.phase:
             self.phase, self.since = phase, now
         elif now - self.since > TIME_LIMITS.get(phase, now):
@@ -143,6 +148,7 @@ def make_room(connections: Iterable[asyncio.Protocol]) -> bool:
         ):
             waiting.append(one)
     if waiting:
+        # The longest in its phase: a slow client loses before a quick one.
         min(waiting, key=lambda one: one.since).transport.abort()
     return bool(waiting)
 
@@ -176,6 +182,7 @@ class LimitedServer(uvicorn.Server):
     def __init__(
         self, config: uvicorn.Config, most_connections: int | None = None
     ) -> None:
+        # Uvicorn takes a class, so the limits of this server are attributes of one.
         class Protocol(LimitedProtocol):
             most = most_connections or connection_share()
             extra = EXTRA_CONNECTIONS if most > LEAST_CONNECTIONS else 2
@@ -189,6 +196,8 @@ class LimitedServer(uvicorn.Server):
         config.app = cast("Any", refusing)
         config.http = Protocol
         is_tight = Protocol.most <= LEAST_CONNECTIONS
+        # asyncio accepts as many connections at once as the backlog has, before any is
+        # counted.
         config.backlog = 2 if is_tight else ACCEPTED_AT_ONCE
         super().__init__(config)
 
@@ -197,6 +206,8 @@ class LimitedServer(uvicorn.Server):
         """Listen; the system may keep more connections than are accepted at once."""
         asyncio.get_running_loop().set_exception_handler(self._on_trouble)
         await super().startup(sockets)
+        # Set anew after uvicorn: connections wait in the system instead of being
+        # refused.
         for listener in sockets or []:
             listener.listen(WAITING_CONNECTIONS)
 
@@ -208,6 +219,7 @@ class LimitedServer(uvicorn.Server):
         The event loop tries again to accept one after a second.
         """
         error = context.get("exception")
+        # asyncio would try to accept again and again, and fill the log.
         if isinstance(error, OSError) and error.errno in _OUT_OF_FILES:
             for _ in range(ACCEPTED_AT_ONCE):
                 make_room(self.server_state.connections)
@@ -226,6 +238,7 @@ def connection_share(descriptors: int = 1) -> int:
         descriptors: How many descriptors a connection may take, >= 1.
     """
     limit, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
+    # No limit of the system; the station's own one holds.
     if limit == resource.RLIM_INFINITY:
         return MOST_CONNECTIONS
     # What is accepted beyond the share, before one is ended for it, counts, too.

@@ -15,6 +15,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from typing_extensions import override
 
 HEADER = "X-Request-ID"
+# It is written to the log and to events, so a client must not put line breaks in.
 _ACCEPTED = re.compile(r"[A-Za-z0-9._:-]{1,64}")
 _READS = frozenset({"GET", "HEAD", "OPTIONS"})
 _request_id: ContextVar[str | None] = ContextVar("request_id", default=None)
@@ -65,11 +66,13 @@ class RequestId:
         finally:
             if scope["type"] == "http":
                 _note(scope, status, monotonic() - began)
+            # A connection that is kept alive goes on with the next request.
             _request_id.reset(token)
 
 
 def _note(scope: Scope, status: int, duration: float) -> None:
     """Log a request that changes something or was refused."""
+    # Pages poll several times a second; the log is for what changes something.
     if scope["method"] in _READS and status < 400:
         return
     line = "%s %s: %d in %.1f ms"

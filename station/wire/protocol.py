@@ -41,7 +41,7 @@ class FieldError(ResponseModel):
 
 
 class Problem(ResponseModel):
-    """Why a request was refused. A refusal changes nothing.
+    """The reason for a refused request. A refusal changes nothing.
 
     Attributes:
         type: URI of the kind of problem.
@@ -118,7 +118,7 @@ class StreamFrame(ResponseModel):
 
 
 class CommandError(ResponseModel):
-    """Why a set-point of a command stream was refused.
+    """The reason for a refused set-point of a command stream.
 
     Attributes:
         code: Stable machine-readable name.

@@ -6,9 +6,12 @@ the number of tests says how much of the station is tested.
 
 import ast
 import io
+import re
 import tokenize
 from collections.abc import Callable
 from pathlib import Path
+
+from tests.for_each import for_each
 
 ROOT = Path(__file__).parents[2]
 MODULES = sorted((ROOT / "station").rglob("*.py"))
@@ -19,6 +22,13 @@ TESTS = sorted((ROOT / "tests").rglob("*.py"))
 MAX_CODE_LINES = 450
 GRAB_BAGS = {"common", "helper", "helpers", "misc", "stuff", "util", "utils"}
 DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+# A first line is a noun, or a verb with an object that is a noun. A question in the
+# place of the noun makes the reader find it.
+QUESTIONS = "How|What|When|Where|Whether|Which|Who|Whoever|Whom|Whose|Why|With what"
+HEADLESS = re.compile(rf"({QUESTIONS})\b")
+QUESTIONING = re.compile(
+    r"(Return|Say|Tell|Yield) (how|what|when|where|which|who|whom|whose|why)\b"
+)
 NOT_CODE = {
     tokenize.COMMENT,
     tokenize.DEDENT,
@@ -68,6 +78,21 @@ def no_docstring(path: Path) -> str | None:
     return None if described else "has no docstring in its first line"
 
 
+def first_lines(text: str) -> list[tuple[str, str]]:
+    """Return name and first line of every docstring."""
+    nodes = [n for n in ast.walk(ast.parse(text)) if isinstance(n, DOCUMENTED)]
+    described = [(getattr(n, "name", "module"), ast.get_docstring(n)) for n in nodes]
+    return [(name, lines.split("\n")[0]) for name, lines in described if lines]
+
+
+def headless(text: str) -> list[str]:
+    return [
+        f"{name}: {line}"
+        for name, line in first_lines(text)
+        if HEADLESS.match(line) or QUESTIONING.match(line)
+    ]
+
+
 def too_long(path: Path) -> str | None:
     text = path.read_text()
     if text.count("\n") <= MAX_CODE_LINES:
@@ -90,6 +115,39 @@ def test_code_lines_leave_out_docstrings_comments_and_blanks():
 
 def test_every_module_says_what_it_is():
     assert finds(no_docstring, MODULES + TESTS) == []
+
+
+@for_each(
+    "line",
+    [
+        "What a trial does.",
+        "Who holds control.",
+        "With what a browser asks.",
+        "Whether it runs.",
+        "Return which gains would change.",
+    ],
+)
+def test_a_question_is_no_first_line(line):
+    assert headless(f'def one():\n    """{line}"""\n') == [f"one: {line}"]
+    assert headless(f'class One:\n    """{line}"""\n') == [f"One: {line}"]
+    assert headless(f'"""{line}"""\n') == [f"module: {line}"]
+
+
+@for_each(
+    "line", ["The script of a trial.", "Return whether it runs.", "Whole numbers."]
+)
+def test_a_noun_or_a_verb_is_a_first_line(line):
+    assert headless(f'def one():\n    """{line}"""\n') == []
+
+
+def test_no_docstring_begins_with_a_question():
+    found = [
+        f"{relative(path)}: {problem}"
+        for path in MODULES
+        for problem in headless(path.read_text())
+    ]
+
+    assert found == [], "begin with a noun, or with a verb and its object"
 
 
 def test_every_module_is_short_enough_to_read():

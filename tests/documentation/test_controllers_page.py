@@ -25,10 +25,22 @@ FROM_DESCRIPTION = "from the robot description"
 
 
 def table(heading: str) -> list[list[str]]:
-    """Return the cells of the table below a heading, without its head."""
+    """Return the cells of the table below a heading, without its head.
+
+    A row without a first cell goes on with the cells of the row above.
+    """
     section = PAGE.split(f"\n## {heading}\n")[1].split("\n## ")[0]
-    rows = [line for line in section.splitlines() if line.startswith("|")][2:]
-    return [[cell.strip() for cell in row.strip("|").split("|")] for row in rows]
+    rows: list[list[str]] = []
+    for line in [line for line in section.splitlines() if line.startswith("|")][2:]:
+        cells = [cell.strip() for cell in line[1:-1].split("|")]
+        if cells[0]:
+            rows.append(cells)
+        else:
+            rows[-1] = [
+                ", ".join(filter(None, both))
+                for both in zip(rows[-1], cells, strict=True)
+            ]
+    return rows
 
 
 def names_of(cell: str) -> list[str]:

@@ -122,7 +122,7 @@ class FoxglovePort:
             await self._talk(websocket, access)
 
     async def _access(self, websocket: WebSocket) -> Access | None:
-        """Return what a client may do; None when it shows something that is wrong."""
+        """Return the access of a client; None if its token is wrong."""
         services = services_of(websocket)
         authenticator = services.authenticator
         ticket = websocket.query_params.get("ticket")
@@ -143,7 +143,7 @@ class FoxglovePort:
         return found
 
     def _refusal(self, access: Access) -> str | None:
-        """Return why another client is turned away; None when it is taken."""
+        """Return the reason for refusing another client; None when it is accepted."""
         if len(self._sessions) >= MOST_CLIENTS:
             return f"there are {MOST_CLIENTS} clients already"
         share = MOST_CLIENTS - MOST_CLIENTS // 4
@@ -179,7 +179,7 @@ class FoxglovePort:
     async def _first_end(
         self, session: FoxgloveSession, access: Access, ticking: asyncio.Task[None]
     ) -> tuple[int, str]:
-        """Return how to close: (0, "") when the client is gone already."""
+        """Return the closing code and reason: (0, "") if the client is gone already."""
         services: Services = self._app.state.services
         ends = [
             (session.listen(), 0, ""),

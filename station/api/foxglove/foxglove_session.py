@@ -73,7 +73,7 @@ class FoxgloveSession:
         self._wake.set()
 
     async def greet(self, boot_id: str) -> None:
-        """Tell what there is.
+        """Advertise the channels, the services and the parameters.
 
         Args:
             boot_id: Tells one start of the station from the next.
@@ -262,7 +262,7 @@ def _parameter_values(
 
 
 def _service() -> dict[str, object]:
-    """Return what the service that switches controllers takes and answers."""
+    """Return the request and the answer of the service that switches controllers."""
     names = {"type": "array", "items": {"type": "string"}}
     request = {"type": "object", "properties": {"start": names, "stop": names}}
     answer = {

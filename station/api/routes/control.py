@@ -25,7 +25,7 @@ router = APIRouter(tags=["control"], dependencies=[Viewer], route_class=JsonRout
 def get_control(
     access: AccessDep, services: ServicesDep, key: LeaseKey = None
 ) -> ControlState:
-    """Return who holds control."""
+    """Return the holder of control."""
     return control_state(services.control, access, key)
 
 
@@ -87,7 +87,7 @@ def release_control(
 def control_state(
     control: Control, access: Access | None, key: str | None
 ) -> ControlState:
-    """Return who holds control, as a caller may know it.
+    """Return the holder of control, as far as a caller may know it.
 
     Args:
         control: The lease.

@@ -97,7 +97,7 @@ async def get_events(
 
 
 async def _first_end(access: "Access", broadcaster: "Broadcaster") -> None:
-    """Return when the caller's access ends or the station shuts down."""
+    """Wait until the caller's access ends or the station shuts down."""
     ends = [
         asyncio.ensure_future(access.wait_for_end()),
         asyncio.ensure_future(broadcaster.wait_closing()),

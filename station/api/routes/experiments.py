@@ -28,7 +28,7 @@ from station.wire.experiments import (
 
 
 async def get_background(services: ServicesDep) -> BackgroundExperiments:
-    """Return what runs the experiments of the station.
+    """Return the runner of the station's experiments.
 
     Raises:
         ExperimentError: This station runs none.
@@ -109,7 +109,7 @@ def start_experiment(
 
 @router.get("/{name}", responses=problems(404, 409, 422))
 def get_experiment(name: Name, background: BackgroundDep) -> Experiment:
-    """Return how far an experiment is, its first trial and the best so far."""
+    """Return the progress of an experiment, its first trial and the best so far."""
     return _experiment(name, background)
 
 
@@ -168,7 +168,7 @@ def get_responses(name: Name, _: BackgroundDep) -> ExperimentResponses:
 def preview_experiment(
     name: Name, _: BackgroundDep, station: StationDep, trial: ChosenTrial = None
 ) -> ExperimentPreview:
-    """Return which gains would change if those of a trial were put into force."""
+    """Return the gains that applying those of a trial would change."""
     with Results.open(file_of(name)) as results:
         chosen = reports.chosen_trial(results, trial)
         wanted = gains_of(results, chosen)

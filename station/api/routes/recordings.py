@@ -84,7 +84,7 @@ RecorderDep = Annotated[Any, Depends(get_recorder)]
 
 
 async def get_incident_store(recorder: RecorderDep) -> RecordStore:
-    """Return where the incidents are.
+    """Return the store of incidents.
 
     Raises:
         RecordingRefusedError: This station keeps no incidents.
@@ -136,7 +136,7 @@ def start_recording(
 
 @router.get("/recordings/{identifier}", responses=problems(404, 409, 422))
 def get_recording(identifier: Id, recorder: RecorderDep) -> Recording:
-    """Return what is known of a recording, while it runs as well."""
+    """Return the description of a recording, finished or running."""
     return Recording.model_validate(recorder.info(identifier))
 
 
@@ -212,7 +212,7 @@ def list_incidents(store: IncidentsDep) -> Recordings:
 
 @router.get("/incidents/{identifier}", responses=problems(404, 409, 422))
 def get_incident(identifier: Id, store: IncidentsDep) -> Recording:
-    """Return what is known of an incident."""
+    """Return the description of an incident."""
     return Recording.model_validate(store.info(identifier))
 
 

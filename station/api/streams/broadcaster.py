@@ -84,7 +84,7 @@ class Broadcaster:
             task.cancel()
 
     def _refusal(self, access: Access) -> str | None:
-        """Return why another stream is turned away; None when it is taken."""
+        """Return the reason for refusing another stream; None when it is accepted."""
         present, most = self._clients.values(), self._max_clients
         if self._closing.is_set():
             return "the station shuts down"
@@ -131,7 +131,7 @@ class Broadcaster:
         client: StreamClient,
         access: Access,
     ) -> tuple[int, str]:
-        """Return how to close: (0, "") when the client is gone already."""
+        """Return the closing code and reason: (0, "") if the client is gone already."""
         ends: list[tuple[Coroutine[object, object, None], int, str]] = [
             (_drain(websocket), 0, ""),
             (self._feed(channel, client), CLOSE_TOO_SLOW, "took no frame in time"),
@@ -142,7 +142,7 @@ class Broadcaster:
         return await first_end(ends, what)
 
     async def wait_closing(self) -> None:
-        """Return when all streams are to end, because the station does."""
+        """Wait until all streams have to end because the station shuts down."""
         await self._closing.wait()
 
     async def _feed(self, channel: Channel, client: StreamClient) -> None:

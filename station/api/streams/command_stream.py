@@ -62,7 +62,7 @@ class CommandStreamRequest:
 def parse_command_request(
     controller: str, query: Mapping[str, str], lease: str | None
 ) -> CommandStreamRequest:
-    """Return what the sender of set-points asks for.
+    """Return the parsed request of a sender of set-points.
 
     Args:
         controller: The controller.
@@ -119,7 +119,7 @@ class CommandStream:
         self._error: dict[str, object] | None = None
 
     def counts(self) -> dict[str, object]:
-        """Return what the sender is told: how many set-points came, and counted."""
+        """Return the report to the sender: set-points received, and those accepted."""
         self._settle()
         pending = int(self._waiting is not None) + int(self._newest is not None)
         superseded = self._received - self._applied - self._refused - pending

@@ -116,7 +116,7 @@ def _fields(known: Sequence[str], query: Mapping[str, str]) -> frozenset[str]:
 
 
 def read_format(query: Mapping[str, str]) -> StreamFormat:
-    """Return how messages are to be written.
+    """Return the format of the messages.
 
     Raises:
         StreamRequestError: There is no such format.

@@ -82,7 +82,7 @@ class CycleTopic(Topic):
 
     @abstractmethod
     def names(self) -> list[str]:
-        """Return what the numbers belong to."""
+        """Return the names of the elements."""
 
     @override
     async def latest(self) -> Payload | None:
@@ -339,7 +339,7 @@ def _scene_sample(report: _SceneReport) -> Data:
 
 
 def _arm_sample(state: RobotState) -> Data:
-    """Return what `FrankaState` has, without the cost of a model for every cycle."""
+    """Return the fields of `FrankaState`, without computing a model every cycle."""
     data: Data = {name: getattr(state, name) for name in FrankaState.model_fields}
     data["robot_mode"] = state.robot_mode.name.lower()
     for flags in ("current_errors", "last_motion_errors"):

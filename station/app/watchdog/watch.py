@@ -1,4 +1,4 @@
-"""What the watchdog does: notice a standstill, tell, hold, and end the station."""
+"""The watchdog's duties: notice a standstill, report, hold, end the station."""
 
 import json
 import os
@@ -17,7 +17,7 @@ LOOK_PERIOD = 0.01
 
 
 class WatchdogSettings(NamedTuple):
-    """Whom to watch, and what to do about a loop that stands still.
+    """The watched process, and the reaction to a loop that stands still.
 
     Attributes:
         pid: The station's process.
@@ -96,11 +96,11 @@ class Watch:
         self._step: tuple[str, float, float] = ("", 0.0, SLOW_STEP)
 
     def age(self, now: float) -> float:
-        """Return how long ago the loop woke up last [s]."""
+        """Return the time since the loop last woke up [s]."""
         return now - self.heartbeat.beats[0]
 
     def trouble(self, now: float) -> str | None:
-        """Return why the station is not ready, as one sentence; None when it is."""
+        """Return the reason why the station is not ready; None when it is."""
         if self.heartbeat.phase is Phase.STARTING:
             step = self._step[0]
             return f"The station still starts{f': {step}' if step else ''}."

@@ -148,7 +148,7 @@ def _undo(client: "StationClient", options: Namespace) -> int:
 
 
 def _tell(changes: Mapping[str, "GainsChange"], options: Namespace) -> int:
-    """Say what changed, of several controllers."""
+    """Print the changes of several controllers."""
     if options.json:
         say_json({name: asdict(change) for name, change in changes.items()})
         return 0

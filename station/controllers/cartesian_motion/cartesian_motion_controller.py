@@ -133,7 +133,7 @@ class CartesianMotionController(MultiInterfaceController):
 
     @property
     def is_free(self) -> bool:
-        """Whether `published` names no obstacle."""
+        """Return whether `published` names no obstacle."""
         return self._obstacle is Obstacle.NONE
 
     def make_port(self, limits: CartesianLimits, timeout: float) -> SetPointPort:
@@ -158,7 +158,7 @@ class CartesianMotionController(MultiInterfaceController):
         raise NotImplementedError
 
     def make_sample(self) -> EndEffectorSample:
-        """Return what is kept of a cycle, in the coordinates of the set-point."""
+        """Return the sample of a cycle, in the coordinates of the set-point."""
         raise NotImplementedError
 
     @override

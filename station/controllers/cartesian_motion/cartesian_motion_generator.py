@@ -90,7 +90,7 @@ class CartesianMotionGenerator:
 
     @property
     def is_still(self) -> bool:
-        """Whether the pose rests, and nothing but rest is wanted."""
+        """Return whether the pose rests, and nothing but rest is wanted."""
         return self._generator.is_still and self._wanted is None
 
     def brake(self) -> None:

@@ -17,7 +17,7 @@ _TWIST = 6
 
 
 class EndEffectorSample:
-    """What is desired, what is measured, and the difference; a subclass writes both.
+    """Desired and measured motion and their difference; a subclass fills them in.
 
     Args:
         size: How many numbers each of them has.

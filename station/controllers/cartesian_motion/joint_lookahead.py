@@ -299,7 +299,7 @@ class JointLookahead:
         return True
 
     def _obstacle_at(self, resting: ArmConfiguration) -> Obstacle:
-        """Return what keeps the arm from resting at the new joint positions.
+        """Return the obstacle that keeps the arm from resting at the new positions.
 
         Args:
             resting: A configuration near these positions.

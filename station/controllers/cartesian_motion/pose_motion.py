@@ -150,13 +150,13 @@ class PoseMotion:
         self.way = own([0.0] * _AXES)
 
     def aim(self) -> list[float]:
-        """Return where the axes are at the target, seen from the pose, shape (6,)."""
+        """Return the coordinates of the target, seen from the pose, shape (6,)."""
         target, way = self.target, self.way
         rotation_between(self.pose, target, way)
         return [target[12], target[13], target[14], way[0], way[1], way[2]]
 
     def coordinates(self) -> list[float]:
-        """Return where the axes are now, shape (6,): the rotation vector is zero."""
+        """Return the present coordinates, shape (6,): the rotation vector is zero."""
         pose = self.pose
         return [pose[12], pose[13], pose[14], 0.0, 0.0, 0.0]
 

@@ -23,7 +23,7 @@ _NEAR = 0.01
 
 
 class StopPrediction:
-    """Where n joints would rest after each step, and how near that is to their limits.
+    """The rest positions of n joints after each step, and their distance to limits.
 
     Args:
         pose: Pose of the end effector at the configuration `resting`, 16 numbers; kept

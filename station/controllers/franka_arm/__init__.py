@@ -1,4 +1,4 @@
-"""What all controllers of a Franka arm share: its parameters, handles and poses."""
+"""The parameters, handles and poses shared by all controllers of a Franka arm."""
 
 from station.controllers.franka_arm.arm_handles import (
     ARM_ID as ARM_ID,

@@ -19,7 +19,7 @@ from station.core.ports.set_point import RANGE_TOLERANCE
 
 @dataclass(frozen=True, slots=True)
 class GripperTarget:
-    """Where a gripper shall go, and how strongly.
+    """The position and the effort requested of a gripper.
 
     Attributes:
         position: Desired position of the joint [m or rad].

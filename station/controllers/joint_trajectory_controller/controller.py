@@ -198,7 +198,7 @@ class JointTrajectoryController(Controller[InterfaceT]):
 
     @property
     def trajectory_state(self) -> JointTrajectoryState | None:
-        """What was desired and measured in the last cycle; None before the first."""
+        """Return the desired and measured state of the last cycle; None before one."""
         sample = self.sample
         if not isinstance(sample, PackedSample):
             return None

@@ -74,7 +74,7 @@ class ErrorCode(IntEnum):
 
 
 class SpeedScaling:
-    """How fast the time of a trajectory passes; the factor changes at a limited rate.
+    """The rate of a trajectory's time; the factor changes at a limited rate.
 
     Args:
         target: The factor to reach, 0 to 1, and the first factor.
@@ -602,7 +602,7 @@ class TrajectoryExecution:
         return stop_trajectory(now, self._stop_duration * factor, moving, goal)
 
     def _held_positions(self) -> list[float]:
-        """Return where the joints hold after a motion was ended [rad or m].
+        """Return the positions that the joints hold after an ended motion [rad or m].
 
         That is where they were commanded to be: a loaded joint hangs below, and would
         sink by that much at every end if it held where it is. A joint that has left

@@ -58,7 +58,7 @@ _STANDS = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class _Present:
-    """What a new trajectory continues from.
+    """The state from which a new trajectory continues.
 
     Attributes:
         time: Station time of the last cycle [s].
@@ -212,7 +212,7 @@ class TrajectoryPlanner:
         return self._checked(request, now, options, present)
 
     def _present(self) -> _Present:
-        """Return what a new trajectory continues from, all of it of one cycle.
+        """Return the state from which a new trajectory continues, all of one cycle.
 
         A trajectory that is planned here continues from what it will continue from when
         the recording is run again, which plans between the same two cycles.
@@ -230,7 +230,7 @@ class TrajectoryPlanner:
                 return _Present(time, period, uptime, latest, places, rests)
 
     def _places(self) -> dict[str, tuple[float, float]]:
-        """Return where each joint is by name: commanded and measured [rad or m]."""
+        """Return the commanded and measured positions by joint name [rad or m]."""
         measured = self.execution.tracking.memory.positions
         places = zip(self.execution.tracking.positions, measured, strict=True)
         return dict(zip(self._names, places, strict=True))
@@ -260,7 +260,7 @@ class TrajectoryPlanner:
         return planned
 
     def _wraps_of(self, request: JointTrajectory) -> list[bool]:
-        """Return which joints take the short way to the first point of a request.
+        """Return the joints that take the short way to a request's first point.
 
         Whoever means an angle sends it within half a turn, as planners do. A position
         beyond counts the turns, and to leave them out would be to report a success

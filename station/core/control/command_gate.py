@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from station.core.control.loaded_controller import LoadedController
 
 _RUNNING = ControllerState.RUNNING
+# By type: True and 0j pass comparisons with floats, and a robot must not get them.
 _FLOAT = {float}
 
 TRACED_CYCLES = 1000
@@ -217,6 +218,8 @@ class CommandGate:
             The first resource whose command had changed; None if none had.
         """
         changed: str | None = None
+        # All of them, not up to the first: a callback may have written several
+        # commands.
         for storage, index, value in remembered:
             now = storage[index]
             # By type, because 0j equals 0.0; by identity, for a NaN of before.
@@ -241,6 +244,8 @@ class CommandGate:
             self.traced_cycles -= 1
             self.restore_commands()
             return
+        # One block a cycle is compared: looking at all of them costs more than the
+        # writing, and a stray write is overwritten below in any case.
         kept, place = self.kept, self.next_compared
         if place < len(kept):
             block = kept[place]
@@ -269,7 +274,7 @@ class CommandGate:
     def find_intrusion(
         self, one: "LoadedController", loaded: "Iterable[LoadedController]"
     ) -> str | None:
-        """Return which command a call of `one` has written without owning it.
+        """Return a command that a call of `one` has written without owning it.
 
         Asked after every update while the gate traces. What was written is put back.
 
@@ -277,6 +282,8 @@ class CommandGate:
             one: The controller that was called.
             loaded: All controllers; those before `one` have been updated already.
         """
+        # Those before `one` have been updated and copied, so a difference is the work
+        # of `one`; later ones may still hold what they wrote last.
         for other in loaded:
             if other is one:
                 break
@@ -315,6 +322,8 @@ class CommandGate:
                 slot = (id(storage), index)
                 if slot in owned:
                     continue
+                # It rested before and still rests. A new rest command would be the
+                # present position, and the joint would creep at each change of owners.
                 if slot in before and guard.name not in self.owned_names:
                     storage[index] = before[slot]
                 else:
@@ -341,6 +350,7 @@ class CommandGate:
 
     def _changed(self, block: CommandBlock) -> str:
         for (storage, index), value in zip(block.slots, block.values, strict=True):
+            # By type, because 0j equals 0.0.
             now = storage[index]
             if not (type(now) is float and now == value):
                 return self.names[id(storage), index]

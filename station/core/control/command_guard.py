@@ -53,6 +53,8 @@ class CommandGuard:
         for position, (storage, index) in enumerate(self.slots):
             if slots is not None and position not in slots:
                 continue
+            # A robot that cannot read its state has no rest command. The last good one
+            # is kept.
             if math.isfinite(values[position]):
                 storage[index] = values[position]
             elif not _is_finite_float(storage[index]):
@@ -77,18 +79,21 @@ class CommandGuard:
         """Return the first step that is too large and its limit; zeros if none is."""
         limits = self.interface.start_jump_limits(self.name)
         for step, limit in zip(self._steps(), limits, strict=True):
+            # Written so that a NaN counts as too far.
             if not step <= limit:
                 return step, limit
         return 0.0, 0.0
 
     def _steps(self) -> list[float]:
-        """Return how far the commands are from the last ones or from slowing down.
+        """Return the distance of each command from the last one or from slowing down.
 
         Slowing down is everything between rest and what keeps the present motion.
         """
         steps: list[float] = []
         for position, (storage, index) in enumerate(self.slots):
             command = storage[index]
+            # A command may go on from the last one, or lie between rest and the
+            # present: both are no jump for the robot.
             from_last = abs(command - self._last[position])
             rest, present = self._rest[position], self._present[position]
             steps.append(min(from_last, _distance(command, rest, present)))
@@ -116,7 +121,9 @@ class CommandGuard:
 
 
 def _distance(command: float, rest: float, present: float) -> float:
-    """Return how far a command is from the range between rest and the present."""
+    """Return the distance of a command from the range between rest and the present."""
+    # A robot without a present command of this kind, e.g. of effort, is compared with
+    # rest alone.
     if not math.isfinite(present):
         return abs(command - rest)
     low, high = min(rest, present), max(rest, present)
@@ -125,6 +132,7 @@ def _distance(command: float, rest: float, present: float) -> float:
 
 def _is_finite_float(value: object) -> bool:
     """Return whether a command is a float, of exactly that type, and finite."""
+    # inf - inf and NaN - NaN are NaN, so one comparison finds both.
     return type(value) is float and value - value == 0.0
 
 
@@ -191,6 +199,8 @@ def all_guards(hw: RobotHW) -> list[CommandGuard]:
     guards: list[CommandGuard] = []
     for interface_type in hw.interface_types():
         interface = hw.get(interface_type)
+        # Transmissions write these from the joints' commands; the joints have the
+        # guards.
         if isinstance(interface, ActuatorCommandInterface):
             continue
         if isinstance(interface, HardwareResourceManager):

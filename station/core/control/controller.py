@@ -183,7 +183,7 @@ class PackedSample(ControllerSample):
 
 
 def unpack_sample(sample: ControllerSample | PackedColumns) -> ControllerSample:
-    """Return what `SampleColumns` has packed as a sample; others as they are."""
+    """Return the unpacked sample of `SampleColumns`; others unchanged."""
     return PackedSample(*sample) if isinstance(sample, tuple) else sample
 
 
@@ -234,6 +234,7 @@ class ControllerBase:
         """
         if self.sampled is None:
             return self._sample
+        # Read once: the control thread may pack another sample meanwhile.
         newest = self.sampled.newest
         return None if newest is None else unpack_sample(newest)
 
@@ -252,7 +253,7 @@ class ControllerBase:
         return ()
 
     def usual_update(self) -> UsualUpdate | None:
-        """Return what does the same as `update` in a usual cycle; None for nothing.
+        """Return a quicker equal of `update` for usual cycles; None if there is none.
 
         A subclass that overrides `update` alone gets its `update` called.
         """
@@ -403,6 +404,8 @@ class ClaimingController(ControllerBase):
         found: list[object] = []
         for interface_type in (*required, *optional):
             interface: object | None = hw.get(interface_type)
+            # Always so here, `_find_interfaces` has refused otherwise; it is for the
+            # type checker.
             if interface is not None:
                 found.append(interface)
             elif interface_type in required:

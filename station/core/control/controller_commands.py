@@ -26,13 +26,15 @@ class ControllerCommands:
         self.blocks = make_blocks(self.slots)
 
     def refused(self) -> str | None:
-        """Return which command is not a real finite number; None when all are.
+        """Return the command that is not a real finite number; None if all are.
 
         Called after every call of the controller, so that a bad value is charged to
         the call that wrote it. Real numbers of other types become floats.
         """
         for block in self.blocks:
             if not block.copy_commands():
+                # The quick look also rejects numbers that can be converted, e.g. of
+                # NumPy. `_find_refused` converts those and names the first real fault.
                 refused = self._find_refused()
                 if refused is not None:
                     return refused
@@ -41,6 +43,7 @@ class ControllerCommands:
 
     def is_as_written(self) -> bool:
         """Return whether the commands are those that `refused` looked at last."""
+        # Shared commands may be written by the other owner at any time.
         return self.is_shared or not any(block.has_changed() for block in self.blocks)
 
     def write_again(self) -> None:
@@ -49,7 +52,7 @@ class ControllerCommands:
             block.write_copy()
 
     def values(self) -> list[float]:
-        """Return what the commands are now, in the order of `slots`."""
+        """Return the present commands, in the order of `slots`."""
         return [storage[index] for storage, index in self.slots]
 
     def put_back(self, values: list[float]) -> str | None:
@@ -91,6 +94,8 @@ class ControllerCommands:
                 command.
         """
         for guard in self.guards:
+            # A command taken over from a stopped controller goes on, so that the change
+            # is smooth; all others begin at rest.
             if guard.claim not in taken_over or guard.refused_command() is not None:
                 guard.write_rest()
             if not guard.remember():
@@ -98,11 +103,11 @@ class ControllerCommands:
         return None
 
     def jumps(self) -> dict[str, float]:
-        """Return how far the commands are from those before the start, by resource."""
+        """Return each command's distance from that before the start, by resource."""
         return {guard.name: guard.jump() for guard in self.guards}
 
     def excessive_jump(self) -> str | None:
-        """Return which command is too far from the one before; None if none is."""
+        """Return the command that is too far from the one before; None if none is."""
         for guard in self.guards:
             step, limit = guard.excess()
             if step > 0.0:

@@ -56,6 +56,7 @@ COMMON_PARAMETERS = (FALLBACK, ALLOW_START_JUMP)
 """Parameters that every controller has, whatever its type."""
 _TOLD = 5
 """How many unknown parameters the message of a refusal names; its details name all."""
+# A name is a part of URLs and a namespace of parameters.
 _NAME = re.compile(r"[A-Za-z0-9_]+(/[A-Za-z0-9_]+)*")
 
 
@@ -123,6 +124,8 @@ class ControllerFactory:
                 remedy="Use letters, digits and '_', with '/' between namespaces.",
                 details={"controller": name},
             )
+        # The keys that `init` reads are noted: what nobody has read is probably
+        # misspelt.
         tree, reads = self._parameters.tree, set[str]()
         params = Parameters(tree, self._parameters.resolve(name), reads)
         controller_type = params.get_str("type")
@@ -143,6 +146,7 @@ class ControllerFactory:
     ) -> tuple[InterfaceResources, ...]:
         try:
             return controller.init_request(self._hw, params)
+        # It names the parameter already, and its code tells the API to answer 422.
         except ParameterError:
             raise
         except StationError as error:
@@ -174,11 +178,13 @@ def _unknown_parameters(
         ParameterError: There is one, and `strict` is true.
     """
     declared = controller.declared_parameters()
+    # A declaration may have the joint in its name, e.g. `gains/{joint}/p`.
     joints = controller.joint_names or [""]
     names = {each.of(joint).name for each in declared for joint in joints}
     names.update(controller.accepted_parameters)
     known = reads | {params.resolve(each) for each in names}
     unknown = unknown_parameters(params, known)
+    # A controller that declares nothing may read parameters whenever it likes.
     if unknown and strict and declared:
         raise ParameterError(
             " ".join(
@@ -197,6 +203,7 @@ def _unknown_parameters(
 def _hindrances(controller: ControllerBase) -> tuple[str, ...]:
     """Return a sentence about what in the code of `update` holds the loop up."""
     code = getattr(type(controller).update, "__code__", None)
+    # A warning only: `print` may be the name of something harmless.
     if code is None or "print" not in code.co_names:
         return ()
     return (

@@ -93,6 +93,7 @@ class ControllerLifecycle:
         controller = one.controller
         if controller.state is ControllerState.CONSTRUCTED:
             return "it was never initialised"
+        # A restart takes over its own commands.
         own = (one.info,) if controller.state is _RUNNING else ()
         unknown = one.commands.prepare({
             claim for info in (*stopped, *own) for claim in _claims(info)
@@ -108,6 +109,7 @@ class ControllerLifecycle:
         one.fault = one.traceback = None
         # The robot has just entered the mode of this controller.
         one.is_unreleased = False
+        # A fault of an earlier run must not count against this one.
         one.late_updates = 0
         one.stalled_at = -inf
         one.watch_first_update()
@@ -139,6 +141,8 @@ class ControllerLifecycle:
         What the call writes over the commands of others, and over those of nobody, is
         put back at once: their owners do not write them again in this cycle.
         """
+        # A callback may write to anything that it has kept a handle of. What is not its
+        # own is put back.
         remembered = self.gate.remember(one)
         problem: str | None = None
         trace: str | None = None

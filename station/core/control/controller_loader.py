@@ -1,4 +1,4 @@
-"""Where controllers come from: tables, installed packages, or any Python class.
+"""The sources of controllers: tables, installed packages, or any Python class.
 
 Source: ros_control@0.20.0 controller_manager/controller_loader_interface.h,
 controller_loader.h; differs: a plugin is a Python class named `module:Class`.
@@ -364,6 +364,7 @@ def create_controller(
             remedy="Look at the loader that declares it.",
             details={"type": controller_type},
         )
+    # In ROS the part before the slash is the package that has the plugin.
     package = controller_type.partition("/")[0]
     origin = f" It comes from {_ORIGINS[package]}." if package in _ORIGINS else ""
     raise ControllerTypeNotFoundError(
@@ -378,6 +379,7 @@ def _create_with(
 ) -> ControllerBase | None:
     try:
         return loader.create(controller_type)
+    # It says more than the general message below.
     except ControllerLoadError:
         raise
     except CONTAINED as error:
@@ -390,6 +392,7 @@ def _find_class(
     module_name, _, class_name = target.partition(":")
     try:
         found: object = modules.load(module_name)
+        # A class may be inside another one.
         for part in class_name.split("."):
             found = getattr(found, part)
     except (ImportError, AttributeError, SyntaxError) as error:

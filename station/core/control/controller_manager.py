@@ -105,7 +105,7 @@ class ControllerManager:
 
     @property
     def update_budget(self) -> float:
-        """How long an update of a controller may take [s wall time], > 0.
+        """Return the longest allowed update of a controller [s wall time], > 0.
 
         Infinite until somebody sets it: cycles that are stepped take no wall time into
         account.
@@ -118,7 +118,7 @@ class ControllerManager:
 
     @property
     def command_violations(self) -> tuple[int, str | None]:
-        """How often somebody has written a command without a claim, and the last."""
+        """Return the number of commands written without a claim, and the last one."""
         gate = self._lifecycle.gate
         return gate.violations, gate.last_violation
 
@@ -177,7 +177,7 @@ class ControllerManager:
         self._lifecycle.void_commands(reason)
 
     def samples(self) -> dict[str, ControllerSample]:
-        """Return what each running controller did last, by name."""
+        """Return the last sample of each running controller, by name."""
         found = {
             one.info.name: one.controller.sample
             for one in self._lifecycle.loaded
@@ -224,6 +224,7 @@ class ControllerManager:
                 # After a cancellation another caller may be loading the same name.
                 if self._loading.get(name) is loading:
                     del self._loading[name]
+        # The port judges the age of set-points by the station's clock.
         if loaded.controller.set_points is not None:
             loaded.controller.set_points.clock = self._clock
         with self._lock:
@@ -273,12 +274,16 @@ class ControllerManager:
         is_inside = threading.get_ident() == self.controller_update.thread
         while True:
             before = changes.count
+            # An odd count means that a change is going on. The thread that makes it
+            # cannot wait for itself.
             if before % 2 == 0 or is_inside:
+                # If the count has not moved meanwhile, the statuses are of one moment.
                 found = [one.status() for one in self._lifecycle.loaded]
                 if changes.count == before:
                     self._listed = {status.name: status for status in found}
                     return found
             now = clock.now()
+            # Better a list of a moment ago than an event loop that waits.
             if now >= deadline:
                 loaded, listed = self._lifecycle.loaded, self._listed
                 return [listed.get(o.info.name) or o.status() for o in loaded]
@@ -349,6 +354,7 @@ class ControllerManager:
                     remedy="Unload them first, or set force_kill.",
                     details={"loaded": names},
                 )
+            # Best effort: what runs is stopped, and the others are no reason to refuse.
             if names:
                 self._switches.carry_out(
                     SwitchRequest((), names, Strictness.BEST_EFFORT)

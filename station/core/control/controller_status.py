@@ -1,4 +1,4 @@
-"""What people are told about a loaded controller."""
+"""The status of a loaded controller, for people."""
 
 from dataclasses import dataclass
 
@@ -37,7 +37,7 @@ class ControllerStatus:
 
 @dataclass(frozen=True, slots=True)
 class ControllerCondition:
-    """What changes about a loaded controller; cheap, for who looks often.
+    """The part of a controller's status that changes; cheap to read often.
 
     Attributes:
         name: Name under which it is loaded.

@@ -136,9 +136,12 @@ class ControllerUpdate:
         gate, loaded = self.gate, self.lifecycle.loaded
         try:
             if not stands_still:
+                # Rare, so one test in the usual cycle.
                 if gate.traced_cycles or self.resets or self.hw.is_interrupted():
                     self._stop_or_restart(time)
                 last = None
+                # `running` is valid as long as nobody has started or stopped; else all
+                # are looked at.
                 for one in () if gate.is_stale else gate.running:
                     if one.controller.state is _RUNNING:
                         self.update_controller(one, time, period)
@@ -193,6 +196,7 @@ class ControllerUpdate:
                 is_finite = False
         duration = (wall_time() if stopwatch is None else stopwatch()) - begin
         one.durations.put(duration)
+        # In a standstill the period is zero, and nothing is late.
         if duration > period and period > 0.0:
             one.overruns += 1
             one.last_overrun = time
@@ -230,6 +234,7 @@ class ControllerUpdate:
         refused = None if is_finite else one.commands.refused()
         if refused is not None:
             self._fail(one, time, f"update wrote the {refused}", None)
+        # The first update is judged once its commands are known to be finite.
         elif one.fresh:
             with self.changes:
                 self.lifecycle.check_first_update(one, time)
@@ -251,6 +256,7 @@ class ControllerUpdate:
         self, one: LoadedController, time: float, duration: float
     ) -> None:
         """Stop a controller whose updates keep taking longer than the budget."""
+        # A single update in time ends the row.
         if duration <= self.update_budget or one.controller.state is not _RUNNING:
             one.late_updates = 0
             return
@@ -284,6 +290,7 @@ class ControllerUpdate:
                 found.append(one)
                 one.abort_goals(f"The robot ended the motion: {reason}.")
                 self.lifecycle.stop(one, time)
+                # A fault of its `stopping` says more than the robot's reason.
                 one.fault = one.fault or reason
                 one.commands.write_rest()
         if found:
@@ -298,6 +305,7 @@ class ControllerUpdate:
         """
         pending = self.pending
         with self.changes:
+            # The switch first: it must not start anything after the stop.
             involved = [] if pending is None else self._end(pending, time)
             loaded = self.lifecycle.loaded
             running = [one for one in loaded if one.controller.is_running()]
@@ -314,6 +322,7 @@ class ControllerUpdate:
         """
         if pending.progress is SwitchProgress.POSTED:
             if not pending.claim.acquire(blocking=False):
+                # The caller has just withdrawn it, so nobody waits.
                 return []
             involved: list[LoadedController] = []
         else:
@@ -339,6 +348,7 @@ class ControllerUpdate:
             if not pending.claim.acquire(blocking=False):
                 return  # withdrawn by its caller
             pending.progress = SwitchProgress.CLAIMED
+            # A switch that was posted between two cycles counts from the cycle before.
             if pending.time is None:
                 pending.time = time - period
             if pending.request.receipt is not None:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class LoadedController:
-    """What the manager keeps for each loaded controller.
+    """The manager's record of a loaded controller.
 
     Attributes:
         controller: The controller.
@@ -92,7 +92,10 @@ class LoadedController:
         controller = self.controller
         port = controller.set_points
         self.fresh = True
+        # Asked at each start: a test or a subclass may have replaced `update` since the
+        # last one.
         self.sampled, self.usual = controller.sampled, None
+        # A class that overrides `update` alone must get its calls.
         if is_in_force(controller, "usual_update", "update"):
             self.usual = controller.usual_update()
         self.last_set_point = None if port is None else port.last
@@ -108,6 +111,7 @@ class LoadedController:
     def _newest_goal(self) -> Goal | None:
         port = self.controller.goals
         goals = [] if port is None else port.goals()
+        # Compiled code does not wrap negative indices around.
         return goals[len(goals) - 1] if goals else None
 
     def abort_goals(self, reason: str) -> None:
@@ -120,7 +124,7 @@ class LoadedController:
             self.controller.goals.abort(reason)
 
     def excessive_jump(self) -> str | None:
-        """Return which command is too far from the one before; None if none is."""
+        """Return the command that is too far from the one before; None if none is."""
         return None if self.may_jump else self.commands.excessive_jump()
 
     def add_fault(self, text: str) -> None:
@@ -164,6 +168,7 @@ class LoadedController:
             self.controller.is_running(),
             percentiles.max,
             mean,
+            # Rounding can make it slightly negative.
             max(self.durations.squares / count - mean * mean, 0.0),
             self.overruns - self.overruns_before,
             self.last_overrun,

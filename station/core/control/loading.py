@@ -49,6 +49,7 @@ class Loading:
                 thread cannot be ended; whatever it returns later is thrown away.
             BaseException: Whatever building it raised.
         """
+        # A daemon: an import that never returns must not keep the process alive.
         thread = threading.Thread(
             target=self._run, name=f"load {self.name}", daemon=True
         )
@@ -80,10 +81,11 @@ class Loading:
     def cancel(self) -> None:
         """Let whoever waits for the controller go on without it."""
         self._is_cancelled = True
+        # Last: `run` looks at the flag when it wakes up.
         self._done.set()
 
     def status(self) -> ControllerStatus:
-        """Return what people are told about it."""
+        """Return the status of the controller, for people."""
         return ControllerStatus(
             self.name,
             "",

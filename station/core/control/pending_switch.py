@@ -16,7 +16,7 @@ __all__ = ["PendingSwitch", "SwitchOutcome", "SwitchProgress", "refused"]
 
 
 class SwitchProgress(Enum):
-    """Where a pending switch is."""
+    """The phases of a pending switch."""
 
     POSTED = "posted"
     CLAIMED = "claimed"
@@ -80,6 +80,7 @@ class PendingSwitch:
     def finish(self, cycle: int) -> None:
         """Mark the switch as finished and wake its caller. Control thread."""
         self.cycle = cycle
+        # Before the lock is released: the caller reads all of it at once.
         self.progress = SwitchProgress.FINISHED
         self.done.release()
 
@@ -100,18 +101,20 @@ class PendingSwitch:
             return True
         timeout = self.request.timeout
         since = self.time
+        # The margin is rounding: station time is a sum of periods.
         return timeout > 0.0 and since is not None and time - since > timeout + 1e-9
 
     def lateness(self, time: float) -> str | None:
-        """Return why the switch is given up at station time `time` [s], or None."""
+        """Return the reason to give up the switch at station time `time` [s]."""
         if not self.is_late(time):
             return None
+        # In a pause no station time passes, so waiting longer would not help.
         if time == self.time:
             return "the hardware cannot get ready while station time stands still"
         return "the hardware was not ready in time"
 
     def result(self) -> SwitchResult:
-        """Return what the finished switch did.
+        """Return the result of the finished switch.
 
         Raises:
             StationError: It was refused in the control thread.
@@ -122,6 +125,7 @@ class PendingSwitch:
         committed = self.outcome is SwitchOutcome.COMMITTED
         started = [i.name for i in plan.start if i.name not in self.failed]
         stopped = [info.name for info in plan.stop]
+        # What was stopped runs again.
         if self.outcome is SwitchOutcome.ROLLED_BACK:
             stopped = []
         return SwitchResult(

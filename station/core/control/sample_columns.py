@@ -1,4 +1,4 @@
-"""What a controller did in a cycle: columns of doubles, packed once a cycle."""
+"""A controller's sample of a cycle: columns of doubles, packed once a cycle."""
 
 from collections.abc import Sequence
 from math import isnan
@@ -40,12 +40,13 @@ class SampleColumns:
         self.size = len(columns[0])
         self.row = zeros(sum(len(view) for view in self.views))
         self.packed = memoryview(self.row).cast("B")
+        # No station time yet: readers take the row for empty.
         self.row[0] = float("nan")
         self.width = len(self.row)
 
     @property
     def newest(self) -> PackedColumns | None:
-        """What was packed last; None before the first time. Any thread."""
+        """Return the sample packed last; None before the first. Any thread."""
         # Copied at once: the control thread may pack the next columns meanwhile.
         packed = memoryview(self.row).tobytes()
         (stamp,) = memoryview(packed[:8]).cast("d")

@@ -165,7 +165,7 @@ class SwitchCaller:
         return plan
 
     def _wait_for(self, pending: PendingSwitch) -> None:
-        """Return when the control thread has finished `pending`.
+        """Wait until the control thread has finished `pending`.
 
         Raises:
             SwitchTimeoutError: It has not, at the deadline.
@@ -211,7 +211,7 @@ class SwitchCaller:
 
 
 def _bound_of(request: SwitchRequest) -> float:
-    """Return how long a switch may take [s wall time]; inf for as long as it takes."""
+    """Return the longest allowed duration of a switch [s wall time]; inf for none."""
     if request.timeout > 0.0:
         return request.timeout + SWITCH_GRACE
     return inf if request.bound is None else request.bound

@@ -269,7 +269,7 @@ class SwitchTransaction:
 
     @property
     def _restored(self) -> list[ControllerInfo]:
-        """Return who goes on with the hardware; one that has failed stays off."""
+        """Return the controllers to restore; one that has failed stays off."""
         ran = {one.info.name for one in self._was_running}
         return [info for info in self._pending.plan.stop if info.name in ran]
 

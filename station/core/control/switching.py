@@ -1,4 +1,4 @@
-"""Which controllers a switch would start and stop, or why it is refused.
+"""The plan of a switch: the controllers to start and to stop, or a refusal.
 
 Planning is a pure function of the loaded controllers and the request. Carrying a plan
 out is the business of `controller_update.py`.
@@ -23,7 +23,7 @@ from station.core.ports.receipt import Receipt
 
 
 class Strictness(Enum):
-    """What happens to a request that is only possible in part."""
+    """The treatment of a request that is only possible in part."""
 
     BEST_EFFORT = 1
     """Do what is possible, leave out the rest."""
@@ -32,7 +32,7 @@ class Strictness(Enum):
 
     @classmethod
     def from_value(cls, value: int) -> "Strictness":
-        """Return what a number in a ROS message means: 2 is strict (CM-39)."""
+        """Return the strictness of a number in a ROS message: 2 is strict (CM-39)."""
         return cls.STRICT if value == cls.STRICT.value else cls.BEST_EFFORT
 
 
@@ -41,7 +41,7 @@ SWITCH_BOUND = 5.0
 
 
 class SwitchOutcome(Enum):
-    """How a switch ended; see `switch_transaction.py`."""
+    """The outcomes of a switch; see `switch_transaction.py`."""
 
     COMMITTED = "committed"
     """What could be done was done; `failed` says what could not."""
@@ -54,7 +54,7 @@ class SwitchOutcome(Enum):
 
 @dataclass(frozen=True, slots=True)
 class SwitchRequest:
-    """Which controllers to start and to stop, in one cycle.
+    """The controllers to start and to stop, in one cycle.
 
     Attributes:
         start: Names to start; started in this order.
@@ -85,7 +85,7 @@ class SwitchRequest:
 
 @dataclass(frozen=True, slots=True)
 class SwitchPlan:
-    """What a switch will do.
+    """The effect that a switch will have.
 
     Attributes:
         start_requests: Names to start in the order of the request (CM-51: a name may
@@ -107,7 +107,7 @@ class SwitchPlan:
 
 @dataclass(frozen=True, slots=True)
 class SwitchResult:
-    """What a switch did, or with `dry_run` would do.
+    """The effect of a switch, or with `dry_run` the effect that it would have.
 
     Attributes:
         ok: Whether every controller of the plan runs, or has stopped, as planned, and
@@ -169,7 +169,7 @@ class _Draft:
 
 
 def plan_switch(loaded: Sequence[Candidate], request: SwitchRequest) -> SwitchPlan:
-    """Return what `request` means for the loaded controllers.
+    """Return the plan of `request` for the loaded controllers.
 
     Args:
         loaded: All loaded controllers, in load order.

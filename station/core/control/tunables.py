@@ -188,7 +188,7 @@ class Tunables:
 
 @dataclass(frozen=True, slots=True)
 class Gains:
-    """What a client sees of a controller's run-time parameters.
+    """A client's view of a controller's run-time parameters.
 
     Attributes:
         values: Present value by name.

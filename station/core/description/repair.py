@@ -40,7 +40,7 @@ class Repair:
 
     @property
     def is_addition(self) -> bool:
-        """Whether nothing is wrong: a URDF cannot state what was added."""
+        """Return whether nothing is wrong: a URDF cannot state what was added."""
         return self.kind in {"armature", "gravity"}
 
     def sentence(self) -> str:

@@ -41,7 +41,7 @@ def is_complete() -> bool:
 
 
 def fetched_directory() -> Path:
-    """Return where fetched robots are kept; the directory need not exist.
+    """Return the directory of fetched robots; it need not exist.
 
     It is `example-robot-data` below `$STATION_ROBOT_DATA`, or below
     `$XDG_DATA_HOME/control-station`. Mesh files are named `package://example-robot-data/`,

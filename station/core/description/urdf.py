@@ -20,7 +20,7 @@ Quaternion = tuple[float, float, float, float]
 
 
 class JointType(Enum):
-    """How a joint of a URDF moves."""
+    """The type of a URDF joint."""
 
     REVOLUTE = "revolute"
     CONTINUOUS = "continuous"
@@ -31,17 +31,17 @@ class JointType(Enum):
 
     @property
     def has_position_limits(self) -> bool:
-        """Whether URDF's position limits count for joints of this type."""
+        """Return whether URDF's position limits count for joints of this type."""
         return self is JointType.REVOLUTE or self is JointType.PRISMATIC
 
     @property
     def moves(self) -> bool:
-        """Whether a joint of this type has any degree of freedom."""
+        """Return whether a joint of this type has any degree of freedom."""
         return self is not JointType.FIXED
 
     @property
     def is_rotation(self) -> bool:
-        """Whether a joint of this type turns about its axis."""
+        """Return whether a joint of this type turns about its axis."""
         return self is JointType.REVOLUTE or self is JointType.CONTINUOUS
 
 
@@ -155,7 +155,7 @@ class Link:
 
     @property
     def is_frame_only(self) -> bool:
-        """Whether the link has neither mass nor a collision shape."""
+        """Return whether the link has neither mass nor a collision shape."""
         return self.inertial is None and not self.collisions
 
 

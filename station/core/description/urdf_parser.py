@@ -28,7 +28,7 @@ from station.core.errors import RobotDescriptionError
 
 
 def read_joint_type(joint: Element) -> JointType:
-    """Return how a joint moves.
+    """Return the type of a joint.
 
     Args:
         joint: The `<joint>` element of a URDF.

@@ -1,4 +1,4 @@
-"""What a URDF says about the wheels of a base with two driven sides.
+"""The wheels of a base with two driven sides, read from its URDF.
 
 Source: ros_controllers@678b92a diff_drive_controller.cpp, setOdomParamsFromUrdf and
 getWheelRadius.

@@ -1,4 +1,4 @@
-"""What was asked of a station from outside, and before which cycle it took effect.
+"""The inputs of a station, each with the cycle before which it took effect.
 
 A station that is stepped from its configuration, with the same inputs before the same
 cycles, goes the same way bit for bit. A recording keeps the inputs for that.

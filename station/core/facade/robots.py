@@ -269,5 +269,5 @@ class Robots:
 
 
 def _name_of(action: Callable[..., object]) -> str:
-    """Return where an action is defined, for people."""
+    """Return the qualified name of an action, for people."""
     return str(getattr(action, "__qualname__", type(action).__qualname__))

@@ -92,7 +92,7 @@ class StationStatus:
 
 
 def label_robot(hw: RobotHW) -> str:
-    """Return what everybody calls a robot who must know whether something real moves.
+    """Return the label that tells people whether something real moves.
 
     Args:
         hw: The robot; one of several counts as real if any of them is.
@@ -275,7 +275,7 @@ class Station:
         return [] if world is None else list(self.loop.run_in_cycle(world.scene))
 
     def bases(self) -> list[MovingBaseReport]:
-        """Return where the root links are of simulated robots with a moving base.
+        """Return the poses of the root links of simulated robots with a moving base.
 
         Raises:
             LoopError: The loop died or hangs.
@@ -284,7 +284,7 @@ class Station:
         return [] if world is None else list(self.loop.run_in_cycle(world.bases))
 
     def contacts(self) -> list[ContactReport]:
-        """Return where bodies of a simulated world touch.
+        """Return the contacts between bodies of a simulated world.
 
         Raises:
             LoopError: The loop died or hangs.
@@ -293,13 +293,13 @@ class Station:
         return [] if world is None else list(self.loop.run_in_cycle(world.contacts))
 
     def dead(self) -> str | None:
-        """Return why only a restart helps; None while the loop has not died."""
+        """Return the reason why only a restart helps; None while the loop is alive."""
         if self.loop.state is not LoopState.FAILED:
             return None
         return f"The control loop died: {self.loop.failure_summary()}"
 
     def ready(self) -> str | None:
-        """Return why the station is not ready; None when it is."""
+        """Return the reason why the station is not ready; None when it is."""
         dead = self.dead()
         if dead is not None:
             return dead

@@ -1,4 +1,4 @@
-"""What franka_hw adds to ros_control: the interfaces of an arm and of its hand."""
+"""The interfaces of an arm and its hand, which franka_hw adds to ros_control."""
 
 from station.core.franka.franka_errors import ArmError as ArmError
 from station.core.franka.franka_interfaces import (

@@ -190,7 +190,7 @@ class Arms:
         self._robots.run(self._simulation(arm_id).clear_faults)
 
     def reader(self, arm_id: str) -> Callable[[], RobotState]:
-        """Return what copies an arm's whole state; for the control thread alone.
+        """Return a function that copies an arm's whole state; control thread only.
 
         Raises:
             ArmNotFoundError: There is no such arm.

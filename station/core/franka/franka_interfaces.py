@@ -47,7 +47,7 @@ class FrankaStateHandle(ResourceHandle):
         return self._state
 
     def pose_source(self) -> ModelSource:
-        """Return what writes `O_T_EE` in every cycle, without the other fields."""
+        """Return a source of `O_T_EE` for every cycle, without the other fields."""
         return self._pose
 
     def _write_pose(self, result: Doubles) -> None:

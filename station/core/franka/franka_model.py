@@ -122,7 +122,7 @@ class FrankaModel(ABC):
     def pose_source(
         self, frame: Frame, q: Doubles, F_T_EE: Doubles, EE_T_K: Doubles
     ) -> ModelSource:
-        """Return what writes the pose of a frame, see `pose`, in every cycle.
+        """Return a source of the pose of a frame, see `pose`, for every cycle.
 
         Args:
             frame: The frame.
@@ -152,7 +152,7 @@ class FrankaModel(ABC):
     def zero_jacobian_source(
         self, frame: Frame, q: Doubles, F_T_EE: Doubles, EE_T_K: Doubles
     ) -> ModelSource:
-        """Return what writes the Jacobian of a frame, see `zero_jacobian`.
+        """Return a source of a frame's Jacobian, see `zero_jacobian`, for every cycle.
 
         Args:
             frame: The frame.
@@ -163,7 +163,7 @@ class FrankaModel(ABC):
         return _written(self.zero_jacobian, frame, q, F_T_EE, EE_T_K)
 
     def coriolis_source(self, state: RobotState) -> ModelSource:
-        """Return what writes C(q, dq) dq with what the arm carries, see `coriolis`.
+        """Return a source of C(q, dq) dq with the arm's load, see `coriolis`.
 
         Args:
             state: The arm's live state; read in every cycle.
@@ -195,7 +195,7 @@ class FrankaModel(ABC):
 
     @abstractmethod
     def clearance(self, q: Sequence[float]) -> float:
-        """Return how far the two closest parts of the arm are apart [m]; about 0.1 ms.
+        """Return the distance of the arm's two closest parts [m]; takes about 0.1 ms.
 
         A hand counts as mounted. Negative when they overlap.
 
@@ -209,7 +209,7 @@ def _written(
     frame: Frame,
     *memory: Doubles,
 ) -> ModelSource:
-    """Return what writes the result of a function of a frame and of memory."""
+    """Return a source that writes a function of a frame into memory."""
     return ModelSource(lambda result: put(result, compute(frame, *memory)))
 
 
@@ -267,7 +267,7 @@ class FrankaModelHandle(ResourceHandle):
         return self.model.pose(frame, self._q, *self._frames)
 
     def pose_source(self, frame: Frame) -> ModelSource:
-        """Return what writes the pose of a frame in the base frame in every cycle."""
+        """Return a source of the pose of a frame in the base frame, for every cycle."""
         return self.model.pose_source(frame, self._q, *self._frames)
 
     def get_zero_jacobian(self, frame: Frame) -> list[float]:
@@ -275,11 +275,11 @@ class FrankaModelHandle(ResourceHandle):
         return self.model.zero_jacobian(frame, self._q, *self._frames)
 
     def zero_jacobian_source(self, frame: Frame) -> ModelSource:
-        """Return what writes `get_zero_jacobian` in every cycle."""
+        """Return a source of `get_zero_jacobian` for every cycle."""
         return self.model.zero_jacobian_source(frame, self._q, *self._frames)
 
     def coriolis_source(self) -> ModelSource:
-        """Return what writes `get_coriolis` in every cycle."""
+        """Return a source of `get_coriolis` for every cycle."""
         return self.model.coriolis_source(self._state)
 
     def get_body_jacobian(self, frame: Frame) -> list[float]:

@@ -15,7 +15,7 @@ from station.memory.doubles import Block, Doubles, put
 
 
 class RobotMode(Enum):
-    """What the arm is doing; the values are libfranka's."""
+    """The mode of the arm; the values are libfranka's."""
 
     OTHER = 0
     IDLE = 1
@@ -101,7 +101,7 @@ MODE = "robot_mode"
 
 
 def array_places() -> dict[str, slice]:
-    """Return where the bytes of each array are in the block of a packed state."""
+    """Return the position of each array's bytes in a packed state."""
     places, start = {}, 0
     for name, size in {**_SIZES, MODE: 1}.items():
         places[name] = slice(8 * start, 8 * (start + size))

@@ -132,7 +132,7 @@ class ArmSimulation(ABC):
 
     @abstractmethod
     def clamps(self) -> list[ClampReport]:
-        """Return which joints the simulation's own brakes have held. Any thread."""
+        """Return the joints that the simulation's own brakes have held. Any thread."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""What follows from the present state of an arm, written into memory in every cycle."""
+"""Quantities derived from an arm's state, written into memory every cycle."""
 
 from collections.abc import Callable
 from typing import Any

@@ -300,7 +300,7 @@ def _together(states: list[SwitchState]) -> SwitchState:
 def _part_of(
     robot: RobotHW, controllers: Sequence[ControllerInfo]
 ) -> list[ControllerInfo]:
-    """Return what of `controllers` concerns `robot` (CM-112, CM-113).
+    """Return the part of `controllers` that concerns `robot` (CM-112, CM-113).
 
     Resources the robot does not have are left out, and controllers of which nothing
     remains; a controller that claims nothing at all concerns every robot.

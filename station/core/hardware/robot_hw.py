@@ -48,7 +48,7 @@ class ControllerInfo:
 
 @dataclass(frozen=True, slots=True)
 class ResourceConflict:
-    """Why a set of controllers cannot run together.
+    """The reason why a set of controllers cannot run together.
 
     Attributes:
         resource: The resource in dispute.
@@ -62,7 +62,7 @@ class ResourceConflict:
 
 
 class SwitchState(Enum):
-    """How far the hardware is with a switch."""
+    """The hardware's progress with a switch."""
 
     DONE = "done"
     ONGOING = "ongoing"
@@ -211,11 +211,11 @@ class RobotHW(InterfaceManager):
         """
 
     def switch_result(self) -> SwitchState:
-        """Return how far the hardware is with the switch of all controllers."""
+        """Return the hardware's progress with the switch of all controllers."""
         return SwitchState.DONE
 
     def switch_result_for(self, controller: ControllerInfo) -> SwitchState:  # noqa: ARG002
-        """Return how far the hardware is with the switch of `controller`."""
+        """Return the hardware's progress with the switch of `controller`."""
         return SwitchState.DONE
 
     def joint_limits(self) -> Sequence[JointLimitsReport]:
@@ -227,11 +227,11 @@ class RobotHW(InterfaceManager):
         return ()
 
     def repairs(self) -> Sequence[Repair]:
-        """Return what was changed so that it can be used; settled in `init`."""
+        """Return the changes that made a description usable; settled in `init`."""
         return ()
 
     def clamps(self) -> Sequence[ClampReport]:
-        """Return which commands its limits have cut off. Any thread."""
+        """Return the commands that limits have cut off. Any thread."""
         return ()
 
     def is_interrupted(self) -> bool:
@@ -243,14 +243,14 @@ class RobotHW(InterfaceManager):
         return False
 
     def interruption_of(self, controller: ControllerInfo) -> str | None:  # noqa: ARG002
-        """Return why a controller's commands are not carried out; None if they are.
+        """Return the reason why a controller's commands are ignored; None if they act.
 
         The manager stops such a controller in the same cycle and calls `do_switch`.
         """
         return None
 
     def robot_clock(self) -> RobotClock | None:
-        """Return what paces the control thread; None for the wall clock.
+        """Return the clock that paces the control thread; None for the wall clock.
 
         The same object from `init` on.
         """
@@ -267,7 +267,7 @@ class RobotHW(InterfaceManager):
         return None
 
     def address(self) -> str:
-        """Return where a real robot is, e.g. its IP address; empty for a simulated one.
+        """Return the address of a real robot, e.g. its IP; empty for a simulated one.
 
         People read it beside REAL ARM, so that they know which robot will move.
         """

@@ -1,4 +1,4 @@
-"""What a robot reports about itself: limits, transmissions, cut-off commands, scene."""
+"""A robot's report on itself: limits, transmissions, cut-off commands, scene."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -28,7 +28,7 @@ class JointLimitsReport:
 
 @dataclass(frozen=True, slots=True)
 class ClampReport:
-    """How often the commands of a joint were cut off by limits.
+    """The number of a joint's commands that limits have cut off.
 
     Attributes:
         hardware_interface: The interface that was commanded.

@@ -25,7 +25,7 @@ _SECTIONS = ("Args:", "Returns:", "Raises:")
 
 
 class ServiceKind(Enum):
-    """What calling a service does."""
+    """The effect of calling a service."""
 
     QUERY = "query"
     """It answers a question and changes nothing; it has no parameters."""
@@ -137,7 +137,7 @@ class RecoverableRobot(RobotServices, ABC):
 
     @abstractmethod
     def remedy(self) -> str | None:
-        """Return what to do before the robot can move; None when it can. Any thread."""
+        """Return the step needed before the robot can move, or None. Any thread."""
 
     @abstractmethod
     def is_recovering(self) -> bool:

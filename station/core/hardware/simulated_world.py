@@ -12,7 +12,7 @@ from station.core.hardware.robot_report import (
 
 
 class SimulatedWorld(ABC):
-    """What only a simulated robot has: a time of its own, a scene, and a reset.
+    """The extras of a simulated robot: a time of its own, a scene, and a reset.
 
     `RobotHW.simulated_world` hands it out; a real robot has none. All methods belong to
     the control thread, between two cycles or within one.
@@ -45,11 +45,11 @@ class SimulatedWorld(ABC):
         return ()
 
     def bases(self) -> Sequence[MovingBaseReport]:
-        """Return where the robots stand whose root link moves; none that is fixed."""
+        """Return the poses of the robots' moving root links; without the fixed ones."""
         return ()
 
     def contacts(self) -> Sequence[ContactReport]:
-        """Return where bodies of the world touch; of very many points only some."""
+        """Return the contacts of the world's bodies; of very many points only some."""
         return ()
 
     def longest_period(self) -> float:

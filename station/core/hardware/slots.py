@@ -95,7 +95,7 @@ def _base(storage: Storage) -> _Place:
 
 
 def _place(view: Doubles) -> int:
-    """Return where a view begins in its memory, counted in doubles."""
+    """Return the offset of a view in its memory, counted in doubles."""
     return (_address(view) - _address(view.obj)) // _BYTES
 
 

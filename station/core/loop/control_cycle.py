@@ -115,11 +115,14 @@ class ControlCycle:
         Args:
             period: Time since the last cycle [s]; at most `longest_period` counts.
         """
+        # A simulated world goes on by itself for so long only; station time must not
+        # run ahead of it.
         if period > self.longest_period:
             period = self.longest_period
         time = self.time + period
         self.time = time
         self.cycle += 1
+        # Before the read, so that an operation sees the state of the last cycle whole.
         if self.waiting or self.stop_latch.pending:
             self.carry_out_requests()
         begun = self.wall_time()
@@ -133,6 +136,7 @@ class ControlCycle:
         updated = self.wall_time()
         self.hw.write(time, period)
         self.times.add(begun, read, updated, self.wall_time())
+        # After the write: a snapshot has what the robot got.
         self.leave_row(period)
 
     def run_standstill(self) -> None:
@@ -145,6 +149,8 @@ class ControlCycle:
             self.obey_watchdog()
             changed = True
         else:
+            # An operation in a pause may have moved the world, so the state is read and
+            # shown.
             changed = self.carry_out_requests()
         if self.controllers.advance_switch(self.time) or changed:
             self.cycle += 1
@@ -182,9 +188,13 @@ class ControlCycle:
             failure: Why the loop died, if it did.
         """
         why = self.stop_latch.reason or failure or "no reason given"
+        # Before the controllers stop: what arrives from now on belongs to the new
+        # epoch.
         self.next_epoch(f"The station was stopped: {why.rstrip('.')}.")
         self.manager.stop_all(self.time)
         if self.stop_latch.pending:
+            # A death of the loop stops all controllers, too, without anybody having
+            # engaged the latch.
             self.stop_latch.carried_out(self.cycle)
 
     def obey_watchdog(self) -> None:
@@ -201,6 +211,7 @@ class ControlCycle:
         """
         self.epoch += 1
         self.manager.void_commands(reason)
+        # They run in threads of their own and may be in the middle of a motion.
         for services in self.interruptible:
             services.interrupt(reason)
         return self.epoch

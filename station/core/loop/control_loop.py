@@ -153,7 +153,7 @@ class ControlLoop:
 
     @property
     def state(self) -> LoopState:
-        """Whether the thread runs, was stopped, or died."""
+        """Return the state of the thread: running, stopped, or dead."""
         return self._state
 
     def start(self) -> None:
@@ -168,8 +168,10 @@ class ControlLoop:
         self._failure = ""
         self._meter.reset()
         self._state = LoopState.RUNNING
+        # Before the thread runs: the watchdog must not take its start for a standstill.
         self.heartbeat.beats[0] = self.clock.now()
         self.heartbeat.life = LoopLife.RUNNING
+        # From here on the thread makes the cycles that a switch waits for.
         self.manager.pump = None
         self.manager.update_budget = self._update_budget
         self._thread = threading.Thread(target=self._run, name="control", daemon=True)
@@ -222,6 +224,7 @@ class ControlLoop:
                 self.clock.advance(tick)
             late = self._take_late_cycles()
             self._meter.woke(late * self.period / self.pace.real_time_factor, late)
+            # A test's late cycle has the period that a late thread would have given it.
             control_cycle.run_cycle((1 + late) * self.period)
 
     def run_in_cycle(
@@ -242,8 +245,12 @@ class ControlLoop:
                 run later.
         """
         thread = self._thread
+        # Checked again in the cycle: the stop may come between the request and the
+        # operation.
         if moves:
             action = guarded(self.stop_latch.check, action)
+        # Without a thread the caller makes the cycles itself; within it, waiting would
+        # never end.
         if thread is None or thread is threading.current_thread():
             return action()
         operation = self._operations.post(action)
@@ -261,7 +268,7 @@ class ControlLoop:
             raise self._death()
 
     def report(self) -> LoopReport:
-        """Return how the loop is doing. Any thread."""
+        """Return the state and the statistics of the loop. Any thread."""
         return self._meter.report(
             state=self._state,
             failure=self._failure,
@@ -291,7 +298,7 @@ class ControlLoop:
         return late
 
     def age(self) -> float:
-        """Return how long ago the control thread woke up last [s wall time]."""
+        """Return the time since the control thread last woke up [s wall time]."""
         return self.clock.now() - self.heartbeat.beats[0]
 
     def failure_summary(self) -> str:
@@ -306,6 +313,8 @@ class ControlLoop:
         except BaseException:  # noqa: BLE001 - the boundary: kept, shown, nothing moves on
             self._failure = trace_of_fault()
             self._state = LoopState.FAILED
+            # Before anything that can hang or raise: the watchdog then holds a real
+            # arm.
             self.heartbeat.life = LoopLife.DIED
             self._end_what_ran()
         else:
@@ -316,6 +325,7 @@ class ControlLoop:
         try:
             self.control_cycle.carry_out_stop(self.failure_summary())
         except CONTAINED:
+            # The robot may be what failed. Both errors are needed to find out.
             self._failure = f"{trace_of_fault()}\nAfter:\n{self._failure}"
         self._operations.give_up(self._death())
 
@@ -336,8 +346,10 @@ class ControlLoop:
             factor = pace.real_time_factor
             wall_period = self.period / factor
             let_others_in()
+            # A pause keeps them for the first cycle after it.
             late = 0 if pace.paused else self._take_late_cycles()
             wake = deadline + late * wall_period
+            # A long sleep would keep a stop waiting.
             if (1 + late) * wall_period > SLICE:
                 self._sleep_in_slices(wake)
                 if self._stopping or pace.real_time_factor != factor:
@@ -347,9 +359,12 @@ class ControlLoop:
             else:
                 self.clock.sleep_until(wake)
             keep_interpreter()
+            # Read once: the beat and the lateness are of the same moment.
             now = self.clock.now()
             beats[0] = now
             lateness = now - deadline
+            # Missed cycles are skipped, not made up for: a burst would hit the robot
+            # with old commands.
             skipped = int(lateness / wall_period)
             if not pace.passes():
                 self.control_cycle.run_standstill()
@@ -360,6 +375,8 @@ class ControlLoop:
             else:
                 self._meter.woke(lateness, skipped)
                 self.control_cycle.run_cycle((1 + skipped) * self.period)
+            # Added up rather than computed from now, so that lateness does not shift
+            # all later cycles.
             deadline += (1 + skipped) * wall_period
 
     def _run_at_the_pace_of(self, robot: RobotClock) -> None:
@@ -376,6 +393,8 @@ class ControlLoop:
             beats[0] = now
             keep_interpreter()
             if elapsed:
+                # The robot counts its cycles, so only what is beyond them is the
+                # machine's doing.
                 lateness = now - last - elapsed * self.period
                 self._meter.woke(max(0.0, lateness), elapsed - 1)
                 last = now

@@ -13,6 +13,7 @@ SampleT = TypeVar("SampleT")
 
 CAPACITY = 4096
 """Samples that are kept, as many as the ring has snapshots; about 4 s at 1 kHz."""
+# For those that open and close; the control thread reads the tuple as it is.
 _changes = threading.Lock()
 
 
@@ -71,6 +72,8 @@ class CycleTap(Generic[SampleT]):
 
     def sample_cycle(self, cycle: int, epoch: int, stamp: float, period: float) -> None:
         """Sample a cycle; control thread only."""
+        # A sample that raised once would raise in every cycle and make each of them
+        # late.
         if self.failure is not None:
             return
         try:
@@ -80,6 +83,7 @@ class CycleTap(Generic[SampleT]):
             return
         taken = TappedCycle(cycle, epoch, stamp, period, sample)
         self._slots[cycle % CAPACITY] = taken
+        # Last: readers take what is up to here for whole.
         self._newest = cycle
 
     def newest_cycle(self) -> int:
@@ -93,6 +97,7 @@ class CycleTap(Generic[SampleT]):
             cycle: Number of the last cycle the reader has seen.
         """
         newest = self._newest
+        # Older ones have been overwritten.
         first = max(cycle + 1, newest - CAPACITY + 1)
         found = [
             taken

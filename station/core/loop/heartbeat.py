@@ -18,7 +18,7 @@ _REASON_BYTES = 512
 
 
 class Phase(IntEnum):
-    """What the station does, as its main thread tells the watchdog."""
+    """The station's phase, as its main thread reports it to the watchdog."""
 
     STARTING = 0
     """Parts are being built: imports hold the interpreter, and cycles may be late."""
@@ -29,7 +29,7 @@ class Phase(IntEnum):
 
 
 class LoopLife(IntEnum):
-    """What the control thread does, as it tells the watchdog itself."""
+    """The control thread's state, as it reports it to the watchdog itself."""
 
     STOPPED = 0
     """There is no control thread."""
@@ -61,7 +61,11 @@ class Heartbeat:
     _ENDED = 3
 
     def __init__(self, memory: mmap.mmap | bytearray | None = None) -> None:
+        # Without shared memory there is no watchdog; the loop writes its beats all the
+        # same.
         view = memoryview(bytearray(PAGE_BYTES) if memory is None else memory)
+        # Eight bytes at a multiple of eight are written at once, so another process
+        # never reads half a time.
         self.beats = view[0:8].cast("d")
         self.flags = view[8:12]
         self.watchdog_beats = view[16:24].cast("d")
@@ -69,7 +73,7 @@ class Heartbeat:
 
     @property
     def life(self) -> LoopLife:
-        """What the control thread does."""
+        """Return the state of the control thread."""
         return LoopLife(self.flags[self._LIFE])
 
     @life.setter
@@ -78,7 +82,7 @@ class Heartbeat:
 
     @property
     def phase(self) -> Phase:
-        """What the station does."""
+        """Return the phase of the station."""
         return Phase(self.flags[self._PHASE])
 
     @phase.setter
@@ -87,7 +91,7 @@ class Heartbeat:
 
     @property
     def is_ended_by_watchdog(self) -> bool:
-        """Whether the watchdog has told the station to end."""
+        """Return whether the watchdog has told the station to end."""
         return bool(self.flags[self._ENDED])
 
     def note_end_by_watchdog(self) -> None:
@@ -96,7 +100,7 @@ class Heartbeat:
 
     @property
     def is_stop_asked(self) -> bool:
-        """Whether a stop of the watchdog waits for the loop."""
+        """Return whether a stop of the watchdog waits for the loop."""
         return bool(self.flags[self.STOP])
 
     def ask_stop(self, reason: str) -> None:
@@ -105,13 +109,14 @@ class Heartbeat:
         Args:
             reason: Why, for people; at most 511 bytes of UTF-8 are kept.
         """
+        # One byte stays zero, as the end of the text.
         text = reason.encode()[: _REASON_BYTES - 1]
         # The flag comes last: the loop reads the reason once it sees the flag.
         self._reason[:] = text.ljust(_REASON_BYTES, b"\0")
         self.flags[self.STOP] = 1
 
     def stop_reason(self) -> str:
-        """Return why the watchdog asked for the last stop."""
+        """Return the watchdog's reason for its last stop."""
         return bytes(self._reason).rstrip(b"\0").decode(errors="replace")
 
     def confirm_stop(self) -> None:

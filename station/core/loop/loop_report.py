@@ -1,4 +1,4 @@
-"""How the control loop is doing: measured each cycle, summarised on demand."""
+"""The state of the control loop: measured each cycle, summarised on demand."""
 
 import numpy as np
 
@@ -36,6 +36,7 @@ class LoopMeter:
         self._lateness.reset()
         self.times.reset()
         self._since = self.times.last = self._clock.now()
+        # The total goes on: others count with it.
         self._skipped_before = self._skipped
 
     def woke(self, lateness: float, skipped: int) -> None:
@@ -46,6 +47,7 @@ class LoopMeter:
     def idled(self) -> None:
         """Note that the thread woke while time stands still: it counts for nothing."""
         now = self._clock.now()
+        # Time in a pause must not lower the achieved rate.
         self._since += now - self.times.last
         self.times.last = now
 

@@ -1,4 +1,4 @@
-"""What other threads want done between two cycles; the control thread does it."""
+"""Operations of other threads, carried out by the control thread between cycles."""
 
 import threading
 from collections import deque
@@ -9,6 +9,7 @@ from station.core.errors import LoopError
 
 T = TypeVar("T")
 
+# Each may take a part of the period; more at a time would make a cycle late.
 OPERATIONS_PER_CYCLE = 4
 """How many posted operations one cycle carries out; the rest wait for the next."""
 
@@ -55,6 +56,7 @@ class Operation:
             LoopError: Nobody did it in time; nobody will do it later.
         """
         if not self.done.acquire(timeout=timeout):
+            # Whoever was answered with an error must not find it carried out later.
             self.abandoned = True
             raise LoopError(
                 f"The control loop did not answer within {timeout} s.",
@@ -92,6 +94,7 @@ class Operations:
         waiting = self.waiting
         if not waiting:
             return False
+        # Not `while waiting`: an operation may post another one.
         for _ in range(min(len(waiting), OPERATIONS_PER_CYCLE)):
             waiting.popleft().run()
         return True

@@ -1,4 +1,4 @@
-"""Whether station time passes, and how fast."""
+"""The pace of station time: paused or running, and its speed."""
 
 from station.core.errors import ParameterError
 
@@ -35,6 +35,7 @@ class Pace:
             return True
         if self.steps_due == 0:
             return False
+        # A step is used up by the cycle that it permits.
         self.steps_due -= 1
         return True
 

@@ -47,5 +47,8 @@ class RightOfWay:
         wall_period = self._period / self._pace.real_time_factor
         begins = self._beats[0] + wall_period
         now = self._clock.now()
+        # With a fast loop there would be no time left to work in, so nobody waits.
         if -OVERDUE < begins - now < PIECE < 0.5 * wall_period:
+            # Until the cycle has the interpreter: it needs a moment to wake up and take
+            # it.
             self._clock.sleep_until(max(begins, now) + HEAD_START)

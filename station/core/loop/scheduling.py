@@ -1,4 +1,4 @@
-"""What a Python process can do so that its control thread is on time.
+"""The means by which a Python process keeps its control thread on time.
 
 The interpreter's switch interval decides how long the control thread waits for a busy
 neighbour; a full garbage collection over a large heap takes tens of milliseconds
@@ -39,6 +39,7 @@ def realtime_interpreter() -> Iterator[None]:
     is permitted.
     """
     thresholds = gc.get_threshold()
+    # First, or the garbage of the start would be frozen, too.
     gc.collect()
     gc.freeze()
     gc.set_threshold(*GC_THRESHOLDS)
@@ -90,6 +91,7 @@ def _policy(name: str, priority: int, niceness: int) -> Iterator[None]:
     """Schedule the calling thread like this as far as that is permitted."""
     before = os.getpriority(os.PRIO_PROCESS, 0)
     with suppress(PermissionError):
+        # Ordinary users may not lower it; the station runs all the same.
         os.setpriority(os.PRIO_PROCESS, 0, niceness)
     # macOS has no such policies.
     policy = getattr(os, name, None)
@@ -100,6 +102,7 @@ def _policy(name: str, priority: int, niceness: int) -> Iterator[None]:
     try:
         yield
     finally:
+        # Only what was changed is set back: setting it needs the permission again.
         if scheduled is not None and scheduled != _scheduling():
             os.sched_setscheduler(0, scheduled[0], os.sched_param(scheduled[1]))
         if os.getpriority(os.PRIO_PROCESS, 0) != before:
@@ -117,6 +120,7 @@ def request_realtime_priority() -> str:
         return "SCHED_OTHER (this system has no SCHED_FIFO)"
     try:
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(FIFO_PRIORITY))
+    # Refused without the capability, and in containers.
     except OSError as error:
         return f"SCHED_OTHER (SCHED_FIFO was refused: {error.strerror})"
     return f"SCHED_FIFO {FIFO_PRIORITY}"

@@ -1,4 +1,4 @@
-"""What a cycle left behind, kept in a ring: one writer, any number of readers."""
+"""Snapshots of cycles, kept in a ring: one writer, any number of readers."""
 
 from array import array
 from collections.abc import Sequence
@@ -23,6 +23,7 @@ from station.memory.vectors import copy_into
 HEAD = 4
 """Numbers of a row before the states of the joints."""
 _HEAD = HEAD
+# In the place of its station time it says that a controller has left no sample.
 _NAN = float("nan")
 _RUNNING = ControllerState.RUNNING
 
@@ -248,12 +249,14 @@ class SnapshotRing:
         for block in self.blocks:
             copy_into(rows, at, block.values, block.size)
             at += block.size
+        # Made only if needed: a cycle of packed samples allocates nothing.
         objects: dict[str, object] | None = None
         for one in running:
             is_running = one.controller.state is _RUNNING
             sampled = one.sampled
             if sampled is not None and one.place >= 0:
                 copy_into(rows, at + one.place, sampled.row, sampled.width)
+                # It has stopped in this cycle; the bytes are those of the cycle before.
                 if not is_running:
                     rows[at + one.place] = _NAN
             elif is_running:
@@ -264,6 +267,7 @@ class SnapshotRing:
                     objects[one.info.name] = sample
         self.layouts[slot] = self.layout
         self.objects[slot] = objects
+        # The number last: it makes the row whole for readers.
         rows[begin] = cycle
         self.newest = cycle
 
@@ -274,6 +278,7 @@ class SnapshotRing:
         for one in running:
             one.place, width, size = -1, 0, 0
             sampled = one.sampled
+            # The width of a row is fixed. What does not fit is kept as an object.
             if sampled is not None and at + sampled.width <= self.room:
                 one.place, width, size = at, sampled.width, sampled.size
                 at += width
@@ -282,6 +287,7 @@ class SnapshotRing:
 
     def latest(self) -> Snapshot | None:
         """Return the newest snapshot, None before the first cycle."""
+        # A reader that is slower than a turn of the ring tries again.
         while newest := self.newest:
             found, _ = self.read_since(newest - 1)
             if found:  # or it has been overwritten meanwhile

@@ -6,7 +6,7 @@ from station.core.errors import StoppedError
 
 
 class StopState(Enum):
-    """Where the latched stop is."""
+    """The states of the latched stop."""
 
     ARMED = "armed"
     """Motion is possible."""
@@ -38,6 +38,8 @@ class StopLatch:
 
     def engage(self, reason: str) -> None:
         """Stop everything; again when it is stopped already changes nothing else."""
+        # Counted before the state changes, so that `_change` sees a stop that comes in
+        # between.
         self._engagements += 1
         self.reason = reason
         self.pending = True
@@ -57,6 +59,7 @@ class StopLatch:
         before = self._engagements
         if self.state is not StopState.STOPPED:
             return
+        # Released before it was carried out, the stop would have stopped nothing.
         if self.pending:
             raise StoppedError(
                 f"The stop ({self.reason}) is not carried out yet.",

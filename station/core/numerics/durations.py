@@ -51,7 +51,7 @@ class Durations:
 
 
 class CycleTimes:
-    """How long the parts of the last cycles took. One thread adds, any may read.
+    """Durations of the parts of the last cycles. One thread adds, any may read.
 
     Args:
         capacity: Number of cycles that are kept, >= 1.

@@ -28,7 +28,7 @@ class GoalStatus(Enum):
 
 @dataclass(frozen=True, slots=True)
 class GoalResult:
-    """How a goal ended.
+    """The outcome of a goal.
 
     Attributes:
         code: The number that the action defines for this end; 0 for success, and for a

@@ -245,7 +245,7 @@ class SetPointPort:
 
 
 class TimeoutAction(Enum):
-    """What a controller does when its set-point expires.
+    """A controller's reaction to an expired set-point.
 
     `command_timeout` [s] is the time for which a set-point is valid; when it is 0 or
     absent, set-points do not expire. `command_timeout_action` is one of:

@@ -36,7 +36,7 @@ _MOVING = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class TrajectoryOptions:
-    """How a requested trajectory becomes an executable one.
+    """Options of turning a requested trajectory into an executable one.
 
     Attributes:
         current: The trajectory being executed; the result begins with the part of it

@@ -98,6 +98,7 @@ class FrankaCombinedHW(CombinedRobotHW):
         names = hw_params.get_str_list("robot_hardware")
         parameters = [read_parameters(hw_params.namespace(name)) for name in names]
         arm_ids = [one.arm_id for one in parameters]
+        # Resources are named after the arm, so two arms of one name would share them.
         if not names or len(set(arm_ids)) != len(arm_ids):
             raise ParameterError(
                 f"The arms of '{hw_params.resolve('robot_hardware')}' are {arm_ids}; "
@@ -105,6 +106,7 @@ class FrankaCombinedHW(CombinedRobotHW):
                 remedy="Correct robot_hardware and the arm_id of each.",
             )
         gravities = {one.gravity for one in parameters}
+        # One MuJoCo world has one gravity.
         if len(gravities) > 1:
             raise ParameterError(
                 f"The arms of '{hw_params.resolve('robot_hardware')}' are in one world "
@@ -170,6 +172,8 @@ class FrankaCombinedHW(CombinedRobotHW):
             SwitchRefusedError: An arm has an error, or refuses the switch.
         """
         robot = self.erroneous_arm()
+        # An error of one arm stops them all: arms that work together must not go on
+        # alone.
         if robot is not None and claims_of(start):
             raise SwitchRefusedError(
                 f"Not all arms can move: {_why_stopped(robot)}; {robot.arm.remedy()}.",
@@ -180,6 +184,7 @@ class FrankaCombinedHW(CombinedRobotHW):
 
     @override
     def is_interrupted(self) -> bool:
+        # Without a motion there is nothing to interrupt.
         if not any(robot.control_mode for robot in self.arms):
             return False
         return self.erroneous_arm() is not None or super().is_interrupted()

@@ -138,6 +138,7 @@ class FrankaHW(RobotHW):
             self._make_arm(root_params)
         self._mode = self.arm.state.doubles(MODE)
         description = load_arm_description(self._parameters.robot_description, limits)
+        # Names of joints begin with the arm's name, or two arms would have the same.
         description = description.with_prefix(find_prefix(description), f"{arm_id}_")
         if not root_params.has(ROBOT_DESCRIPTION):
             root_params.set(ROBOT_DESCRIPTION, description.xml)
@@ -247,7 +248,7 @@ class FrankaHW(RobotHW):
 
     @property
     def is_commanded(self) -> bool:
-        """Whether controllers command the arm, or are about to."""
+        """Return whether controllers command the arm, or are about to."""
         return self._motion.is_active
 
     @property
@@ -305,7 +306,7 @@ class FrankaHW(RobotHW):
         self._reading.nominal = arm_cycles_of(period, time, name, is_real=is_real)
 
     def longest_period(self) -> float:
-        """Return how long the simulated world goes on without the loop [s]."""
+        """Return the longest time that the world advances without the loop [s]."""
         told, nominal = self._parameters, self._reading.nominal
         longest = (nominal + told.most_lost_packets) * self.arm.cycle_time
         return longest if told.waits_for_late_loop else inf
@@ -334,6 +335,7 @@ class FrankaHW(RobotHW):
         except ParameterError as exc:
             raise SwitchRefusedError(exc.message, remedy=exc.remedy) from exc
         mode, arm_id = self._mode_after(start, stop), self._parameters.arm_id
+        # Only those that command need a free arm; others may read a blind one.
         if self._control_mode_of(start):
             check_free(
                 arm_id,
@@ -348,6 +350,7 @@ class FrankaHW(RobotHW):
                 details={"control_mode": mode.describe()},
             )
         if mode and (mode != self.control_mode or self.is_interrupted()):
+            # What runs on has commands already; the new ones begin at rest.
             kept = mode & ~self._control_mode_of(start)
             refusal = self._motion.refusal(mode, settings, kept)
             if refusal is not None:
@@ -356,6 +359,7 @@ class FrankaHW(RobotHW):
                     remedy="Remove the reason first, or choose other controllers.",
                     details={"control_mode": mode.describe()},
                 )
+        # After all that can refuse: a refused switch changes nothing.
         self._settings = settings
 
     @override
@@ -364,6 +368,8 @@ class FrankaHW(RobotHW):
     ) -> None:
         self._motion.has_failed = False
         started = self._control_mode_of(start)
+        # Otherwise no controller of this arm is involved, and its motion goes on
+        # undisturbed.
         if started or self._control_mode_of(stop):
             self._motion.enter(self._mode_after(start, stop), self._settings, started)
         if self._fingers is not None:
@@ -385,12 +391,15 @@ class FrankaHW(RobotHW):
 
     @override
     def interruption_of(self, controller: ControllerInfo) -> str | None:
+        # A controller that only reads goes on during a reflex.
         if not self._control_mode_of([controller]) or not self.is_interrupted():
             return None
         blindness = self._reading.blindness()
         if blindness is not None:
             return f"arm '{self._parameters.arm_id}' is blind: {blindness}"
         errors = "; ".join(error.description for error in self.arm.errors())
+        # The first cause: a refused command makes the arm stop, which it then reports
+        # as well.
         causes = self._sender.refusal or errors or self.arm.failure()
         because = f" ({causes})" if causes else ""
         return f"arm '{self._parameters.arm_id}' went to {self.mode()}{because}"
@@ -427,6 +436,7 @@ class FrankaHW(RobotHW):
     def _add_fingers(self, names: Sequence[str], urdf: Urdf) -> None:
         """Add the hand of the URDF, if it has one, and its finger joints."""
         told, interfaces = self._parameters, self.commands.interfaces()
+        # An arm without a hand.
         if not all(name in urdf.joints for name in names):
             return
         if self._real is not None:
@@ -488,7 +498,7 @@ def model_interface(
 def arm_cycles_of(
     period: float, cycle_time: float, arm_id: str, *, is_real: bool = False
 ) -> int:
-    """Return how many cycles of the arm a period of the loop has; warn of a slow loop.
+    """Return the number of arm cycles in a period; warn of a slow loop.
 
     Args:
         period: Nominal period of the loop [s], > 0.
@@ -500,6 +510,7 @@ def arm_cycles_of(
         HardwareInterfaceError: `period` is shorter than the arm's own cycle, or longer
             than that of a real arm.
     """
+    # The margin is rounding.
     if period < 0.999 * cycle_time:
         raise HardwareInterfaceError(
             f"The loop runs at {1.0 / period:g} Hz; arm '{arm_id}' takes at most "
@@ -515,6 +526,7 @@ def arm_cycles_of(
             1.0 / period,
             1.0 / _SLOWEST_TORQUE_PERIOD,
         )
+    # Rounded: 0.001 has no exact binary form.
     cycles = max(1, round(period / cycle_time))
     if is_real and cycles > 1:
         raise HardwareInterfaceError(

@@ -111,7 +111,7 @@ class FrankaParameters:
 
     @property
     def waits_for_late_loop(self) -> bool:
-        """Whether `realtime_config` is `ignore`."""
+        """Return whether `realtime_config` is `ignore`."""
         return self.most_lost_packets < MOST_LOST_PACKETS
 
 
@@ -124,6 +124,7 @@ def read_parameters(params: Parameters) -> FrankaParameters:
     Raises:
         ParameterError: A parameter is missing, unknown or impossible.
     """
+    # A misspelt limit would silently have its default.
     for key in sorted(set(params.keys()) - _KEYS):
         raise ParameterError(
             f"Parameter '{params.resolve(key)}' is unknown to FrankaHW.",
@@ -202,6 +203,7 @@ def _robot_ip(params: Parameters) -> str | None:
 def _base(params: Parameters) -> Pose:
     x, y, z = _floats(params, "base_xyz", (0.0, 0.0, 0.0))
     roll, pitch, yaw = _floats(params, "base_rpy", (0.0, 0.0, 0.0))
+    # Most likely degrees.
     if max(abs(roll), abs(pitch), abs(yaw)) > 2.0 * pi:
         wanted = "angles in radians"
         _refuse(params, "base_rpy", [roll, pitch, yaw], wanted)
@@ -209,6 +211,7 @@ def _base(params: Parameters) -> Pose:
 
 
 def _limits(params: Parameters, arm_id: str) -> ArmLimits:
+    # As the launch files of franka_ros name their arms.
     kind = "fr3" if arm_id.startswith("fr3") else "panda"
     chosen = params.get_str("arm_type", kind)
     if chosen not in LIMITS_OF_ARM:
@@ -239,6 +242,7 @@ def _most_lost_packets(params: Parameters) -> int:
     config = params.get_str("realtime_config", "enforce")
     if config not in {"enforce", "ignore"}:
         _refuse(params, "realtime_config", config, "enforce or ignore")
+    # One less than what ends a motion: with `ignore` a late loop never ends one.
     return MOST_LOST_PACKETS if config == "enforce" else MOST_LOST_PACKETS - 1
 
 
@@ -275,6 +279,7 @@ def _thresholds(params: Parameters) -> SupervisorLimits:
         path_deviation=_floats(params, "path_deviation", default.path_deviation),
     )
     for key in ("velocity_factor", "torque_factor", "debounce", "power"):
+        # Written so that NaN is refused.
         if not getattr(read, key) > 0.0:
             _refuse(params, key, getattr(read, key), "above 0")
     if not min(read.path_deviation) > 0.0:

@@ -1,4 +1,4 @@
-"""How a robot's root link is held in the world: fixed, floating or planar.
+"""The mount of a robot's root link in the world: fixed, floating or planar.
 
 A planar base stands upright and moves on the floor as its wheels roll: it follows the
 velocities of the wheels without slipping,
@@ -73,7 +73,7 @@ def joints_of_base(base_type: BaseType) -> tuple[str, ...]:
 
 
 def moving_bases(model: mujoco.MjModel, data: mujoco.MjData) -> list[MovingBaseReport]:
-    """Return where the root links are that are not fixed. For the world's thread."""
+    """Return the poses of the root links that are not fixed. World's thread only."""
     found = []
     for name, kind in (
         (BASE_JOINT, mujoco.mjtJoint.mjJNT_FREE),

@@ -208,7 +208,7 @@ def _bring_up_to_date(element: ET.Element) -> bool:
 def _find_problem(
     element: ET.Element, driven: set[str], used: set[tuple[str, str]]
 ) -> str | None:
-    """Return why a transmission cannot be used; None, and note its parts, if it can."""
+    """Return the reason why a transmission is unusable; None, and note its parts."""
     robot = ET.Element("robot")
     robot.append(element)
     parser = TransmissionParser()

@@ -139,7 +139,7 @@ class JointCommandLimits:
         }
 
     def clamps(self) -> list[ClampReport]:
-        """Return which commands the limits have changed. Any thread."""
+        """Return the commands that the limits have changed. Any thread."""
         return report_clamps({
             (joint, COMMAND_INTERFACES[quantity].type_name): handle
             for (joint, quantity), handle in self._handles.items()

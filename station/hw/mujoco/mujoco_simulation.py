@@ -151,7 +151,7 @@ class _Simulation:
             )
 
     def _tell_additions(self) -> None:
-        """Tell what the simulated robot has that its description does not state."""
+        """List among the repairs what the simulation adds to the description."""
         armature, moves = self._parameters.armature, self._start
         if armature > 0.0 and driven_joints(self._urdf):
             problem = "its URDF states no inertia of rotors and gears"
@@ -273,7 +273,7 @@ def _start_position(joint: Joint, wanted: float | None) -> float:
 
 
 def depth_in_floor(model: mujoco.MjModel, data: mujoco.MjData) -> float:
-    """Return how deep the lowest body in the floor is in it; 0 if none is [m].
+    """Return the depth of the lowest body in the floor [m]; 0 if none is in it.
 
     Bodies that cannot move do not count: nothing pushes them out of the floor.
 

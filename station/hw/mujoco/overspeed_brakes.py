@@ -91,7 +91,7 @@ class OverspeedBrakes:
         self.asked = np.zeros(model.nv)
 
     def clamps(self, names: Iterable[str]) -> list[ClampReport]:
-        """Return which of some joints were braked. Any thread.
+        """Return the joints that were braked, of those given. Any thread.
 
         Args:
             names: Joints with one degree of freedom.

@@ -1,4 +1,4 @@
-"""Which pairs of a robot's links can never touch one another, and why."""
+"""The pairs of a robot's links that can never touch, and the reason."""
 
 from collections.abc import Iterable, Sequence
 from itertools import product

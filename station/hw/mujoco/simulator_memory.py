@@ -6,7 +6,7 @@ from station.memory.doubles import Doubles, given_or_zeros
 
 
 class SimulatorMemory:
-    """What a simulator keeps for n joints side by side, each of shape (n,).
+    """A simulator's state of n joints side by side, each of shape (n,).
 
     Without arguments the memory is the object's own: for tests of what uses it.
 

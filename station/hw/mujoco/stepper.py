@@ -17,7 +17,7 @@ _MAX_STEPS_COMPARED = 2
 
 
 class Stepper(NamedTuple):
-    """How a step is made.
+    """The implementation of a simulation step.
 
     Attributes:
         step: Makes one step.
@@ -30,12 +30,12 @@ class Stepper(NamedTuple):
 
     @property
     def keeps_interpreter_lock(self) -> bool:
-        """Whether no other thread runs during a step."""
+        """Return whether no other thread runs during a step."""
         return self.addresses[0] != 0
 
 
 def make_stepper(model: mujoco.MjModel, data: mujoco.MjData) -> Stepper:
-    """Return what advances `data` by a step.
+    """Return a function that advances `data` by a step.
 
     The direct call is used only if a test shows that it gives the same results as the
     binding, bit for bit; otherwise the binding is used.

@@ -1,4 +1,4 @@
-"""What every arm behind the seam must do: the contract of `RobotArm`."""
+"""The contract of `RobotArm`, which every arm behind the seam must pass."""
 
 from math import nan
 

@@ -1,4 +1,4 @@
-"""What every controller must do: the contract of `ControllerBase`."""
+"""The contract of `ControllerBase`, which every controller must pass."""
 
 import math
 from collections.abc import Mapping
@@ -33,7 +33,7 @@ def controller_of(bench: Bench) -> ControllerBase:
 
 
 def set_points_of(bench: Bench) -> SetPointPort:
-    """Return where the controller gets its set-points."""
+    """Return the source of the controller's set-points."""
     port = controller_of(bench).set_points
     assert port is not None
     return port
@@ -50,7 +50,7 @@ def stop(bench: Bench) -> SwitchResult:
 
 
 def status(bench: Bench) -> ControllerStatus:
-    """Return what people are told about the controller."""
+    """Return the status of the controller, for people."""
     return bench.status(NAME)
 
 
@@ -112,7 +112,7 @@ class ControllerConformance:
 
     @pytest.fixture
     def load(self) -> Load:
-        """Return what loads the controller on a new bench."""
+        """Return a function that loads the controller on a new bench."""
 
         def load(**more: object) -> Bench:
             bench = self.make_robot_bench()

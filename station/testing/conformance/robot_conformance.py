@@ -1,4 +1,4 @@
-"""What every robot must do: the contract of `RobotHW`."""
+"""The contract of `RobotHW`, which every robot must pass."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -74,7 +74,7 @@ class RobotConformance:
 
     @pytest.fixture
     def make_robot(self) -> Callable[[], RobotHW]:
-        """Return what makes a robot, not yet initialised."""
+        """Return a factory of robots that are not yet initialised."""
         return self.robot
 
     @pytest.fixture

@@ -1,4 +1,4 @@
-"""Where the manager deliberately answers otherwise than the original, and why.
+"""Deliberate differences between the manager and the original, with reasons.
 
 `recorded_behaviour.py` applies those that show in a recorded run to it
 (refusals, CM-32, CM-25, CM-67) and compares everything else word by word.

@@ -82,7 +82,7 @@ class Replay:
             assert self.states() == op["states"]
 
     def do_define(self, op: dict[str, Any]) -> None:
-        """Say what a controller will be."""
+        """Define a controller to be loaded later."""
         self.loader.definitions[op["name"]] = op
         self.parameters.set(f"{op['name']}/type", op["type_param"])
 

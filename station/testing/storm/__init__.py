@@ -35,7 +35,7 @@ from station.testing.switch_observer import SwitchObserver
 
 @dataclass(frozen=True)
 class StormReport:
-    """What a storm has done and found.
+    """The actions and the findings of a storm.
 
     Attributes:
         seed: With which it can be repeated; the order of the threads is not.
@@ -61,7 +61,7 @@ class StormReport:
 
     @property
     def ok(self) -> bool:
-        """Whether nothing was wrong."""
+        """Return whether nothing was wrong."""
         return not self.problems
 
     @override
@@ -194,7 +194,7 @@ class _Stopped:
 
 
 class _Owners:
-    """What an owner has written is what reaches the robot."""
+    """The check that the robot receives exactly what an owner has written."""
 
     def __init__(self, manager: ControllerManager) -> None:
         self._manager = manager

@@ -48,7 +48,7 @@ def create(robot_type: str, parameters: Mapping[str, object]) -> RobotHW:
 
 
 def mock_faults(robot: RobotHW) -> list[Fault]:
-    """Return what can go wrong in a mock, or in the mocks of a combined robot."""
+    """Return the possible faults of a mock, or of a combined robot's mocks."""
     if isinstance(robot, CombinedRobotHW):
         return [one for part in robot.robots.values() for one in mock_faults(part)]
     return [partial(_upset_mock, robot)] if isinstance(robot, MockRobotHW) else []
@@ -63,7 +63,7 @@ def _upset_mock(robot: MockRobotHW, dice: random.Random) -> None:
 
 
 def franka_faults(robot: RobotHW) -> list[Fault]:
-    """Return what can go wrong in a simulated Franka: the user stop is pressed."""
+    """Return the possible faults of a simulated Franka: a pressed user stop."""
     arm = getattr(robot, "arm", None)
     simulation = None if arm is None else arm.simulation()
     if not isinstance(simulation, ArmSimulation):

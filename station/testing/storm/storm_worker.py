@@ -35,7 +35,7 @@ from station.testing.switch_observer import CommandPlace, SwitchObserver, comman
 
 
 class Claim(NamedTuple):
-    """What a controller of the storm claims.
+    """The claim of a controller of the storm.
 
     Attributes:
         interface: Wire name of the hardware interface.
@@ -123,7 +123,7 @@ _TURN = 100
 
 @dataclass(frozen=True, slots=True)
 class Mischief:
-    """What a controller does wrong, once.
+    """A fault that a controller commits once.
 
     Attributes:
         callback: In which callback, one of `CALLBACKS`.
@@ -189,7 +189,7 @@ class StormController(ControllerBase):
         return (InterfaceResources(interface, tuple(sorted(resources))),)
 
     def find_overwritten(self) -> str | None:
-        """Return which of its commands is not what it wrote; None if all are.
+        """Return a command that is not what it wrote; None if all are.
 
         Control thread, while it runs.
         """
@@ -275,7 +275,7 @@ class Disturbances:
             self._count += 1
 
     def stamp(self) -> int | None:
-        """Return how many there were; None while there is one."""
+        """Return the count of entries and exits; None while a thread is inside."""
         with self._lock:
             return None if self._active else self._count
 

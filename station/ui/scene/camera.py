@@ -67,7 +67,7 @@ def look(
 
 
 def _right_of(direction: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return what is right in the picture of a camera in this direction, length 1."""
+    """Return the rightward direction in a camera's picture, length 1."""
     right = np.cross(UP, direction)
     unit: NDArray[np.float64] = right / np.linalg.norm(right)
     return unit

@@ -54,7 +54,7 @@ class RobotFigure:
 
     @property
     def is_shown(self) -> bool:
-        """Whether the figure can be seen."""
+        """Return whether the figure can be seen."""
         return self._root.visible
 
     @property

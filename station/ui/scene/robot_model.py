@@ -63,7 +63,7 @@ class RobotModel:
     moves: bool = False
 
     def triangles(self) -> int:
-        """Return how many triangles the visual meshes have."""
+        """Return the number of triangles of the visual meshes."""
         return sum(len(mesh.faces) for mesh in self.drawing.scene.geometry.values())
 
     def joint_limits(self) -> dict[str, tuple[float, float]]:
@@ -113,7 +113,7 @@ class RobotModel:
         return corners
 
     def base_position(self) -> Vector3:
-        """Return where the robot's root link begins, x, y, z [m]."""
+        """Return the position of the robot's root link, x, y, z [m]."""
         return self.urdf.joints_below(self.urdf.root)[0].origin.xyz
 
 

@@ -45,7 +45,7 @@ class JointLimits:
 
     @property
     def has_position_limits(self) -> bool:
-        """Whether both position bounds are given."""
+        """Return whether both position bounds are given."""
         return self.min_position is not None and self.max_position is not None
 
     def validate(self, joint: str) -> None:

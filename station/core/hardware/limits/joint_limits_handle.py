@@ -102,7 +102,7 @@ class JointLimitsGroup:
         return views["asked"][slot], views["command"][slot], int(views["reason"][slot])
 
     def memory(self, slot: int) -> dict[str, float]:
-        """Return what is remembered of a joint, by the names in `MEMORY`."""
+        """Return the remembered state of a joint, by the names in `MEMORY`."""
         return {name: self._views[name][slot] for name in MEMORY}
 
     def remember(self, slot: int, memory: Mapping[str, float]) -> None:
@@ -241,6 +241,7 @@ class JointLimitsHandle(ResourceHandle):
             "max_acceleration": limits.max_acceleration,
             "max_jerk": limits.max_jerk,
             "max_effort": limits.max_effort,
+            # A continuous joint has no range that a soft limit could be inside of.
             "soft_min": soft.min_position if has_range else None,
             "soft_max": soft.max_position if has_range else None,
             "k_position": soft.k_position,
@@ -248,6 +249,7 @@ class JointLimitsHandle(ResourceHandle):
         }
         absent = self.unlimited
         bounds = {name: absent if x is None else x for name, x in found.items()}
+        # No lower limit must be below everything, where `unlimited` is infinite.
         if limits.min_position is None:
             bounds["min_position"] = -absent
         return bounds
@@ -268,11 +270,13 @@ class JointLimitsHandle(ResourceHandle):
 
     @property
     def enforces_alone(self) -> bool:
-        """Whether the handle's class has a way of its own to enforce limits."""
+        """Return whether the handle's class has a way of its own to enforce limits."""
+        # A subclass that enforces in its own way must get its calls; a group would pass
+        # it over.
         return type(self).enforce_limits is not JointLimitsHandle.enforce_limits
 
     def memory(self) -> dict[str, float]:
-        """Return what is remembered of the last cycle. For interfaces."""
+        """Return the state remembered from the last cycle. For interfaces."""
         return self._group.memory(self._slot)
 
     def join(self, group: JointLimitsGroup, slot: int) -> None:
@@ -461,7 +465,7 @@ _RATE: Mapping[str, _MakeHandle] = {
 
 
 class LimitMode(Enum):
-    """How commands are limited.
+    """The methods of limiting commands.
 
     Attributes:
         ROS_CONTROL: By the soft limits of a joint that has them, otherwise by

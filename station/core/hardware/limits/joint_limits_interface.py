@@ -109,6 +109,8 @@ class JointLimitsInterface(ResourceManager[L]):
         self._groups, self._single = [], []
         alike: dict[tuple[type[LimitedJoints], int], list[L]] = {}
         for handle in self._enforced:
+            # A handle remembers the last command in one group; two groups would limit
+            # it twice.
             if handle.enforces_alone or (handle.is_grouped and handle not in mine):
                 self._single.append(handle)
             else:
@@ -120,6 +122,8 @@ class JointLimitsInterface(ResourceManager[L]):
                     arithmetic,
                     [member.joint for member in members],
                     [member.bounds for member in members],
+                    # A new group goes on from what the old one remembers, so that
+                    # registering a joint is no jump.
                     [member.memory() for member in members],
                 )
                 for slot, member in enumerate(members):
@@ -142,6 +146,7 @@ def _side_by_side(handles: list[L]) -> list[list[L]]:
     """Return the handles in groups whose commands lie side by side."""
     groups: list[list[L]] = [[]]
     expected = -1
+    # Joints side by side in memory are limited in one loop.
     for handle in sorted(handles, key=lambda handle: handle.joint.command_index):
         if handle.joint.command_index != expected or len(groups[-1]) == MOST_JOINTS:
             groups.append([])

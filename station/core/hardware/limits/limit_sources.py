@@ -87,6 +87,7 @@ def soft_joint_limits_from_parameters(
         are present.
     """
     entry = params.namespace(f"joint_limits/{joint}")
+    # As in ros_control: values without their flag have no effect.
     if entry.get("has_soft_limits") is not True:
         return None
     if not all(entry.has(key) for key in _SOFT_KEYS):
@@ -105,6 +106,7 @@ def _read_position_limits(entry: Parameters, earlier: JointLimits) -> JointLimit
     if flag is True:
         low = _number(entry, "min_position")
         high = _number(entry, "max_position")
+        # One bound alone is no range, as in ros_control.
         if low is None or high is None:
             return earlier
         return replace(earlier, min_position=low, max_position=high)
@@ -130,6 +132,7 @@ def _read_limit(
 
 def _number(entry: Parameters, key: str) -> float | None:
     value = entry.get(key)
+    # In Python `true` is a number, too.
     if isinstance(value, bool) or not isinstance(value, int | float):
         return None
     return float(value)

@@ -136,8 +136,10 @@ def free_range(
         Lowest and highest position; the lower one is the larger one, or one is NaN, if
         there are none.
     """
+    # NaN: the joint has no range.
     if soft_min != soft_min:
         return -_INFINITY, _INFINITY
+    # Nothing is known to be free then, so every command is computed.
     if not (gain > 0.0 and speed >= 0.0):
         return _INFINITY, -_INFINITY
     way = speed / gain
@@ -159,6 +161,7 @@ class EffortSaturation(LimitedJoints):
             high = max_effort[i]
             low = -high
             p = position[i]
+            # Beyond the range only efforts that lead back are let through.
             if p < min_position[i]:
                 low = 0.0
             elif p > max_position[i]:
@@ -179,6 +182,7 @@ class EffortSaturation(LimitedJoints):
                 command[i] = given
                 self.asked[i] = asked
                 mask |= _BIT << (i - first)
+                # The tightest bound is the reason that helps a user.
                 if given == max_effort[i] or given == -max_effort[i]:
                     self.reason[i] = _EFFORT
                 elif p < min_position[i] or p > max_position[i]:

@@ -72,7 +72,7 @@ def _is_simple(one: QuantityMap) -> bool:
 
 
 def _together(maps: Sequence[QuantityMap]) -> ReducedValues:
-    """Return what carries one quantity of some simple transmissions over."""
+    """Return one propagation of a quantity over some simple transmissions."""
     reductions = [
         one.transmission
         for one in maps

@@ -25,7 +25,7 @@ def joint_names(arm_id: str) -> list[str]:
 
 
 def find_prefix(description: RobotFiles) -> str:
-    """Return what the names in the URDF of a Franka arm begin with, e.g. `panda_`.
+    """Return the prefix of the names in a Franka arm's URDF, e.g. `panda_`.
 
     Raises:
         RobotDescriptionError: The URDF has no 7 joints that are named like an arm's.

@@ -1,4 +1,4 @@
-"""What an arm can do: limits of its joints and of its end effector, Panda and FR3.
+"""The limits of an arm's joints and of its end effector, Panda and FR3.
 
 Source: Franka Control Interface documentation, Robot and interface specifications;
 libfranka@0.9.2 and @0.15.0 include/franka/rate_limiting.h; franka_ros@c11f000
@@ -32,7 +32,7 @@ class MotionLimits:
 
 @dataclass(frozen=True, slots=True)
 class UrdfLimits:
-    """What a URDF states of an arm's joints, tuples of shape (7,).
+    """The limits that a URDF states for an arm's joints, tuples of shape (7,).
 
     Where velocity limits depend on the position, a URDF can but give a range of
     positions in which a lower velocity is always allowed.

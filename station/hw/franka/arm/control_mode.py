@@ -1,4 +1,4 @@
-"""Which controllers may share an arm, and in which mode it then moves. Pure functions.
+"""The controllers that may share an arm, and the mode they need. Pure functions.
 
 Source: franka_ros@c11f000 franka_hw/include/franka_hw/control_mode.h,
 franka_hw/src/control_mode.cpp, resource_helpers.cpp, franka_hw.cpp
@@ -109,7 +109,7 @@ def control_mode_of(controllers: Iterable[ControllerInfo], arm_id: str) -> Contr
 def find_conflicts(
     controllers: Sequence[ControllerInfo], arm_id: str
 ) -> list[ResourceConflict]:
-    """Return why some controllers cannot run together on an arm.
+    """Return the reasons why some controllers cannot share an arm.
 
     Only the first failing test is reported, so that one mistake has one message.
 

@@ -1,4 +1,4 @@
-"""What the arm carries: end effector and load as one rigid body at the flange.
+"""The arm's load: end effector and payload as one rigid body at the flange.
 
 Source: libfranka@0.9.2 src/load_calculations.cpp, combineCenterOfMass,
 combineInertiaTensor.

@@ -32,7 +32,7 @@ MOST_LOST_PACKETS = 20
 
 
 class ControllerMode(Enum):
-    """Which controller makes the torques during a motion."""
+    """The controller that makes the torques during a motion."""
 
     JOINT_IMPEDANCE = "joint_impedance"
     CARTESIAN_IMPEDANCE = "cartesian_impedance"
@@ -40,7 +40,7 @@ class ControllerMode(Enum):
 
 
 class MotionGeneratorMode(Enum):
-    """Which kind of motion the client commands."""
+    """The kind of motion that the client commands."""
 
     NONE = "none"
     JOINT_POSITION = "joint_position"
@@ -80,7 +80,7 @@ class RobotArm(ABC):
         """Wait for the arm's next state and return `state`."""
 
     def receiver(self) -> Receiver:
-        """Return what takes commands before the `command_…` methods are asked."""
+        """Return the object that takes commands before the `command_…` methods."""
         return Receiver()
 
     @abstractmethod
@@ -89,7 +89,7 @@ class RobotArm(ABC):
         controller_mode: ControllerMode,
         motion_generator_mode: MotionGeneratorMode,
     ) -> str | None:
-        """Return why a motion with these modes would be refused. Any thread.
+        """Return the reason for refusing a motion with these modes. Any thread.
 
         None when the motion could start. Whether another motion still runs does not
         count: the caller stops that motion first.
@@ -210,7 +210,7 @@ class RobotArm(ABC):
         """
 
     def pose_source(self, model: FrankaModel) -> ModelSource | None:  # noqa: ARG002
-        """Return what writes `O_T_EE` alone, without a refresh; None if nothing does.
+        """Return a source of `O_T_EE` alone, without a refresh; None if there is none.
 
         Args:
             model: A model of this arm, whose results are used where they can be.
@@ -327,7 +327,7 @@ class RobotArm(ABC):
 
     @abstractmethod
     def remedy(self) -> str | None:
-        """Return what to do before the arm can move; None when the arm can move."""
+        """Return the step needed before the arm can move; None when it can move."""
 
     @abstractmethod
     def simulation(self) -> ArmSimulation | None:

@@ -1,4 +1,4 @@
-"""How close an arm's links are to each other: distances between capsules.
+"""The clearance of an arm's links: distances between capsules.
 
 Source: franka_ros@c11f000 franka_description/robots/common/franka_arm.xacro and
 hand.xacro, the coarse collision models; differs: the safety distance is one between two
@@ -84,7 +84,7 @@ LINKS_OF_PAIR = {
 
 
 def link_distances(*, has_hand: bool) -> LinkDistances:
-    """Return what measures how close the closest two links are.
+    """Return an object that measures the distance of the closest two links.
 
     Args:
         has_hand: Whether a hand is mounted.

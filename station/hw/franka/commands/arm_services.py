@@ -36,6 +36,7 @@ TRANSLATIONAL_STIFFNESS = (10.0, 3000.0)
 """Range of the Cartesian impedance along the axes [N/m]."""
 ROTATIONAL_STIFFNESS = (1.0, 300.0)
 """Range of the Cartesian impedance about the axes [Nm/rad]."""
+# Rounding of a tensor that was turned into another frame.
 _SYMMETRY = 1e-9
 
 
@@ -120,6 +121,7 @@ class ArmServices(FrankaServices):
         values = _in_range(joint_stiffness, [JOINT_STIFFNESS] * 7, "joint_stiffness")
         self._check_use(ControllerMode.JOINT_IMPEDANCE)
         self._arm.set_joint_impedance(values)
+        # After the arm has accepted it: a refused one must not act.
         self._motion.impedance = ControllerMode.JOINT_IMPEDANCE
 
     @override
@@ -195,6 +197,7 @@ class ArmServices(FrankaServices):
     def error_recovery(self) -> bool:
         self.check_recovery()
         arm = self._arm
+        # Read before the recovery, which clears it.
         had_error = arm.state.robot_mode is RobotMode.REFLEX or arm.is_lost()
         arm.automatic_error_recovery()
         return had_error
@@ -215,6 +218,7 @@ class ArmServices(FrankaServices):
     @override
     def disconnect(self) -> None:
         self._check_connected()
+        # A controller would go on to command an arm that nobody hears.
         if self._motion.mode is not ControlMode.NONE:
             raise ArmCommandError(
                 f"Arm '{self.name}' cannot be disconnected: a controller commands "

@@ -71,6 +71,7 @@ class ArmReading:
         """
         self.time_due += period
         share, count = self.time_due / self.cycle_time, 1
+        # The usual cycle: one state, without the arithmetic of a late one.
         if self.nominal == 1 and 0.5 < share < 1.5:
             self.time_due -= self.cycle_time
             self.arm.read_once()
@@ -97,6 +98,7 @@ class ArmReading:
         cycles = round(self.time_due / self.cycle_time)
         self.time_due -= cycles * self.cycle_time
         late = min(cycles - self.nominal, self.most_lost)
+        # libfranka extrapolates poses; a longer gap ends the motion on a real arm, too.
         bridged = self.sender.bridges_gaps and late < self.losses_that_end
         lost = 0 if bridged else max(0, late)
         for cycle in range(min(cycles, self.nominal + late)):
@@ -106,7 +108,7 @@ class ArmReading:
         return cycles
 
     def blindness(self) -> str | None:
-        """Return which reading was not finite at the last `read`; None if all were."""
+        """Return the reading that was not finite at the last `read`, or None."""
         if self.bad < 0:
             return None
         reading, joint = divmod(self.bad, 7)
@@ -163,6 +165,7 @@ class ArmWatch:
 
     def is_interrupted(self) -> bool:
         """Return whether the arm has left the motion that controllers command."""
+        # The usual case, with one comparison.
         if self.code[0] == _MOVE:
             return False
         return self.motion.is_active and not self.motion.is_waiting
@@ -170,6 +173,7 @@ class ArmWatch:
     def mode(self) -> str:
         """Return the name of the arm's mode."""
         code = self.code[0]
+        # The name is looked up when the mode changes, not in every cycle.
         if code != self.last_code:
             self.last_code, self.last_name = code, self.names[code]
         return self.last_name

@@ -85,14 +85,17 @@ class CartesianCommands:
         """Take commands of the kinds in `mode` from now on, seeded with rest."""
         self.has_pose = bool(mode & ControlMode.CARTESIAN_POSE)
         self.has_twist = bool(mode & ControlMode.CARTESIAN_VELOCITY)
+        # A motion begins at the pose that the arm desires now, or its first command
+        # would be a jump.
         if self.has_pose:
             self._arm.refresh_state()
             put(self._pose, self._arm.state.O_T_EE_d)
+        # Zeros: no motion, and an elbow that the arm chooses.
         for rest in (self._twist, self._pose_elbow, self._twist_elbow):
             put(rest, [0.0] * len(rest))
 
     def checks(self) -> tuple[FiniteCheck, ...]:
-        """Return what looks for commands that are not finite, for what is taken."""
+        """Return the checks for commands that are not finite, of the taken commands."""
         pose = (self._pose, self._pose_elbow) if self.has_pose else ()
         twist = (self._twist, self._twist_elbow) if self.has_twist else ()
         return tuple(map(FiniteCheck, (*pose, *twist)))

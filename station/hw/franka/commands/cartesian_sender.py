@@ -69,10 +69,12 @@ def limit_vector(
     if size > _TINY:
         x, y, z = x / size, y / size, z / size
         along = x * v0 + y * v1 + z * v2
+        # How far along this direction the speed limit is: the root of a quadratic.
         room = along * along - (v0 * v0 + v1 * v1 + v2 * v2) + fastest * fastest
         safe = jerk / rate * (square_root(room if room > 0.0 else 0.0) - along)
         if rate < safe:
             safe = rate
+        # Too fast already, or NaN: no step in this direction.
         if not safe > 0.0:
             safe = 0.0
         step = (safe if safe < size else size) * period
@@ -173,6 +175,7 @@ class PoseRates:
         """
         last, sent, limits = self.elbow, self.sent_elbow, self.elbow_limits
         low_pass(elbow, last, 1.0 if passes else self.gain, sent, 1)
+        # The sign of joint 4 is a choice, nothing to filter.
         sent[1] = elbow[1]
         if self.is_limiting:
             velocity = limited(
@@ -302,4 +305,5 @@ class CartesianSender:
 
 def has_elbow(elbow: Doubles) -> bool:
     """Return whether an elbow, shape (2,), is commanded; zeros leave it to the arm."""
+    # Zeros leave the elbow to the arm.
     return elbow[0] != 0.0 or elbow[1] != 0.0

@@ -85,7 +85,7 @@ class CommandSender:
 
     @property
     def bridges_gaps(self) -> bool:
-        """Whether the cycles that a late loop misses are filled with commands."""
+        """Return whether commands fill the cycles that a late loop misses."""
         return self.has_pose
 
     def send_commands(self, period: float) -> None:
@@ -105,6 +105,7 @@ class CommandSender:
                 return
         if self.has_positions:
             self.rates.note_goals()
+        # In a standstill no time has passed that a rate could be computed from.
         if period > 0.0:
             for limits in self.limits:
                 limits.enforce(period)
@@ -118,6 +119,7 @@ class CommandSender:
         same position twice would be a step in velocity, so nothing is sent and the arm
         extrapolates.
         """
+        # Without rate limits the same position twice would be a step in velocity.
         if self.mode[0] == _MOVE and (self.rates.is_limiting or self.has_pose):
             self.send_all(False)  # noqa: FBT003 - positional in C
 
@@ -140,6 +142,7 @@ class CommandSender:
                 self.cartesian_sender.send_pose(is_new)
             if self.has_twist:
                 self.cartesian_sender.send_twist()
+        # The control thread must not raise: the motion ends, and the reason is kept.
         except InvalidCommandError as error:
             self.refuse(error.message.rstrip("."))
 

@@ -1,4 +1,4 @@
-"""How FrankaHW passes the commands of controllers on to the arm."""
+"""The settings with which FrankaHW passes commands on to the arm."""
 
 from dataclasses import dataclass
 

@@ -170,7 +170,7 @@ class JointCommands:
         return skipped
 
     def clamps(self) -> list[ClampReport]:
-        """Return which commands were cut off. Any thread."""
+        """Return the commands that were cut off. Any thread."""
         return report_clamps({
             (handle.name, interface.type_name): handle
             for interface, limits in (
@@ -200,7 +200,7 @@ class JointCommands:
         return self._lower, self._upper
 
     def checks(self) -> tuple[FiniteCheck, ...]:
-        """Return what looks for commands that are not finite, for what is taken.
+        """Return the checks for commands that are not finite, of the taken commands.
 
         To be asked before limits and filters: these may turn a NaN into a number.
         """

@@ -55,7 +55,7 @@ class MotionStart:
     def refusal(
         self, mode: ControlMode, settings: CommandSettings, kept: ControlMode
     ) -> str | None:
-        """Return why the arm cannot go to another mode now; None when it can.
+        """Return the reason for refusing another mode now; None when it is possible.
 
         Args:
             mode: The kinds of command after the change.

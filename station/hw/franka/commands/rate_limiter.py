@@ -131,7 +131,7 @@ def make_joint_rates(
 def make_range_update(
     limits: ArmLimits, state: RobotState, rates: CommandRates
 ) -> Callable[[], None] | None:
-    """Return what tells `rates` the velocities that the present positions allow.
+    """Return a function that sets the velocities in `rates` allowed at `q_d`.
 
     None where limits do not depend on the position.
 

@@ -122,7 +122,7 @@ class FingerJoints:
     def find_conflicts(
         self, controllers: Sequence[ControllerInfo]
     ) -> list[ResourceConflict]:
-        """Return why some controllers cannot share the fingers.
+        """Return the reasons why some controllers cannot share the fingers.
 
         Args:
             controllers: All controllers that would be running.

@@ -54,7 +54,7 @@ class GripperMotor(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class GripperOutcome:
-    """How a motion ended.
+    """The outcome of a motion.
 
     Attributes:
         message: Why the motion did not reach its aim; None if it did.

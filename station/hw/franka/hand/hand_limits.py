@@ -1,4 +1,4 @@
-"""What may be asked of a Franka hand: widths, speeds, forces."""
+"""The limits of requests to a Franka hand: widths, speeds, forces."""
 
 from math import isfinite
 

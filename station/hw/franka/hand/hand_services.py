@@ -50,7 +50,7 @@ class HandMotor(GripperMotor, Protocol):
     def sensor(
         self, positions: Doubles, velocities: Doubles, efforts: Doubles
     ) -> FingerSensor:
-        """Return what reads position, velocity and force of each finger."""
+        """Return a reader of each finger's position, velocity and force."""
 
 
 class HandServices(GripperServices):

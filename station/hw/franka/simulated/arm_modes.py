@@ -117,7 +117,7 @@ class ArmModes:
         self._returns: dict[int, float] | None = None
 
     def remedy(self) -> str | None:
-        """Return what to do before the arm can move; None when the arm can move."""
+        """Return the step needed before the arm can move; None when it can move."""
         if self._world.diverged_because:
             return "reset the simulation"
         return _REMEDIES.get(self._state.robot_mode)
@@ -125,7 +125,7 @@ class ArmModes:
     def refusal(
         self, controller: ControllerMode, generator: MotionGeneratorMode
     ) -> str | None:
-        """Return why an arm that does not move could not start a motion now.
+        """Return the reason why an arm at rest cannot start a motion now.
 
         None when the motion could start; see `RobotArm.refusal`.
         """
@@ -275,7 +275,7 @@ class ArmModes:
         return True
 
     def _find_returns(self) -> dict[int, float]:
-        """Return how far each joint beyond a limit has to come back [rad]."""
+        """Return the way back of each joint beyond a limit [rad]."""
         found: dict[int, float] = {}
         memory, limits = self._memory, self._limits
         ranges = zip(limits.lower, limits.upper, strict=True)

@@ -70,7 +70,7 @@ class ArmMotors:
 
     @property
     def torques_act(self) -> bool:
-        """Whether the motors follow the client's torques, not an impedance."""
+        """Return whether the motors follow the client's torques, not an impedance."""
         return self._motors.torques_act
 
     def carry(self, load_weight: Sequence[float]) -> None:

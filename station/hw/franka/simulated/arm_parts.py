@@ -50,7 +50,7 @@ def new_joint_memory(state: RobotState, *, is_rigid: bool = True) -> JointMemory
 def new_cartesian_step(
     state: RobotState, memory: JointMemory, check: MotionCheck, period: float
 ) -> CartesianStep:
-    """Return what follows the poses and twists of an arm.
+    """Return a new follower of an arm's poses and twists.
 
     Args:
         state: The arm's state.
@@ -67,7 +67,7 @@ def new_cartesian_step(
 
 
 class ArmParts:
-    """What one arm in a world is made of. Control thread only.
+    """The parts of one arm in a world. Control thread only.
 
     Args:
         world: The world, with gravity compensation for this arm.

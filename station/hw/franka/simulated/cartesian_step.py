@@ -1,4 +1,4 @@
-"""How an arm follows a pose or a twist: checks, joint 3, and the next positions.
+"""One step of an arm along a pose or a twist: checks, joint 3, next positions.
 
 Source: Franka Control Interface documentation, Cartesian motion generators; differs:
 the inverse kinematics of the arm is not public; here it is a Newton step per cycle with

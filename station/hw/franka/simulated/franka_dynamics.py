@@ -163,7 +163,7 @@ class FrankaDynamics:
         return self.links
 
     def tool_pose_source(self, q: Doubles, tool: Doubles) -> ToolPoseSource:
-        """Return what writes the pose of something that is fixed to the flange.
+        """Return a source of the pose of a body fixed to the flange.
 
         Args:
             q: Joint positions [rad], shape (7,); read in every cycle, as `tool`.
@@ -172,7 +172,7 @@ class FrankaDynamics:
         return ToolPoseSource(self._kernel, q, self.links, tool)
 
     def tool_jacobian_source(self, q: Doubles, tool: Doubles) -> ModelSource:
-        """Return what writes the Jacobian of something fixed to the flange, (42,).
+        """Return a source of the Jacobian of a body fixed to the flange, (42,).
 
         Args:
             q: Joint positions [rad], shape (7,); read in every cycle, as `tool`.
@@ -183,7 +183,7 @@ class FrankaDynamics:
     def coriolis_source(
         self, state: RobotState, load: Callable[[], Load]
     ) -> ModelSource:
-        """Return what writes the Coriolis torques of a state, shape (7,).
+        """Return a source of the Coriolis torques of a state, shape (7,).
 
         Args:
             state: The arm's state; read in every cycle.

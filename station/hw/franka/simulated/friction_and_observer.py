@@ -1,4 +1,4 @@
-"""How the joints of a real arm differ from their model: friction, noise, an estimate.
+"""Deviations of real joints from their model: friction, noise, an estimate.
 
     sliding:   tau_f = level / (1 + exp(-slope (dq + shift))) - its value at dq = 0
     sticking:  tau_s = k (z + T dq),  |tau_s|, |k z| <= static / (1 + (dq / v_s)^2)

@@ -30,7 +30,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Realism:
-    """What disturbs an arm; tuples have one number per joint, shape (7,).
+    """The disturbances of an arm; tuples have one number per joint, shape (7,).
 
     Attributes:
         friction_level: Friction at high speed forwards plus that backwards [Nm].

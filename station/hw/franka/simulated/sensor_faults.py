@@ -34,7 +34,7 @@ class SensorFaults:
 
     @property
     def act(self) -> bool:
-        """Whether a fault acts on commands, readings or joints."""
+        """Return whether a fault acts on commands, readings or joints."""
         return bool(self._lost or self._stuck or self._blind or self._drops)
 
     def inject(self, fault: SimulatedFault) -> None:

@@ -64,7 +64,7 @@ class SimulatedGripper:
     def sensor(
         self, positions: Doubles, velocities: Doubles, efforts: Doubles
     ) -> FingerSensor:
-        """Return what reads the fingers into some memory; see `FingerSensor`."""
+        """Return a reader that copies the fingers into memory; see `FingerSensor`."""
         return FingerSensor(self._memory, positions, velocities, efforts)
 
     def read_time(self) -> float:

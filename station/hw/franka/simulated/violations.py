@@ -92,7 +92,7 @@ _WORDS: tuple[
 
 
 class Violations:
-    """What a check has found, in memory that is made once.
+    """The findings of a check, in memory that is made once.
 
     Attributes:
         count: How many violations there are.

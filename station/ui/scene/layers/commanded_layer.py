@@ -72,7 +72,7 @@ class CommandedLayer(Layer):
 
 
 def _distance(robot: PlacedRobot, facts: SceneFacts) -> float:
-    """Return how far the joints of a robot are from their commands, at most."""
+    """Return the largest distance between a robot's joints and their commands."""
     return max(
         (
             abs(wanted - facts.positions[joint])

@@ -83,7 +83,7 @@ class LimitsLayer(Layer):
 
 
 def nearness(joint: Joint, facts: SceneFacts) -> str:
-    """Return what to say of a joint that is near a limit; empty for another.
+    """Return the text on a joint that is near a limit; empty for another.
 
     Fingers open and close to their ends as they should and are never near.
     """

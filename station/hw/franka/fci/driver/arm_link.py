@@ -73,7 +73,7 @@ class ArmLink:
         self._counted = 0  # message_id up to which `count` has told
 
     def connect(self) -> None:
-        """Say who this side is, and wait for the first state.
+        """Send this side's version, and wait for the first state.
 
         Raises:
             StationError: The arm does not answer (`FciNetworkError`), or does not
@@ -206,7 +206,7 @@ class ArmLink:
         self.receive_next()
 
     def refused(self, answer: RobotAnswer) -> ArmCommandError:
-        """Return what a caller is told of an answer that is no success."""
+        """Return the message for a caller about an answer that is no success."""
         mode = self.reader.robot_mode
         todo = REMEDIES.get(mode, "stop the running motion, then try again")
         return ArmCommandError(

@@ -54,7 +54,7 @@ class CommandWriter:
         self.message[:] = bytes(len(self.message))
 
     def number(self, message_id: int) -> None:
-        """Say which state the message answers."""
+        """Write the number of the state that the message answers."""
         _ID.pack_into(self.message, 0, message_id)
 
     def joints(self, name: str, values: Storage) -> None:

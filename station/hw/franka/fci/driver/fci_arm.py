@@ -61,12 +61,12 @@ class PendingRequests:
 
     @property
     def is_stopping(self) -> bool:
-        """Whether the answer to a stop is due."""
+        """Return whether the answer to a stop is due."""
         return self._stop is not None
 
     @property
     def is_recovering(self) -> bool:
-        """Whether the answer to a recovery is due."""
+        """Return whether the answer to a recovery is due."""
         return self._recovery is not None
 
     def stop(self) -> bool:
@@ -121,7 +121,7 @@ _REMEDY = (
 
 
 def realtime_problem(thread: int, kernel: Path = _KERNEL) -> str | None:
-    """Return why a thread is not real-time enough for an arm, and what to do.
+    """Return the reason why a thread is not real-time enough, and the remedy.
 
     None if it is.
 

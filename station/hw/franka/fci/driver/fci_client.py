@@ -41,7 +41,7 @@ class IncompatibleVersionError(FciProtocolError):
 
 
 class _Version(Protocol[_Command]):
-    """What a client needs of the version that is spoken."""
+    """The properties of a protocol version that a client needs."""
 
     @property
     def version(self) -> int:
@@ -77,7 +77,7 @@ class FciClient(Generic[_Command]):
         self._answers: dict[int, list[Answer[_Command]]] = {}
 
     def connect(self) -> None:
-        """Say which version this side speaks, and where it receives states.
+        """Send the version of this side and the port that receives states.
 
         Raises:
             FciNetworkError: No answer came.

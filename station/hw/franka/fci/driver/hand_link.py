@@ -57,7 +57,7 @@ class HandOrder:
 
 @dataclass(frozen=True, slots=True)
 class HandOutcome:
-    """How an order ended.
+    """The outcome of an order.
 
     Attributes:
         identifier: Number of the command.

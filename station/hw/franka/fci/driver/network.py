@@ -29,7 +29,7 @@ class FciNetworkError(StationError, OSError):
 
 
 class Network(Protocol):
-    """What the driver needs of a network; tests put an arm in its place.
+    """The driver's interface to a network; tests put an arm in its place.
 
     Attributes:
         udp_port: Where states are received.

@@ -153,7 +153,7 @@ class RealHand(GripperServices):
                 self._end(GoalStatus.ABORTED, self._failure(outcome.status))
 
     def _failure(self, status: int | None) -> str:
-        """Return why a command did not succeed."""
+        """Return the reason why a command did not succeed."""
         if status is None:
             return f"The hand was lost: {(self._link.problem or '').rstrip('.')}."
         if status == GripperStatus.UNSUCCESSFUL:

@@ -73,7 +73,7 @@ class Reconnection:
             self._word.send(b"\0")
 
     def take(self) -> Connection | str | None:
-        """Return what was asked for, once, or why there is none; None until then."""
+        """Return the new connection once, or the reason for its failure, else None."""
         found, self._found = self._found, None
         return found
 

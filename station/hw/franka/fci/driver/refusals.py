@@ -1,4 +1,4 @@
-"""What the arm's answers mean, in libfranka's words.
+"""The meaning of the arm's answers, in libfranka's words.
 
 Source: libfranka@0.9.2 src/robot_impl.h, handleCommandResponse; differs: what to do is
 said beside them.
@@ -62,7 +62,7 @@ REMEDIES = {
 
 
 def refusal_of(command: Command, number: int, mode: RobotMode) -> str:
-    """Return what libfranka says of an answer that is no success.
+    """Return libfranka's message for an answer that is no success.
 
     Args:
         command: What was asked for.

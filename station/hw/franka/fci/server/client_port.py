@@ -23,7 +23,7 @@ class FciPortError(StationError, OSError):
 
 
 class Session(Protocol):
-    """What a port needs of the session of its client."""
+    """The interface of a client's session to its port."""
 
     udp_port: int | None
 

@@ -53,7 +53,7 @@ def send_frame(pipe: socket.socket, kind: int, data: bytes = b"") -> None:
 
 
 def refusal(reason: str, answers: bytes = b"") -> bytes:
-    """Return what a `REFUSAL` holds.
+    """Return the content of a `REFUSAL`.
 
     Args:
         reason: Why the client must go.

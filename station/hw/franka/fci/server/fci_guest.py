@@ -21,7 +21,7 @@ from station.hw.franka.hand.hand_services import HandServices
 
 
 class _Session(Protocol):
-    """What a client has begun."""
+    """The server's side of a client's connection."""
 
     udp_port: int | None
 
@@ -113,7 +113,7 @@ class FciGuest(_Guest[RobotSession]):
 
     @property
     def is_moving(self) -> bool:
-        """Whether a motion of the client runs."""
+        """Return whether a motion of the client runs."""
         return self._session is not None and self._session.is_moving
 
     @override

@@ -31,7 +31,7 @@ _SHORTEST_WAIT = 0.5
 
 @dataclass(frozen=True, slots=True)
 class FciSettings:
-    """Where and how clients are served.
+    """The addresses and the timing with which clients are served.
 
     Attributes:
         host: Address to listen at; the ports are libfranka's.
@@ -48,7 +48,7 @@ class FciSettings:
 
 @dataclass(slots=True)
 class FciCounts:
-    """What the server has done since its start.
+    """The server's counts since its start.
 
     Attributes:
         cycles: Cycles of the arm.

@@ -187,17 +187,17 @@ class RobotSession:
 
     @property
     def is_moving(self) -> bool:
-        """Whether this client's motion runs."""
+        """Return whether this client's motion runs."""
         return self._motion is not None
 
     @property
     def has_command(self) -> bool:
-        """Whether a command has arrived since the last cycle."""
+        """Return whether a command has arrived since the last cycle."""
         return self._command is not None
 
     @property
     def is_answering(self) -> bool:
-        """Whether the client has sent a first command to its motion."""
+        """Return whether the client has sent a first command to its motion."""
         return self._motion is not None and self._answered > 0
 
     def receive(self, data: bytes) -> bytes:

@@ -105,7 +105,7 @@ class ModelStatus(IntEnum):
 
 
 class MoveController(IntEnum):
-    """Which controller a `MOVE` asks for."""
+    """The controller that a `MOVE` asks for."""
 
     JOINT_IMPEDANCE = 0
     CARTESIAN_IMPEDANCE = 1
@@ -113,7 +113,7 @@ class MoveController(IntEnum):
 
 
 class MoveGenerator(IntEnum):
-    """Which motion generator a `MOVE` asks for; the state counts from 1, see below."""
+    """The motion generator of a `MOVE`; the state counts from 1, see below."""
 
     JOINT_POSITION = 0
     JOINT_VELOCITY = 1
@@ -151,7 +151,7 @@ UNKNOWN = 255
 
 @dataclass(frozen=True, slots=True)
 class Exchange:
-    """What follows the header in a request and in its answers.
+    """The formats that follow the header in a request and in its answers.
 
     Attributes:
         request: The request.
