@@ -224,7 +224,7 @@ async def _to_browser(browser: WebSocket, upstream: ClientConnection) -> None:
 
 
 async def _until_gone(browser: WebSocket) -> None:
-    """Return when the browser has closed; its messages are dropped."""
+    """Wait until the browser has closed; its messages are dropped."""
     while (await browser.receive())["type"] != "websocket.disconnect":
         pass
 

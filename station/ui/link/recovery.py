@@ -32,7 +32,7 @@ class Recovery:
 
 
 def choose_recovery(view: StationView) -> Recovery:
-    """Return how the arms of a station can be recovered, if an arm needs recovery."""
+    """Return the way to recover the arms of a station, if an arm needs it."""
     if view.link != "live" or view.status is None:
         return Recovery(reason=view.blocked())
     arms = view.status.robots

@@ -228,7 +228,7 @@ class StationLink:
             return ()
 
     async def _message_of(self, name: str) -> str:
-        """Return what keeps an end effector from its motion; empty when nothing does.
+        """Return the obstacle to an end effector's motion; empty when there is none.
 
         Raises:
             ApiError: The station does not answer.

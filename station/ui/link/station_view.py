@@ -100,7 +100,7 @@ class StationView:
 
     @property
     def is_stopped(self) -> bool:
-        """Whether the stop is engaged, or released while motion is not allowed yet."""
+        """Return whether the stop is engaged, or released without motion allowed."""
         return self.status is not None and self.status.stop_state != "armed"
 
     def arms_of(self, controller: ControllerState) -> tuple[str, ...]:
@@ -154,7 +154,7 @@ class StationView:
         return known if len(known) == count else None
 
     def blocked(self) -> str:
-        """Return why the robot takes no commands, or an empty text if it takes them."""
+        """Return the reason why the robot takes no commands; empty if it takes them."""
         if self.link != "live":
             return f"The link to the station is {self.link}."
         if self.status is None:

@@ -40,7 +40,7 @@ def claims_text(controller: ControllerState) -> str:
 
 
 def offer_for(view: StationView, controller: ControllerState) -> Offer:
-    """Return how a controller can be started."""
+    """Return the way to start a controller."""
     if view.link != "live":
         return Offer(reason=view.blocked())
     if controller.state == "running":

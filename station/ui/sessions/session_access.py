@@ -83,7 +83,7 @@ class SessionAccess:
 
     @property
     def is_lost(self) -> bool:
-        """Whether the station has ended and no other has taken its place yet."""
+        """Return whether the station has ended and no other has taken its place yet."""
         return self._is_lost
 
     async def wait_for_station(self) -> None:

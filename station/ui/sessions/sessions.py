@@ -68,7 +68,7 @@ class SessionStore(Protocol):
     """Keeps sessions beyond the life of this process."""
 
     def load(self) -> Sequence[KeptSession]:
-        """Return what was saved last, oldest first."""
+        """Return the saved sessions, oldest first."""
         ...
 
     def save(self, sessions: Sequence[KeptSession]) -> None:
@@ -176,7 +176,7 @@ class Sessions:
             ])
 
     async def wait_for_end(self, session: Session) -> None:
-        """Return when a session was closed or has expired; does not renew it."""
+        """Wait until a session is closed or has expired; does not renew it."""
         while not session.closed.is_set():
             self._forget_expired()
             with contextlib.suppress(TimeoutError):

@@ -40,7 +40,7 @@ def choose_for_joints(view: StationView) -> tuple[CommandedController, ...]:
 
 
 def _why_none(view: StationView) -> str:
-    """Return why no controller takes set-points of joints."""
+    """Return the reason why no controller takes set-points of joints."""
     if view.blocked():
         return view.blocked()
     if choose_recovery(view).trouble:

@@ -96,7 +96,7 @@ class TargetPose:
 
     @property
     def is_pursued(self) -> bool:
-        """Whether the arm has yet to reach the target."""
+        """Return whether the arm has yet to reach the target."""
         return self._target is not None
 
     def set(self, pose: Sequence[float], now: float) -> None:
@@ -161,7 +161,7 @@ class HandTeleoperation:
 
     @property
     def is_pursuing(self) -> bool:
-        """Whether the hand has yet to reach its target."""
+        """Return whether the hand has yet to reach its target."""
         return self._pose.is_pursued
 
     def refresh(self, view: StationView) -> None:
@@ -249,7 +249,7 @@ class HandTeleoperation:
         return None if pose is None else SetPoint(self.target.name, pose, self._epoch)
 
     def state(self) -> dict[str, object]:
-        """Return which controllers move the hand and how fast, ready for JSON."""
+        """Return the controllers of the hand and their speeds, ready for JSON."""
         most = self.fastest
         return {
             "jog": {"controller": self.jog.name, "reason": self.jog.reason},

@@ -118,7 +118,7 @@ class JointTeleoperation:
 
     @property
     def reason(self) -> str:
-        """Why nothing can be commanded; empty when something can."""
+        """Return the reason why nothing can be commanded; empty when something can."""
         return self._chosen[0].reason
 
     @property
@@ -327,7 +327,7 @@ class JointTeleoperation:
         )
 
     def _refusal_of(self, name: str, target: float | None = None) -> str:
-        """Return why an element cannot be moved, or not to a target; else empty."""
+        """Return the reason why an element cannot be moved so far; empty otherwise."""
         if not any(element.name == name for element in self.elements):
             first = self._chosen[0]
             if first.reason or not first.name:
