@@ -29,7 +29,7 @@ _HEARTBEAT = "PATCH /control"
 def note_access(connection: HTTPConnection, access: Access) -> None:
     """Note who is behind a request or a WebSocket.
 
-    Many people may share a token. Whoever holds control has given a name, and is called
+    Many people may share a token. The holder of control has given a name, and is called
     by it as well in what is changed.
 
     Args:
@@ -106,7 +106,7 @@ class Audit:
         code = scope["state"].get(PROBLEM_CODE, "")
         result = f"{status} {code}".strip() if status else "no answer"
         if not is_done and not origin.who:
-            # Whoever guesses tokens chooses paths at will: they are not told apart.
+            # A guesser of tokens chooses paths at will: they distinguish no events.
             what = scope["method"]
         ended = "was carried out" if is_done else f"was refused: {result}"
         if is_repeated:

@@ -18,7 +18,7 @@ from station.core.errors import StationError
 from station.events import EventKind, EventLog, Origin, Severity
 
 DEFAULT_TTL = 10.0
-"""How long a lease lasts without a heartbeat unless told otherwise [s]."""
+"""Default time that a lease lasts without a heartbeat [s]."""
 
 
 class ControlHeldError(StationError, PermissionError):

@@ -92,7 +92,7 @@ RoleDep = Annotated[Role, Depends(viewer)]
 
 
 async def operator_anyway(request: Request, role: RoleDep) -> Role:
-    """Return the caller's role, which is operator; whoever holds control.
+    """Return the caller's role, which is operator; control may be held by another.
 
     Raises:
         ProblemError: The caller is no operator, or the request comes too late.

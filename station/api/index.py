@@ -1,4 +1,4 @@
-"""The addresses at `/`, for whoever finds the server and needs to know where to go.
+"""The addresses at `/`, for visitors who need to know where to go.
 
 No token is needed, and nothing is said about the robot.
 """

@@ -31,7 +31,7 @@ class Services:
     Attributes:
         station: The station that is served.
         authenticator: Knows tokens and sessions.
-        failed_logins: Slows down whoever guesses tokens.
+        failed_logins: Slows down the guessing of tokens.
         event_recorder: Records who did what.
         event_feed: Hands out events, page by page or as they happen.
         alarms: What asks for a person.

@@ -1,6 +1,6 @@
 """Start a station in order, watch it, stop it in reverse order.
 
-Stopping: the robot is held, the dashboard is told to end, streams close, the
+Stopping: the robot is held, the dashboard is asked to end, streams close, the
 dashboard is gone, the control thread ends, the watchdog ends.
 """
 
@@ -152,7 +152,7 @@ class StationRun:
             check_exposure(self._config.api.host, self._config.api.token)
             tls = self._tls()
             if tls is not None:
-                tls.context()  # files that cannot be used are told before all else
+                tls.context()  # unusable files are reported before all else
             authenticator = Authenticator(self._config.api.token)
             self._watchdog.start(authenticator)
             station = self._start_loop(stack)

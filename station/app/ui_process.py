@@ -60,7 +60,7 @@ def free_port(host: str, port: int) -> int:
 
 
 VIEWER_VARIABLE = "STATION_VIEWER_TOKEN"
-"""Environment variable by which a dashboard is told the viewer's token."""
+"""Environment variable that hands the viewer's token to a dashboard."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -258,7 +258,7 @@ class AsyncControllersClient:
         Args:
             name: The controller.
             values: One number per element, in its order and units; None leaves an
-                element at what the controller was told last.
+                element at its last command.
             epoch: Refuse when a stop or reset came since that epoch.
             timeout: How long it is valid [s], 0 for ever; None for the controller's
                 own setting.

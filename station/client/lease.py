@@ -25,9 +25,9 @@ class AsyncControlLease:
 
     Args:
         connection: The client's connection.
-        owner: Name that others are told; that of the token when None.
+        owner: Name that others see; that of the token when None.
         ttl: How long the lease lasts when this program falls silent [s], 0.5 to 3600.
-        force: Take control from whoever holds it.
+        force: Take control from its holder.
 
     Attributes:
         lost: Why control was lost: an error with the new owner's name; None if it is
@@ -121,7 +121,7 @@ class AsyncLeaseClient:
         """Let the requests from now on act under a lease of control.
 
         Args:
-            lease: The `lease` that whoever took control was told; None for none.
+            lease: The `lease` in the answer to taking control; None for none.
         """
         self._connection.lease = lease
 
@@ -131,9 +131,9 @@ class AsyncLeaseClient:
         """Take control, for clients that then `act_under` the `lease` of the answer.
 
         Args:
-            owner: Name that others are told; that of the token when None.
+            owner: Name that others see; that of the token when None.
             ttl: How long control lasts without `renew` [s], 0.5 to 3600.
-            force: Take control from whoever holds it.
+            force: Take control from its holder.
         """
         request = wire.ControlRequest(owner=owner, ttl=ttl, force=force)
         return await self._connection.send(

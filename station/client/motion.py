@@ -17,7 +17,7 @@ from station.client.poses import (
 from station.wire import ControllerSample, ControllerState
 
 POLL = 0.05
-"""How often a moving end effector is looked at, and told to go on [s]."""
+"""Period at which a moving end effector is observed and commanded on [s]."""
 HEARTBEAT = 1.0
 """How long the end effector goes on when this program ends [s]."""
 BLOCKED = 1.0

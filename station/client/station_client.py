@@ -330,9 +330,9 @@ class AsyncStationClient(AsyncControllersClient):
         possible.
 
         Args:
-            owner: Name that others are told; that of the token when None.
+            owner: Name that others see; that of the token when None.
             ttl: How long control lasts when this program falls silent [s], 0.5 to 3600.
-            force: Take control from whoever holds it.
+            force: Take control from its holder.
         """
         return AsyncControlLease(self._connection, owner, ttl, force=force)
 

@@ -1,6 +1,6 @@
 """Folders of the user that several stations share: private, locked, read with care.
 
-Whoever runs two stations has both in the same folders. What one of them writes is
+Two stations of one user have the same folders. What one of them writes is
 locked for as long as that takes, by the system, so that the lock of a station that was
 killed is gone with it.
 """

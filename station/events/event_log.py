@@ -1,4 +1,4 @@
-"""The event log: whoever records never waits; a thread of its own writes to disk."""
+"""The event log: recording never waits; a thread of its own writes to disk."""
 
 import json
 import logging

@@ -13,7 +13,7 @@ WINDOW = 10.0
 FREE = 10
 """So many alike events of a window are recorded one by one."""
 MOST_KINDS = 512
-"""Different events that are followed; then the oldest window is told and forgotten."""
+"""Different events that are followed; beyond, the oldest window is reported."""
 
 
 @dataclass(slots=True)

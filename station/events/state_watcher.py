@@ -18,14 +18,14 @@ _log = logging.getLogger(__name__)
 LOOK_PERIOD = 0.05
 """How often the thread looks [s]."""
 BURST = 5
-"""So many deadlines missed without a quiet second between are told as a burst."""
+"""So many deadlines missed without a quiet second between are reported as a burst."""
 QUIET = 1.0
 """A burst is over when no deadline was missed for so long [s]."""
 FIRST_FOLD, LONGEST_FOLD = 60.0, 3600.0
-"""Bursts after one that was told are counted for so long and told together [s]; each
+"""Bursts after a reported one are counted for so long and reported together [s]; each
 time four times longer, since a machine that is too slow stays so."""
 CALM = 600.0
-"""After so long without a burst the next one is told at once [s]."""
+"""After so long without a burst the next one is reported at once [s]."""
 _ADVICE = (
     " Something else takes this computer's processors, often a browser that draws the "
     "3D view without a graphics processor: close it, or open the page on another "
@@ -101,7 +101,7 @@ class StateWatcher:
             self._station.loop.right_of_way.give()
             try:
                 look()
-            except Exception as error:  # noqa: BLE001 - told; the watching goes on
+            except Exception as error:  # noqa: BLE001 - reported; the watching goes on
                 if what not in self._failing:
                     self._failing.add(what)
                     self._tell_failure(what, error)
@@ -239,7 +239,7 @@ class StateWatcher:
 class _Bursts:
     """Tells missed deadlines that come close to each other as one event.
 
-    The first burst says what to do. Those that follow are counted and told together.
+    The first burst says what to do. Later ones are counted and reported together.
     """
 
     def __init__(self, log: EventLog, skipped: int) -> None:
@@ -251,7 +251,7 @@ class _Bursts:
         self._is_advised = False
         self._told_at = float("-inf")
         self._fold = FIRST_FOLD
-        self._folded: list[int] = []  # deadlines missed in each burst not told yet
+        self._folded: list[int] = []  # deadlines missed in each burst not reported yet
         self._ended_at = float("-inf")
 
     def look(self, skipped: int, cycle: int, now: float) -> None:

@@ -127,7 +127,7 @@ class Experiment(ABC):
         Args:
             results: Where the trials are kept.
             executor: Where they run.
-            watch: Is told after every trial.
+            watch: Called after every trial.
 
         Raises:
             ExperimentError: It cannot go on; what has ended is kept.
@@ -240,7 +240,7 @@ def carry_out(
         experiment: What to run.
         results: Where the trials are kept.
         executor: Where they run.
-        watch: Is told after every trial.
+        watch: Called after every trial.
 
     Raises:
         StationError: It cannot go on, or another process runs it; what has ended is

@@ -67,7 +67,7 @@ class Runner:
     Args:
         results: Where the trials are kept.
         executor: Where they run; its owner shuts it down.
-        watch: Is told after every trial, when workers were refused or lost, and of
+        watch: Called after every trial, when workers were refused or lost, and of
             Ctrl-C.
         sleep: Waits [s] before a trial is given away again.
     """

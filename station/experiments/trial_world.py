@@ -108,7 +108,7 @@ class TrialWorld:
         return {name: dict(values) for name, values in self._gains.items()}
 
     def model(self) -> mujoco.MjModel:
-        """Return MuJoCo's model of the robot; whoever changes it changes the world."""
+        """Return MuJoCo's model of the robot; a change of it changes the world."""
         return self._world.model
 
     def data(self) -> mujoco.MjData:

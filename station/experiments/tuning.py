@@ -129,7 +129,7 @@ def tune(
         search: How it is done.
         results: Where the trials are kept.
         executor: Where they run.
-        watch: Is told after every trial.
+        watch: Called after every trial.
         ranges: Smallest and largest allowed value of gains, by parameter; a gain that
             is not among them may have any.
 

@@ -107,8 +107,8 @@ class YamlFolder:
         text = yaml.safe_dump(dict(data), sort_keys=False)
         try:
             make_private_folder(path.parent)
-            # Under another name first: whoever reads meanwhile, and whoever starts
-            # after a crash, finds the old file or the new one.
+            # Under another name first: readers meanwhile, and a station that starts
+            # after a crash, find the old file or the new one.
             with tempfile.NamedTemporaryFile(
                 "w", dir=path.parent, suffix=".part", delete=False, encoding="utf-8"
             ) as file:

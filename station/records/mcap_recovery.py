@@ -1,6 +1,6 @@
 """Make a whole MCAP file of one whose end is missing, or that has damaged bytes.
 
-Whoever is killed while recording leaves a file without its index, and perhaps with half
+A killed recorder leaves a file without its index, and perhaps with half
 a record at its end: that is cut off. Damaged bytes before the end are written over with
 a record that every reader skips, so that what is whole before and after them stays
 where it is. The index is written again from the chunks.

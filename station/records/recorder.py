@@ -237,7 +237,7 @@ class Recorder:
         while not self._end.wait(WAKE):
             try:
                 self.drain()
-            except Exception as error:  # noqa: BLE001 - the boundary: told in /status
+            except Exception as error:  # noqa: BLE001 - the boundary: shown in /status
                 self._give_up(f"{type(error).__name__}: {error}")
                 return
 

@@ -16,7 +16,7 @@ CONFIGURATION, ROBOT_DESCRIPTION = "/configuration", "/robot_description"
 
 
 class Recording:
-    """Writes one recording; whoever has it uses one thread at a time.
+    """Writes one recording. Not for several threads at a time.
 
     Args:
         info: What is known of it so far.

@@ -21,7 +21,7 @@ class HookError(RuntimeError):
 class HookScript:
     """The scripted answers of one robot's hooks; may be changed between two cycles.
 
-    A hook that is told to fail does so before the robot's own hook is called, so that
+    A hook that has to fail does so before the robot's own hook is called, so that
     nothing has changed in the robot.
 
     Attributes:

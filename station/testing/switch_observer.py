@@ -119,7 +119,7 @@ class SwitchObserver:
             self._note(check())
         names = frozenset(info.name for info in running)
         if names != self._running[-1]:
-            # In this order: whoever looks a cycle up reads `_cycles` first.
+            # In this order: `ran_at` reads `_cycles` first.
             self._running.append(names)
             self._cycles.append(cycle)
         self.cycle = cycle

@@ -16,7 +16,7 @@ from station.trials.errors import ExperimentError
 _BEGIN_TIMEOUT = 60.0
 """Longest wait until a process has checked what it is to do [s]."""
 _END_TIMEOUT = 1.0
-"""Longest wait for a process that has been told to end [s]."""
+"""Longest wait for a process that was asked to end [s]."""
 
 
 class ExperimentProcess:

@@ -325,7 +325,7 @@ class LiveBench:
     def _brake(
         self, controller: str, begin: list[float], admit: Callable[[], None]
     ) -> None:
-        """Let the joints stay where they are: what they were told is further away."""
+        """Let the joints stay where they are: their last command is further away."""
         station = self._station
         if station.manager.get_controller(controller).trajectories is None:
             here = dict(

@@ -104,7 +104,7 @@ class FailedLogins:
 
 
 def _network(host: str) -> str:
-    """Return the network of an address: whoever has an IPv6 address has 2**64."""
+    """Return the network of an address: the owner of an IPv6 address has 2**64."""
     try:
         address = ip_address(host)
     except ValueError:

@@ -74,7 +74,7 @@ class ControlRequest(RequestModel):
     """Take control, or keep it.
 
     Attributes:
-        owner: Who takes control, 1 to 100 characters; others are told this name. The
+        owner: Who takes control, 1 to 100 characters; others see this name. The
             name of the token when left out.
         ttl: How long the lease lasts without a heartbeat [s], 0.5 to 3600.
         force: Take control from whoever holds it; everybody is told.

@@ -261,7 +261,7 @@ class CommandRequest(RequestModel):
 
     Attributes:
         command: One number per element, in the controller's order, in its units; null
-            leaves an element at what the controller was told last.
+            leaves an element at its last command.
         epoch: Epoch it was made for; refused when a stop or reset came since.
         timeout: How long it is valid [s wall time], 0 for ever; the controller's own
             when null. What happens then is the controller's setting.

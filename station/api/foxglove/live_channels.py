@@ -38,7 +38,7 @@ class LiveChannels:
     Args:
         station: The station.
         urdf: The robot for transforms; None sends none.
-        texts: Text by topic, such as `/robot_description`; whoever subscribes gets it.
+        texts: Text by topic, such as `/robot_description`; subscribers get it.
 
     Attributes:
         kinds: Message types by topic, of all channels so far.

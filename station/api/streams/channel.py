@@ -114,7 +114,7 @@ class Channel(ABC):
                     client.ticked()
                 deadline = max(deadline + self._period, loop.time())
                 await asyncio.sleep(deadline - loop.time())
-        except Exception as error:  # noqa: BLE001 - kept; every client is told
+        except Exception as error:  # noqa: BLE001 - kept; every client gets it
             self._failure = error
             for client in tuple(self._clients):
                 client.failed(error)

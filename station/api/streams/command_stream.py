@@ -2,7 +2,7 @@
 
 The set-points go the way of PUT `/controllers/{name}/command`, with its checks and
 limits. What comes faster than the event loop turns is not even parsed: of the messages
-that wait, the last one counts, and the others are told as superseded.
+that wait, the last one counts, and the others are reported as superseded.
 """
 
 import asyncio
@@ -35,11 +35,11 @@ if TYPE_CHECKING:
     from station.core.ports.receipt import Receipt
 
 DEFAULT_TIMEOUT = 0.2
-"""Silence after which a set-point expires unless told otherwise [s]."""
+"""Default silence after which a set-point expires [s]."""
 LONGEST_TIMEOUT = 60.0
 """Longest silence that a client may ask for [s]."""
 REPORT_PERIOD = 0.5
-"""How often the sender is told its counts [s]."""
+"""Period of the reports of its counts to the sender [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -304,7 +304,7 @@ def _read(message: bytes | str, form: StreamFormat) -> CommandRequest:
 
 
 def _told(error: StationError | ValueError) -> dict[str, object]:
-    """Return an error as the sender is told it."""
+    """Return an error in the form in which the sender gets it."""
     if isinstance(error, StationError):
         return {
             "code": error.code,

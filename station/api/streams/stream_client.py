@@ -48,7 +48,7 @@ class StreamClient:
     async def serve(self, hello: Frame) -> None:
         """Send `hello`, then frames; return when the client takes none for too long.
 
-        The channel must have told the client of its ticks before, so that it samples.
+        The channel must have announced its ticks to the client, so that it samples.
 
         Args:
             hello: The first frame; its number is the one after which frames follow.

@@ -179,7 +179,7 @@ class Watch:
         self._trouble_since = now
         self._are_stacks_asked = self._are_stacks_read = False
         if self.settings.hold_commands:
-            # The arm was told to hold: a loop that comes back must not take it on from
+            # The arm holds by command: a loop that comes back must not take it on from
             # there as if nothing had happened.
             self.heartbeat.ask_stop(f"{trouble} The watchdog told the arms to hold.")
         self._holds.outcomes = []

@@ -262,7 +262,7 @@ class TrajectoryPlanner:
     def _wraps_of(self, request: JointTrajectory) -> list[bool]:
         """Return the joints that take the short way to a request's first point.
 
-        Whoever means an angle sends it within half a turn, as planners do. A position
+        Planners send an angle within half a turn. A position
         beyond counts the turns, and to leave them out would be to report a success
         after another motion than the one that was asked for.
         """

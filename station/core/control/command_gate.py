@@ -40,7 +40,7 @@ _RUNNING = ControllerState.RUNNING
 _FLOAT = {float}
 
 TRACED_CYCLES = 1000
-"""How long the gate looks for whoever writes commands without a claim [cycles]."""
+"""How long the gate looks for the writer of a command without a claim [cycles]."""
 
 SlotId = tuple[int, int]
 """Identity of a storage and an index into it."""
@@ -134,7 +134,7 @@ class ListBlock(CommandBlock):
         copy[:] = self.storage[self.place]
         # The types first: the sum of a complex number or of a decimal raises, or
         # passes every comparison with a float. An overflow of the sum alone is no bad
-        # command: whoever gets False looks again.
+        # command: the caller looks again upon False.
         return set(map(type, copy)) == _FLOAT and not (total := sum(copy)) - total
 
     def has_changed(self) -> bool:
@@ -168,7 +168,7 @@ class CommandGate:
 
     Attributes:
         is_stale: Whether controllers have started or stopped since the owners were
-            noted; set by whoever starts or stops one.
+            noted; set at each start and stop of one.
         running: The controllers that ran when the owners were noted last, in the order
             of loading.
         traced_cycles: For how many cycles more the gate looks after every call for

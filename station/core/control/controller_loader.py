@@ -270,7 +270,7 @@ class EntryPointLoader(ControllerLoader):
 class ClassLoader(ControllerLoader):
     """Creates the class that a type written `module:Class` names.
 
-    Importing a module runs its code, so whoever lets others choose types gives a list.
+    Importing a module runs its code, so a station for several users gives a list.
 
     Args:
         allowed: Modules that may be imported, with the modules inside of them; any

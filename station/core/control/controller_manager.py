@@ -244,7 +244,7 @@ class ControllerManager:
     def unload_controller(self, name: str) -> None:
         """Unload a controller that does not run (CM-34 … CM-36).
 
-        One that is being loaded is given up: whoever loads it is told.
+        One that is being loaded is given up, and its loading raises an error.
 
         Raises:
             ControllerNotFoundError: None of that name is loaded.
@@ -420,7 +420,7 @@ class ControllerManager:
                 remedy=f"Stop '{name}' again, so that the robot is told again.",
                 details={"controller": name, "state": loaded.controller.state.value},
             )
-        # Whoever holds the ownership decides: here, or a fallback being started.
+        # The holder of the ownership decides: here, or a fallback being started.
         owned = loaded.ownership.acquire(blocking=False)
         planned = name in self._switches.planned
         if not owned or planned or loaded.controller.is_running():

@@ -27,13 +27,13 @@ class LoadedController:
 
     Attributes:
         controller: The controller.
-        info: What the hardware is told about it.
+        info: Its description for the hardware.
         commands: Every command that it has claimed.
         fallback: Names of the controllers that take over when it fails.
         may_jump: Whether its first command may be anything (`allow_start_jump: true`).
         fault: Why the manager stopped it; None if the manager did not.
         traceback: Traceback of that fault; None if there was none.
-        is_unreleased: Whether the robot could not be told that the controller has
+        is_unreleased: Whether the robot has not confirmed that the controller has
             stopped, so that the robot may still be in the controller's mode.
         fresh: Whether it was started and has not been updated yet.
         ownership: Held while somebody starts or unloads it; never waited for.

@@ -2,8 +2,8 @@
 
 Importing a plug-in, its constructor and its `init` are code that the station did not
 write: they may take seconds, hang, or call the manager themselves. They run in a thread
-of their own and under no lock. Whoever asked for the controller waits for it up to a
-deadline and can be told to stop waiting; everybody else goes on.
+of their own and under no lock. The caller waits for the controller up to a
+deadline and can cancel it; nothing else waits.
 """
 
 import threading
@@ -79,7 +79,7 @@ class Loading:
         return self._loaded.pop()
 
     def cancel(self) -> None:
-        """Let whoever waits for the controller go on without it."""
+        """Let the caller that waits go on without the controller."""
         self._is_cancelled = True
         # Last: `run` looks at the flag when it wakes up.
         self._done.set()
@@ -100,6 +100,6 @@ class Loading:
     def _run(self) -> None:
         try:
             self._loaded.append(self._build())
-        except BaseException as error:  # noqa: BLE001 - handed to whoever waits
+        except BaseException as error:  # noqa: BLE001 - handed to the caller
             self._error = error
         self._done.set()

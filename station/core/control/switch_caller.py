@@ -1,7 +1,7 @@
 """The caller's half of a switch: plan it, ask the robot, post it, wait for the end.
 
 One switch at a time asks the robot, whose `prepare_switch` and `check_for_conflict` may
-take long; whoever comes meanwhile waits up to his own bound. Loading, unloading and
+take long; later callers wait up to their own bounds. Loading, unloading and
 listing controllers do not wait for it.
 """
 

@@ -1,4 +1,4 @@
-"""One switch in the control thread: committed, rolled back, or halted, and told so.
+"""One switch in the control thread: committed, rolled back, or halted.
 
     posted ── start gate ──▶ refused                          nothing has changed
        │
@@ -16,7 +16,7 @@
        │ ERROR, raises, more than `ROLLBACK_CYCLES`, or a start fails
        ▼
     halted: everybody in the switch is stopped, do_switch([], all of them); the result
-    says so, and names the controllers that the robot could not be told about.
+    says so, and names the controllers that the robot has not confirmed.
 
 With best effort, and with `start_asap`, a controller that cannot be started is taken
 off the hardware by itself and the others stay: the switch is committed in part.
@@ -180,7 +180,7 @@ class SwitchTransaction:
         if name in pending.given_up:
             return
         if name in self._begun:
-            # It has failed since its start, and the hardware was told so.
+            # It has failed since its start, and the hardware knows.
             pending.note_start(name, one.fault or "it was stopped after its start")
             return
         done, problem = self._ask(
@@ -209,7 +209,7 @@ class SwitchTransaction:
                 pending.note_start(name, failure)
 
     def _release_failed(self, stopped: list[LoadedController]) -> None:
-        """Take what could not be started off the hardware, which was told to start it.
+        """Withdraw from the hardware the controllers that could not be started.
 
         Args:
             stopped: Controllers whose stop the hardware has not confirmed either.

@@ -141,7 +141,7 @@ class Candidate(NamedTuple):
     info: ControllerInfo
     state: ControllerState
     is_unreleased: bool = False
-    """Whether the robot could not be told that it has stopped."""
+    """Whether the robot has not confirmed that it has stopped."""
 
 
 class _Draft:

@@ -95,7 +95,7 @@ class MotionCommands:
         Args:
             name: The controller.
             values: One number per element of its set-point; None leaves an element at
-                what the controller was told last. So callers can move different
+                the last command. So callers can move different
                 elements without undoing each other, unless their calls overlap in
                 time; those of the API do not, since each holds the lock of control.
             epoch: The epoch in which the caller decided; the present one when None.
@@ -150,7 +150,7 @@ class MotionCommands:
         given = [value for value in values if value is not None]
         if len(given) == len(values):
             return given
-        # What a stop has ended is told as a stop: the controller does not run any more.
+        # A goal ended by a stop is reported as stopped: its controller has ended.
         self._check_may_move(name, None)
         controller = self.manager.get_controller(name)
         size, in_force = len(port.elements), port.newest

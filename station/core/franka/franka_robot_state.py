@@ -118,7 +118,7 @@ class RobotState:
     """State of an arm with 7 joints.
 
     The arm owns the object and changes it in place in `RobotArm.read_once`. All others
-    only read, in the control thread; whoever needs the state elsewhere takes a `copy`.
+    only read, in the control thread; elsewhere a `copy` is used.
 
     The arrays are parts of one block of doubles. Reading one, `state.q`, returns a new
     list; assigning, `state.q = values`, copies n numbers into it. The hot path and the

@@ -1,4 +1,4 @@
-"""Services: what a robot can be told besides the commands of controllers.
+"""Services: operations of a robot besides the commands of controllers.
 
 A service is a method of a `RobotServices` handle, declared once with `@service`. The
 method's name, parameters and docstring are all that the API, its documentation, the

@@ -254,7 +254,7 @@ class ControlLoop:
         if thread is None or thread is threading.current_thread():
             return action()
         operation = self._operations.post(action)
-        self.check_alive()  # after it: whoever dies later gives it up
+        self.check_alive()  # after it: a loop that dies later gives it up
         details = {"state": self._state.value, "failure": self._failure}
         return operation.outcome(timeout, details)  # type: ignore[return-value]  # of this action
 

@@ -91,7 +91,7 @@ class Heartbeat:
 
     @property
     def is_ended_by_watchdog(self) -> bool:
-        """Return whether the watchdog has told the station to end."""
+        """Return whether the watchdog has asked the station to end."""
         return bool(self.flags[self._ENDED])
 
     def note_end_by_watchdog(self) -> None:

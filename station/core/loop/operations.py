@@ -56,7 +56,7 @@ class Operation:
             LoopError: Nobody did it in time; nobody will do it later.
         """
         if not self.done.acquire(timeout=timeout):
-            # Whoever was answered with an error must not find it carried out later.
+            # A caller that got an error must not find it carried out later.
             self.abandoned = True
             raise LoopError(
                 f"The control loop did not answer within {timeout} s.",

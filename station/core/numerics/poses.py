@@ -1,4 +1,4 @@
-"""Poses, rotation vectors and twists as lists of floats, for whoever is not in a hurry.
+"""Poses, rotation vectors and twists as lists of floats, for code outside the cycle.
 
 A pose has 16 numbers, flat and column-major: T(r, c) = T[4 c + r]. A rotation is the
 upper left 3 x 3 block of a pose. `rigid_motion` has the same over memory that the

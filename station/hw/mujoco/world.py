@@ -96,7 +96,7 @@ class World:
         """Let `actor` act before every step, after those added before it.
 
         Args:
-            actor: Is told of a reset.
+            actor: Its `begin_anew` is called at a reset.
             preparation: Writes the controls of the coming step.
         """
         self._actors.append(actor)

@@ -150,7 +150,7 @@ class Replay:
 
 
 def _without_release(trace: list[str]) -> list[str]:
-    """Drop the do_switch with which the hardware is told of aborted starts (CM-67)."""
+    """Drop the do_switch that reports aborted starts to the hardware (CM-67)."""
     if not any(line.endswith(".aborting") for line in trace):
         return trace
     return [line for line in trace if not line.startswith("hw.doSwitch start=[] ")]

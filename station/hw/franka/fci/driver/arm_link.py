@@ -70,7 +70,7 @@ class ArmLink:
         self.is_returning = False
         self._reconnection = reopen and Reconnection(reopen, protocol)
         self._silence = 0.0
-        self._counted = 0  # message_id up to which `count` has told
+        self._counted = 0  # message_id up to which `count` has counted
 
     def connect(self) -> None:
         """Send this side's version, and wait for the first state.

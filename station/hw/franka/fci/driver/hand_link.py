@@ -87,7 +87,7 @@ class HandLink:
     Attributes:
         problem: Why there is no hand; None while it is there.
         state: The newest state of the hand, by field; None before the first one.
-        outcomes: How orders ended, oldest first; whoever reads one takes it out.
+        outcomes: How orders ended, oldest first; the reader takes each out.
         on_state: Called by the thread of the link with every new state.
     """
 

@@ -57,7 +57,7 @@ def refusal(reason: str, answers: bytes = b"") -> bytes:
 
     Args:
         reason: Why the client must go.
-        answers: What the client is told before.
+        answers: Answers that the client gets before.
     """
     return LAST_WORDS.pack(len(answers)) + answers + reason.encode()
 

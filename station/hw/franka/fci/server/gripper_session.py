@@ -38,7 +38,7 @@ class GripperSession:
     """Serves one client; a new one for the next client. Control thread.
 
     Args:
-        hand: The hand; whoever owns the session advances it once per cycle.
+        hand: The hand; the owner of the session advances it once per cycle.
         protocol: The version that is spoken.
         is_free: Returns whether this client may move the fingers.
 

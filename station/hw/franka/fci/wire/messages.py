@@ -19,7 +19,7 @@ class FciProtocolError(StationError):
     Args:
         message: What was sent, and what is allowed.
         remedy: What to do about it.
-        answers: What the other side is still to be told before the connection ends.
+        answers: Answers to send before the connection ends.
     """
 
     code = "fci_protocol"
