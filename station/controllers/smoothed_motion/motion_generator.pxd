@@ -7,6 +7,7 @@ cdef class MotionGenerator:
     cdef public bint is_still
     cdef Py_ssize_t _size
     cdef list _held
+    cdef list _wanted
     cdef bint _goes_to_positions
     cdef double _period
     cdef object _ruckig

@@ -57,6 +57,8 @@ class MotionGenerator:
         self._size = size
         # The target velocities; empty while the target is a position.
         self._held: list[float] = []
+        # The target positions that Ruckig was told last.
+        self._wanted: list[float] = []
         # Whether Ruckig was told that the target is a position.
         self._goes_to_positions = False
         self._period = _NOMINAL_PERIOD
@@ -109,19 +111,24 @@ class MotionGenerator:
         Set the target again afterwards.
 
         Args:
-            positions: Present positions in the new coordinates [rad or m], shape (n,).
+            positions: Present positions in the new coordinates [rad or m], shape (n,);
+                the same list if they are what they were.
         """
-        self.positions = positions
-        self._input.current_position = positions
+        if positions is not self.positions:
+            self.positions = positions
+            self._input.current_position = positions
 
     def go_to(self, positions: list[float]) -> None:
         """Make positions the target: all axes arrive together and rest there.
 
         Args:
-            positions: Target positions [rad or m], shape (n,).
+            positions: Target positions [rad or m], shape (n,); the caller does not
+                change the list afterwards.
         """
         self.is_still, self._held = False, []
-        self._input.target_position = positions
+        if positions is not self._wanted:
+            self._wanted = positions
+            self._input.target_position = positions
         if not self._goes_to_positions:  # every assignment costs as much as a `put`
             self._goes_to_positions = True
             self._input.control_interface = ControlInterface.Position
