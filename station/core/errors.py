@@ -211,6 +211,9 @@ class InvalidCommandError(StationError, ValueError):
 
 def is_number(value: object) -> bool:
     """Return whether a value of any type is a number; true and false are none."""
+    # Nearly every value is a float, and an abstract class takes ten times as long.
+    if type(value) is float:
+        return True
     return isinstance(value, Real) and not isinstance(value, bool)
 
 

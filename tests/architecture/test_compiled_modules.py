@@ -16,6 +16,8 @@ REFUSED = {"asyncio", "logging", "multiprocessing", "socket", "subprocess"}
 # which these modules import modules of the station that are not compiled. All they
 # import besides is this.
 WITH_REPORTS = {
+    "station.controllers.cartesian_motion.cartesian_motion_controller",
+    "station.controllers.cartesian_motion.joint_lookahead",
     "station.controllers.franka_example_controllers.cartesian_spring",
     "station.controllers.joint_trajectory_controller.execution",
     "station.controllers.set_point_controller",
@@ -31,6 +33,8 @@ WITH_REPORTS = {
     "station.hw.franka.simulated.motion_check",
     "station.hw.franka.simulated.violations",
 }
+# Smooth motions are computed by a library, of which one module knows.
+PERMITTED_FOR = {"station.controllers.smoothed_motion.motion_generator": ("ruckig",)}
 FOR_REPORTS = ("station", "numpy", "typing_extensions")
 
 TYPES = "from typing import TYPE_CHECKING\nif TYPE_CHECKING:"
@@ -61,6 +65,7 @@ def is_permitted(name: str, importer: str, compiled: set[str]) -> bool:
     if top in sys.stdlib_module_names:
         return top not in REFUSED
     permitted = FOR_REPORTS if importer in WITH_REPORTS else PERMITTED
+    permitted += PERMITTED_FOR.get(importer, ())
     return name in compiled or any(
         name == one or name.startswith(f"{one}.") for one in (*PERMITTED, *permitted)
     )

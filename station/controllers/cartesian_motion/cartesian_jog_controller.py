@@ -123,10 +123,12 @@ class CartesianJogController(CartesianMotionController):
         return [0.0] * 6
 
     @override
-    def steer(self, set_point: list[float]) -> None:
-        if self.cycle_sample.is_inner:
+    def steer(self, set_point: list[float]) -> bool:
+        is_inner = self.cycle_sample.is_inner
+        if is_inner:
             set_point = to_outer_axes(self.generator.pose, set_point)
         self.generator.go_at(set_point)
+        return not is_inner
 
     @override
     def make_sample(self) -> TwistSample:
@@ -141,6 +143,7 @@ class CartesianJogController(CartesianMotionController):
 
     def _set_frame(self, values: Mapping[str, float]) -> None:
         self.cycle_sample.is_inner = values[_FRAME.name] != 0.0
+        self._update.steered = None
 
 
 def _check_frame(values: Mapping[str, float]) -> None:

@@ -1,7 +1,7 @@
 """The base of the controllers that move an end effector smoothly."""
 
-from collections.abc import Mapping
-from typing import ClassVar
+from collections.abc import Callable, Mapping
+from typing import Any, ClassVar
 
 from typing_extensions import override
 
@@ -15,7 +15,6 @@ from station.controllers.cartesian_motion.cartesian_motion_generator import (
 )
 from station.controllers.cartesian_motion.end_effector_sample import (
     EndEffectorSample,
-    EndEffectorUpdate,
 )
 from station.controllers.cartesian_motion.joint_lookahead import (
     LOOKAHEAD_PARAMETERS,
@@ -50,6 +49,8 @@ from station.core.ports.set_point import (
     read_command_timeout,
     timeout_parameters,
 )
+from station.memory.doubles import Doubles
+from station.memory.vectors import copy_into
 
 DEFAULT_TIMEOUT = 0.2
 """Default of `command_timeout` [s]."""
@@ -58,6 +59,8 @@ LONGEST_TIMEOUT = 1.0
 # Time for which an obstacle is still published after it was found last [s]. An obstacle
 # may be found in every second cycle only; without this the message would flicker.
 _PUBLISHED_FOR = 0.1
+_POSE = 16
+_NONE = Obstacle.NONE
 _TEXTS = {
     Obstacle.NONE: "",
     Obstacle.JOINT_LIMIT: "{joint} is near its position limit; the arm waits there.",
@@ -65,6 +68,111 @@ _TEXTS = {
     Obstacle.SELF_COLLISION: "Two parts of the arm are close; the arm waits there.",
     Obstacle.JOINT_SPEED: "{joint} would be too fast; the arm goes more slowly.",
 }
+
+
+class EndEffectorUpdate(UsualUpdate):
+    """The update of a controller that moves an end effector.
+
+    Args:
+        active: The set-point in force.
+        steer: See `CartesianMotionController.steer`.
+        generator: Generates the poses.
+        lookahead: Says whether the joints can follow them.
+        sample: What is kept of a cycle.
+        command: The robot's storage of the commanded pose, 16 numbers.
+
+    Attributes:
+        is_resting: Whether the end effector rests, and nothing but rest is wanted;
+            nothing is moved then, as long as the set-point in force stays.
+        steered: The set-point that is the generator's target and need not be made that
+            again; None if there is none.
+        obstacle: What is published as the obstacle.
+        joint: Name of its joint; None if there is none.
+    """
+
+    def __init__(
+        self,
+        active: ActiveSetPoint,
+        steer: Callable[[list[float]], bool],
+        generator: CartesianMotionGenerator,
+        lookahead: JointLookahead,
+        sample: EndEffectorSample,
+        command: Doubles,
+    ) -> None:
+        self.active = active
+        self.port = active.port
+        self.steer = steer
+        self.generator = generator
+        self.lookahead = lookahead
+        self.sample = sample
+        self.pose, self.command = generator.pose, command
+        self.start(0.0)
+
+    def start(self, time: float) -> None:
+        """Forget the motion before.
+
+        Args:
+            time: Station time [s].
+        """
+        self.is_resting = False
+        self.steered: list[float] | None = None
+        self.obstacle, self.until = _NONE, time
+        self.joint: str | None = None
+
+    def run(self, time: float, period: float) -> bool:
+        """Move the end effector, and keep the sample.
+
+        Args:
+            time: Station time of the cycle [s].
+            period: Time since the last cycle [s], >= 0.
+
+        Raises:
+            CommandTimeoutError: The set-point has expired and the action is `stop`.
+        """
+        if not self.is_resting or self.port.has_changed():
+            self.move(time, period)
+        self.sample.keep(time)
+        return True
+
+    def move(self, time: float, period: float) -> None:
+        """Advance the motion if the joints can follow, else brake."""
+        set_point, generator = self.active.newest(), self.generator
+        if set_point is not self.steered:
+            self.steered = set_point if self.steer(set_point) else None
+        if generator.is_still():
+            self.note(_NONE, None, time)
+        else:
+            self.advance(time, period)
+            copy_into(self.command, 0, self.pose, _POSE)
+        # While an obstacle is published, the next cycles have to end that.
+        self.is_resting = generator.is_still() and self.obstacle is _NONE
+
+    def advance(self, time: float, period: float) -> None:
+        """Advance the generator; brake where the joints cannot follow."""
+        generator, lookahead = self.generator, self.lookahead
+        generator.advance(period)
+        if period == 0.0 or lookahead.passes(generator):
+            self.note(_NONE, None, time)
+            return
+        if generator.is_at_rest():
+            self.note(_NONE, None, time)
+            return
+        can_rest = lookahead.allows(generator)
+        self.note(lookahead.obstacle, lookahead.joint, time)
+        if not can_rest or not generator.stays_within_speed():
+            # Braking from the previous state was found possible in the previous cycle.
+            generator.undo()
+            generator.brake()
+            self.steered = None
+            generator.advance(period)
+
+    def note(self, obstacle: Obstacle, joint: str | None, time: float) -> None:
+        """Note what is in the way at a time [s], and publish it for a while."""
+        if obstacle is not _NONE:
+            self.obstacle, self.joint = obstacle, joint
+            self.until = time + _PUBLISHED_FOR
+        elif time > self.until:
+            self.obstacle, self.joint = _NONE, None
 
 
 class CartesianMotionController(MultiInterfaceController):
@@ -123,9 +231,16 @@ class CartesianMotionController(MultiInterfaceController):
         self._active = ActiveSetPoint(self.set_points, action, arm_id, self.rest)
         self.cycle_sample = self.make_sample()
         self.sampled = self.cycle_sample.sampled
-        self._update = EndEffectorUpdate(self.set_points, self._move, self.cycle_sample)
-        self._obstacle, self._until = Obstacle.NONE, 0.0
-        self._joint: str | None = None
+        # Every slot of the handle is in the memory of the commanded pose.
+        command: Any = self.handle.command_slots()[0][0]
+        self._update = EndEffectorUpdate(
+            self._active,
+            self.steer,
+            self.generator,
+            self.lookahead,
+            self.cycle_sample,
+            command,
+        )
 
     @override
     def usual_update(self) -> UsualUpdate:
@@ -134,7 +249,7 @@ class CartesianMotionController(MultiInterfaceController):
     @property
     def is_free(self) -> bool:
         """Return whether `published` names no obstacle."""
-        return self._obstacle is Obstacle.NONE
+        return self._update.obstacle is Obstacle.NONE
 
     def make_port(self, limits: CartesianLimits, timeout: float) -> SetPointPort:
         """Return the port that receives the set-points.
@@ -149,11 +264,15 @@ class CartesianMotionController(MultiInterfaceController):
         """Return the set-point at which the end effector rests."""
         raise NotImplementedError
 
-    def steer(self, set_point: list[float]) -> None:
+    def steer(self, set_point: list[float]) -> bool:
         """Set the target of the generator in this cycle.
 
         Args:
             set_point: The set-point in force.
+
+        Returns:
+            Whether the target stays the same as long as the set-point does: then this
+            is called again only after the motion had to brake.
         """
         raise NotImplementedError
 
@@ -167,30 +286,18 @@ class CartesianMotionController(MultiInterfaceController):
         state = self.handle.get_robot_state()
         self.generator.start(state.O_T_EE_d)
         self.lookahead.start(state)
-        self._obstacle, self._joint, self._until = Obstacle.NONE, None, time
         self.handle.set_command(self.generator.pose)
-        self._update.is_resting = False
+        self._update.start(time)
         self._active.start_at_rest()
 
     @override
     def update(self, time: float, period: float) -> None:
         self._update.run(time, period)
 
-    def _move(self, time: float, period: float) -> None:
-        """Advance the motion if the joints can follow, else brake."""
-        self.steer(self._active.newest())
-        if self.generator.is_still:
-            self._note(Obstacle.NONE, None, time)
-        else:
-            self._advance(time, period)
-            self.handle.set_command(self.generator.pose)
-        # While an obstacle is published, the next cycles have to end that.
-        self._update.is_resting = self.generator.is_still and self.is_free
-
     @override
     def published(self) -> Mapping[str, Mapping[str, object]]:
         """Return the topic `state`: the obstacle, its joint, and a message."""
-        obstacle, joint = self._obstacle, self._joint
+        obstacle, joint = self._update.obstacle, self._update.joint
         return {
             "state": {
                 "obstacle": obstacle.value,
@@ -198,30 +305,3 @@ class CartesianMotionController(MultiInterfaceController):
                 "message": _TEXTS[obstacle].format(joint=joint),
             }
         }
-
-    def _advance(self, time: float, period: float) -> None:
-        generator = self.generator
-        generator.advance(period)
-        if period == 0.0 or self.lookahead.passes(generator):
-            self._note(Obstacle.NONE, None, time)
-            return
-        if generator.is_at_rest():
-            self._note(Obstacle.NONE, None, time)
-            return
-        can_rest = self.lookahead.allows(generator)
-        self._note(self.lookahead.obstacle, self.lookahead.joint, time)
-        if not can_rest or not generator.stays_within_speed():
-            # Braking from the previous state was found possible in the previous cycle.
-            generator.undo()
-            generator.brake()
-            generator.advance(period)
-
-    def _note(self, obstacle: Obstacle, joint: str | None, time: float) -> None:
-        if obstacle is not Obstacle.NONE:
-            self._obstacle, self._joint, self._until = (
-                obstacle,
-                joint,
-                time + _PUBLISHED_FOR,
-            )
-        elif time > self._until:
-            self._obstacle, self._joint = Obstacle.NONE, None

@@ -7,11 +7,14 @@ for rotations of any size, and the rotation to a target is always the shorter on
 """
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-from station.controllers.cartesian_motion.cartesian_limits import CartesianLimits
 from station.controllers.cartesian_motion.pose_motion import PoseMotion
 from station.controllers.smoothed_motion.motion_generator import MotionGenerator
 from station.memory.doubles import Doubles, put, zeros
+
+if TYPE_CHECKING:
+    from station.controllers.cartesian_motion.cartesian_limits import CartesianLimits
 
 _SLACK = 1.0 + 1e-9  # for rounding
 
@@ -35,7 +38,7 @@ class CartesianMotionGenerator:
             shape (12,).
     """
 
-    def __init__(self, limits: CartesianLimits) -> None:
+    def __init__(self, limits: "CartesianLimits") -> None:
         axes = limits.of_axes()
         self._generator = MotionGenerator(axes)
         self.pose, self._target = zeros(16), zeros(16)
@@ -88,14 +91,13 @@ class CartesianMotionGenerator:
         self._wanted = None
         self._generator.go_at(twist)
 
-    @property
     def is_still(self) -> bool:
         """Return whether the pose rests, and nothing but rest is wanted."""
         return self._generator.is_still and self._wanted is None
 
     def brake(self) -> None:
         """Come to rest as soon as the limits allow."""
-        if not self.is_still:
+        if not self.is_still():
             self.go_at([0.0] * 6)
 
     def is_at_rest(self) -> bool:
@@ -120,7 +122,7 @@ class CartesianMotionGenerator:
         Raises:
             InvalidCommandError: There is no motion to the target.
         """
-        if period == 0.0 or self.is_still:
+        if period == 0.0 or self.is_still():
             return
         generator, motion = self._generator, self.motion
         self._last = generator.state()

@@ -33,9 +33,7 @@ class CartesianStreamingController(CartesianMotionController):
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:
         super().init(hw, params)
-        self._followed: list[float] = []
         self._resting: list[float] = []
-        self._target: list[float] = []
 
     @override
     def make_sample(self) -> PoseSample:
@@ -57,11 +55,9 @@ class CartesianStreamingController(CartesianMotionController):
         return self._resting
 
     @override
-    def steer(self, set_point: list[float]) -> None:
+    def steer(self, set_point: list[float]) -> bool:
         if set_point is self._resting:
             self.generator.brake()
-            return
-        if set_point is not self._followed:
-            self._followed = set_point
-            self._target = pose_of(set_point[:3], set_point[3:])
-        self.generator.go_to(self._target)
+        else:
+            self.generator.go_to(pose_of(set_point[:3], set_point[3:]))
+        return True

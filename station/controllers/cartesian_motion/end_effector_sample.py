@@ -1,13 +1,9 @@
 """Keep what a controller of an end effector did in a cycle: a pose, or a twist."""
 
-from collections.abc import Callable
-
 from station.core.control.sample_columns import SampleColumns
-from station.core.control.usual_update import UsualUpdate
 from station.core.franka.model_sources import ModelSource
 from station.core.numerics.arm_chain import turn_to_inner_axes, twist_of
 from station.core.numerics.rigid_motion import numbers_of
-from station.core.ports.set_point import SetPointPort
 from station.memory.doubles import Doubles, doubles, zeros
 from station.memory.vectors import copy_into
 
@@ -132,43 +128,3 @@ class TwistSample(EndEffectorSample):
             turn_to_inner_axes(self.actual_pose, self.actual, self.actual)
         else:
             copy_into(self.desired, 0, self.twist, _TWIST)
-
-
-class EndEffectorUpdate(UsualUpdate):
-    """The update of a controller that moves an end effector.
-
-    Args:
-        port: Receives the set-points.
-        move: Moves the end effector in a cycle, and brings `is_resting` up to date.
-        sample: What is kept of a cycle.
-
-    Attributes:
-        is_resting: Whether the end effector rests, and nothing but rest is wanted;
-            `move` is not called then, as long as the set-point in force stays.
-    """
-
-    def __init__(
-        self,
-        port: SetPointPort,
-        move: Callable[[float, float], None],
-        sample: EndEffectorSample,
-    ) -> None:
-        self.port = port
-        self.move = move
-        self.sample = sample
-        self.is_resting = False
-
-    def run(self, time: float, period: float) -> bool:
-        """Move the end effector, and keep the sample.
-
-        Args:
-            time: Station time of the cycle [s].
-            period: Time since the last cycle [s], >= 0.
-
-        Raises:
-            CommandTimeoutError: The set-point has expired and the action is `stop`.
-        """
-        if not self.is_resting or self.port.has_changed():
-            self.move(time, period)
-        self.sample.keep(time)
-        return True

@@ -25,6 +25,7 @@ from station.core.franka.franka_model import FrankaModel
 from station.core.franka.franka_robot_state import RobotState
 from station.core.parameters import Parameters
 from station.memory.doubles import Doubles, own, zeros
+from station.memory.vectors import copy_into
 
 _DOF = 7
 ELBOW = 2
@@ -43,12 +44,13 @@ class ArmConfiguration:
     """
 
     def __init__(self, model: FrankaModel, state: RobotState) -> None:
-        self._q, self._jacobian = own([0.0] * _DOF), own([0.0] * (6 * _DOF))
+        q, jacobian = own([0.0] * _DOF), own([0.0] * (6 * _DOF))
         frame = Frame.END_EFFECTOR
         tool = state.doubles("F_T_EE"), state.doubles("EE_T_K")
-        self._pose_source = model.pose_source(frame, self._q, *tool)
-        self._jacobian_source = model.zero_jacobian_source(frame, self._q, *tool)
-        self.motion = LinearKinematics(self._q, self._jacobian)
+        self._pose_source = model.pose_source(frame, q, *tool)
+        self._jacobian_source = model.zero_jacobian_source(frame, q, *tool)
+        self.motion = LinearKinematics(q, jacobian)
+        self._q, self._jacobian = q, jacobian
 
     def move_to(self, q: Doubles) -> None:
         """Take another configuration.
@@ -56,7 +58,7 @@ class ArmConfiguration:
         Args:
             q: Joint positions [rad], shape (7,).
         """
-        self._q[:] = q
+        copy_into(self._q, 0, q, _DOF)
         self._jacobian_source.write(self._jacobian)
         self.motion.invert()
 
@@ -73,7 +75,7 @@ class ArmConfiguration:
         matrix = np.zeros((_DOF, _DOF))
         matrix[:6] = np.reshape(self._jacobian, (_DOF, 6)).T
         matrix[6, ELBOW] = 1.0
-        return float(np.linalg.svd(matrix, compute_uv=False)[-1])
+        return float(np.linalg.svd(matrix, compute_uv=False).min())
 
 
 LARGEST_JOINT_ACCELERATION = (10.0, 7.5, 10.0, 10.0, 10.0, 10.0, 10.0)

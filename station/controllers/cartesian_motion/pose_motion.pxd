@@ -44,6 +44,8 @@ cdef class PoseMotion:
     cdef readonly double[::1] resting
     cdef double[::1] last
     cdef double[::1] way
+    cdef double[::1] there
+    cdef list aimed_at
 
     cpdef list aim(self)
     cpdef list coordinates(self)

@@ -148,12 +148,30 @@ class PoseMotion:
         self.fastest, self.fastest_turn = speeds
         self.resting, self.last = zeros(_POSE), zeros(_POSE)
         self.way = own([0.0] * _AXES)
+        # The result of `aim`, in memory and as the list.
+        self.there, self.aimed_at = own([0.0] * _AXES), [0.0] * _AXES
 
     def aim(self) -> list[float]:
-        """Return the coordinates of the target, seen from the pose, shape (6,)."""
-        target, way = self.target, self.way
+        """Return the coordinates of the target, seen from the pose, shape (6,).
+
+        As long as they stay the same, it is the same list.
+        """
+        target, way, there = self.target, self.way, self.there
         rotation_between(self.pose, target, way)
-        return [target[12], target[13], target[14], way[0], way[1], way[2]]
+        x, y, z = target[12], target[13], target[14]
+        if (
+            there[0] == x
+            and there[1] == y
+            and there[2] == z
+            and there[3] == way[0]
+            and there[4] == way[1]
+            and there[5] == way[2]
+        ):
+            return self.aimed_at
+        there[0], there[1], there[2] = x, y, z
+        there[3], there[4], there[5] = way[0], way[1], way[2]
+        self.aimed_at = [x, y, z, way[0], way[1], way[2]]
+        return self.aimed_at
 
     def coordinates(self) -> list[float]:
         """Return the present coordinates, shape (6,): the rotation vector is zero."""
@@ -168,6 +186,8 @@ class PoseMotion:
     ) -> list[float]:
         """Move the pose to where the axes have come; return their new coordinates.
 
+        These are `positions` themselves if nothing turns and nothing was rounded.
+
         Args:
             positions: Positions of the axes, from the pose before, shape (6,).
             velocities: Their velocities, shape (6,).
@@ -176,10 +196,14 @@ class PoseMotion:
         pose, way = self.pose, self.way
         copy_into(self.last, 0, pose, _POSE)
         way[0], way[1], way[2], way[3], way[4], way[5] = positions
-        way[0], way[1], way[2] = way[0] - pose[12], way[1] - pose[13], way[2] - pose[14]
+        x, y, z = way[0], way[1], way[2]
+        way[0], way[1], way[2] = x - pose[12], y - pose[13], z - pose[14]
         displace(pose, way, 1.0, pose)
         self.take_rates(velocities, accelerations)
-        return self.coordinates()
+        turns = way[3] != 0.0 or way[4] != 0.0 or way[5] != 0.0
+        if turns or pose[12] != x or pose[13] != y or pose[14] != z:
+            return self.coordinates()
+        return positions
 
     def undo(self, velocities: list[float], accelerations: list[float]) -> None:
         """Put the pose back to where it was before `move`.

@@ -5,7 +5,7 @@ microseconds and without allocating memory. No other module of the controllers i
 anything but core and NumPy.
 """
 
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 from ruckig import (
     ControlInterface,
@@ -18,12 +18,17 @@ from ruckig import (
     Trajectory,
 )
 
-from station.controllers.smoothed_motion.axis_limits import AxisLimits
 from station.core.errors import InvalidCommandError
+
+if TYPE_CHECKING:
+    from station.controllers.smoothed_motion.axis_limits import AxisLimits
 
 _NOMINAL_PERIOD = 0.001
 # Velocities and accelerations below this are rounding after a motion has ended.
 _AT_REST = 1e-12
+# Ruckig's answers without an error; members of the enumeration are compared fastest by
+# their identity.
+_WORKING, _FINISHED = Result.Working, Result.Finished
 
 
 class MotionGenerator:
@@ -43,7 +48,7 @@ class MotionGenerator:
             nothing.
     """
 
-    def __init__(self, limits: AxisLimits) -> None:
+    def __init__(self, limits: "AxisLimits") -> None:
         size = len(limits.velocity)
         self.positions = [0.0] * size
         self.velocities = [0.0] * size
@@ -52,6 +57,8 @@ class MotionGenerator:
         self._size = size
         # The target velocities; empty while the target is a position.
         self._held: list[float] = []
+        # The target positions that Ruckig was told last.
+        self._wanted: list[float] = []
         # Whether Ruckig was told that the target is a position.
         self._goes_to_positions = False
         self._period = _NOMINAL_PERIOD
@@ -104,19 +111,24 @@ class MotionGenerator:
         Set the target again afterwards.
 
         Args:
-            positions: Present positions in the new coordinates [rad or m], shape (n,).
+            positions: Present positions in the new coordinates [rad or m], shape (n,);
+                the same list if they are what they were.
         """
-        self.positions = positions
-        self._input.current_position = positions
+        if positions is not self.positions:
+            self.positions = positions
+            self._input.current_position = positions
 
     def go_to(self, positions: list[float]) -> None:
         """Make positions the target: all axes arrive together and rest there.
 
         Args:
-            positions: Target positions [rad or m], shape (n,).
+            positions: Target positions [rad or m], shape (n,); the caller does not
+                change the list afterwards.
         """
         self.is_still, self._held = False, []
-        self._input.target_position = positions
+        if positions is not self._wanted:
+            self._wanted = positions
+            self._input.target_position = positions
         if not self._goes_to_positions:  # every assignment costs as much as a `put`
             self._goes_to_positions = True
             self._input.control_interface = ControlInterface.Position
@@ -180,13 +192,14 @@ class MotionGenerator:
             self._input.synchronization = Synchronization.No
             self._goes_to_positions = False
             result = self._ruckig.update(self._input, self._output)
-        # All errors are negative; members of the enumeration compare more slowly.
-        if int(result) < 0:
+        # All errors are negative.
+        if result is not _WORKING and result is not _FINISHED and int(result) < 0:
             _refuse(result)
-        self._output.pass_to_input(self._input)
-        self.positions = self._output.new_position
-        self.velocities = self._output.new_velocity
-        self.accelerations = self._output.new_acceleration
+        output = self._output
+        output.pass_to_input(self._input)
+        self.positions = output.new_position
+        self.velocities = output.new_velocity
+        self.accelerations = output.new_acceleration
         if self._held and not any(self._held) and self._has_ended():
             self.velocities = self.accelerations = [0.0] * self._size
             self._input.current_velocity = self.velocities

@@ -108,6 +108,18 @@ def test_the_axes_can_be_changed_at_run_time(arm):
         controller.tunables.checked({"frame": 0.5})
 
 
+def test_other_axes_hold_for_the_set_point_in_force(arm, send):
+    controller = arm.start(CartesianJogController)
+    send(controller, [0.0, 0.0, 0.01, 0.0, 0.0, 0.0])
+    arm.run(controller, 20)
+    controller.tunables.apply({"frame": 1.0})
+    arm.run(controller, 170)
+
+    along = to_outer_axes(arm.state.O_T_EE_d, [0.0, 0.0, 0.01])
+    assert along[2] < -0.005
+    assert arm.state.O_dP_EE_c[:3] == pytest.approx(along, abs=1e-3)
+
+
 def test_other_axes_are_refused(arm):
     with pytest.raises(ParameterError, match="'K'; it must be one of O, EE"):
         arm.load(CartesianJogController, frame="K")

@@ -10,6 +10,7 @@ from station.controllers.cartesian_motion import CartesianStreamingController
 from station.controllers.cartesian_motion.cartesian_limits import ROTATION, TRANSLATION
 from station.core.errors import CommandTimeoutError, InvalidCommandError
 from station.core.numerics.poses import displace, quaternion_of, rotation_between
+from tests.hw.franka.cartesian_motions import PERIOD
 
 LIMITS = (TRANSLATION, ROTATION)
 
@@ -206,20 +207,46 @@ def test_the_sample_is_in_the_terms_of_the_set_point(arm, send):
     assert max(map(abs, controller.sample.error)) < 1e-3
 
 
+def writes(arm, controller):
+    """Return whether an update writes the command."""
+    arm.command[12] = 9.0
+    controller.update_request(arm.time, PERIOD)
+    return arm.command[12] != 9.0
+
+
 def test_at_rest_the_motion_is_not_computed_until_the_set_point_changes(arm, send):
-    controller, steered = arm.start(CartesianStreamingController), []
-    steer = controller.steer
-    controller.steer = lambda set_point: (steered.append(set_point), steer(set_point))
-    arm.run(controller, 5)
-    assert len(steered) == 1  # braking from the start
+    controller = arm.start(CartesianStreamingController)
+    assert writes(arm, controller)  # braking from the start
+    assert not writes(arm, controller)
     send(controller, numbers(moved(arm, (0.05, 0.0, 0.0))))
-    arm.run(controller, 100)
-    assert len(steered) == 101
-    arm.run(controller, 2000)  # the set-point expires, and the motion ends
-    count = len(steered)
-    assert count < 2101
-    arm.run(controller, 1)
-    assert len(steered) == count
+    assert all(writes(arm, controller) for _ in range(100))
+    controller.set_points.clear()
+    assert writes(arm, controller)
+    while writes(arm, controller):
+        pass
+    assert not writes(arm, controller)
     controller.start_request(arm.time)
-    arm.run(controller, 1)
-    assert len(steered) == count + 1
+    assert writes(arm, controller)
+
+
+class Steered(CartesianStreamingController):
+    """Notes what it makes the target."""
+
+    targets = ()
+
+    def steer(self, set_point):
+        self.targets = (*self.targets, set_point)
+        return super().steer(set_point)
+
+
+def test_a_set_point_is_made_the_target_once_and_again_after_an_obstacle(arm, send):
+    controller = arm.start(Steered, joint_velocity_share=0.1)
+    arm.run(controller, 5)
+    send(controller, numbers(moved(arm, (0.0005, 0.0, 0.0))))
+    arm.run(controller, 100)
+    assert controller.is_free
+    assert len(controller.targets) == 2  # rest, and the set-point
+    send(controller, numbers(moved(arm, (0.2, 0.0, 0.0))))
+    arm.run(controller, 199)
+    assert not controller.is_free
+    assert len(controller.targets) > 3

@@ -5,12 +5,10 @@ import pytest
 from hypothesis import given, strategies as st
 
 from station.controllers.cartesian_motion.end_effector_sample import (
-    EndEffectorUpdate,
     PoseSample,
     TwistSample,
 )
 from station.core.franka.model_sources import ModelSource
-from station.core.ports.set_point import SetPointPort
 from station.hw.franka.arm.franka_kinematics import CHAIN
 from station.memory.doubles import doubles, put, zeros
 from tests.both_modes import arrays, assert_same, needs_both, sibling
@@ -80,25 +78,6 @@ def test_twists_are_kept_in_the_axes_that_are_asked_for(is_inner):
     assert columns[0] == pytest.approx(wanted)
     assert columns[1] == pytest.approx(actual)
     assert columns[2] == pytest.approx(wanted - actual)
-
-
-@pytest.mark.parametrize("change", ["none", "waiting", "void"])
-def test_rest_ends_with_another_set_point(change):
-    port = SetPointPort([])
-    if change == "waiting":
-        port.post([])
-    elif change == "void":
-        port.clear()
-    sample = PoseSample(doubles(HERE), ModelSource(lambda result: put(result, HERE)))
-    moves = []
-    update = EndEffectorUpdate(port, lambda *moment: moves.append(moment), sample)
-
-    assert update.run(1.0, 0.001)
-    assert moves == [(1.0, 0.001)]
-    update.is_resting = True
-    assert update.run(2.0, 0.001)
-    assert len(moves) == (1 if change == "none" else 2)
-    assert sample.sampled.newest[0] == 2.0
 
 
 @needs_both

@@ -84,6 +84,18 @@ def test_one_axis_that_moves_or_accelerates_is_no_rest(axis):
     assert not it.motion.is_at_rest()
 
 
+def test_lists_are_new_only_when_their_numbers_are():
+    it, still = Moved(pose=HERE, target=HERE), [0.0] * 6
+    aim = it.motion.aim()
+    assert it.motion.aim() is aim
+    here = it.motion.coordinates()
+    assert it.motion.move(here, still, still) is here
+    there = [*here[:3], 0.0, 0.0, 0.1]
+    assert it.motion.move(there, still, still) == here
+    assert it.motion.aim()[5] == pytest.approx(aim[5] - 0.1)
+    assert it.motion.aim() is not aim
+
+
 def test_numbers_of_too_few_axes_are_refused():
     it = Moved()
 

@@ -1,0 +1,25 @@
+cdef object _WORKING, _FINISHED
+
+cdef class MotionGenerator:
+    cdef public list positions
+    cdef public list velocities
+    cdef public list accelerations
+    cdef public bint is_still
+    cdef Py_ssize_t _size
+    cdef list _held
+    cdef list _wanted
+    cdef bint _goes_to_positions
+    cdef double _period
+    cdef object _ruckig
+    cdef object _input
+    cdef object _output
+    cdef object _braking
+    cdef object _trajectory
+
+    cpdef tuple state(self)
+    cpdef restore(self, tuple state)
+    cpdef relocate(self, list positions)
+    cpdef go_to(self, list positions)
+    cpdef go_at(self, list velocities)
+    cpdef brake(self)
+    cpdef advance(self, double period)
