@@ -112,12 +112,6 @@ class RowPacker:
             at += length
         return Row(cycle, epoch, time, period, form, joints, tuple(samples))
 
-    def forget_forms(self) -> None:
-        """Ask anew for the elements of each controller: one was loaded or unloaded."""
-        # The rows in memory still have the numbers of the old forms, so these stay in
-        # the list.
-        self._indices.clear()
-
     def _add_form(
         self, mode: str, names: tuple[str, ...], sizes: tuple[int, ...]
     ) -> int:
