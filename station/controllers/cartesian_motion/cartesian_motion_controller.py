@@ -33,7 +33,6 @@ from station.controllers.franka_arm import (
 )
 from station.core.control.controller import MultiInterfaceController
 from station.core.control.sample_columns import SampleColumns
-from station.core.control.usual_update import UsualUpdate
 from station.core.declared_parameter import DeclaredParameter
 from station.core.description.robot_description import require_robot_description
 from station.core.franka import (
@@ -127,10 +126,6 @@ class CartesianMotionController(MultiInterfaceController):
         self._obstacle, self._until = Obstacle.NONE, 0.0
         self._joint: str | None = None
 
-    @override
-    def usual_update(self) -> UsualUpdate:
-        return self._update
-
     @property
     def is_free(self) -> bool:
         """Return whether `published` names no obstacle."""
@@ -174,7 +169,7 @@ class CartesianMotionController(MultiInterfaceController):
 
     @override
     def update(self, time: float, period: float) -> None:
-        self._update.run(time, period)
+        self._update.move_end_effector(time, period)
 
     def _move(self, time: float, period: float) -> None:
         """Advance the motion if the joints can follow, else brake."""

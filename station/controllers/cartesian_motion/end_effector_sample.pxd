@@ -5,7 +5,6 @@ from station.core.franka.model_sources cimport ModelSource
 from station.core.numerics.rigid_motion cimport numbers_of
 from station.core.control.sample_columns cimport SampleColumns
 from station.core.ports.set_point cimport SetPointPort
-from station.core.control.usual_update cimport UsualUpdate
 
 cdef Py_ssize_t _POSE, _QUATERNION, _TWIST
 
@@ -38,9 +37,9 @@ cdef class TwistSample(EndEffectorSample):
     cdef double[::1] jacobian
     cpdef measure(self)
 
-cdef class EndEffectorUpdate(UsualUpdate):
+cdef class EndEffectorUpdate:
     cdef SetPointPort port
     cdef object move
     cdef EndEffectorSample sample
     cdef public bint is_resting
-    cpdef bint run(self, double time, double period) except -1
+    cpdef move_end_effector(self, double time, double period)

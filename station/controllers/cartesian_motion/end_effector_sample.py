@@ -3,7 +3,6 @@
 from collections.abc import Callable
 
 from station.core.control.sample_columns import SampleColumns
-from station.core.control.usual_update import UsualUpdate
 from station.core.franka.model_sources import ModelSource
 from station.core.numerics.arm_chain import turn_to_inner_axes, twist_of
 from station.core.numerics.rigid_motion import numbers_of
@@ -134,7 +133,7 @@ class TwistSample(EndEffectorSample):
             copy_into(self.desired, 0, self.twist, _TWIST)
 
 
-class EndEffectorUpdate(UsualUpdate):
+class EndEffectorUpdate:
     """The update of a controller that moves an end effector.
 
     Args:
@@ -158,7 +157,7 @@ class EndEffectorUpdate(UsualUpdate):
         self.sample = sample
         self.is_resting = False
 
-    def run(self, time: float, period: float) -> bool:
+    def move_end_effector(self, time: float, period: float) -> None:
         """Move the end effector, and keep the sample.
 
         Args:
@@ -171,4 +170,3 @@ class EndEffectorUpdate(UsualUpdate):
         if not self.is_resting or self.port.has_changed():
             self.move(time, period)
         self.sample.keep(time)
-        return True

@@ -1,4 +1,4 @@
-"""Numbers of poses that do not jump, and both modes of the kernel."""
+"""Numbers of poses that do not jump, and both modes."""
 
 import numpy as np
 import pytest
@@ -93,10 +93,10 @@ def test_rest_ends_with_another_set_point(change):
     moves = []
     update = EndEffectorUpdate(port, lambda *moment: moves.append(moment), sample)
 
-    assert update.run(1.0, 0.001)
+    update.move_end_effector(1.0, 0.001)
     assert moves == [(1.0, 0.001)]
     update.is_resting = True
-    assert update.run(2.0, 0.001)
+    update.move_end_effector(2.0, 0.001)
     assert len(moves) == (1 if change == "none" else 2)
     assert sample.sampled.newest[0] == 2.0
 
