@@ -109,7 +109,7 @@ class Bench:
 def measure_here(
     robots: list[str], temperatures: list[str], effort: Effort
 ) -> Iterator[Row]:
-    """Measure with the kernel of this process."""
+    """Measure in the mode of this process."""
     ask_for_processor()
     for robot in robots:
         try:
@@ -122,7 +122,7 @@ def measure_here(
 
 
 def measure_both(arguments: list[str], script: str = __file__) -> Iterator[Row]:
-    """Measure in a process with the interpreted kernel, then with the compiled one.
+    """Measure in a process that runs interpreted, then in one that runs compiled.
 
     Args:
         arguments: Those of the script, besides `--mode` and `--json`.

@@ -188,9 +188,9 @@ class Condition:
     step: str = "step"
 
 
-def _in_process(kind: str, kernel: str = "compiled") -> Callable[[float], Lateness]:
-    """Return what measures in a process of its own, with one of the kernels."""
-    environment = {**os.environ, SWITCH: MODES[kernel]}
+def _in_process(kind: str, mode: str = "compiled") -> Callable[[float], Lateness]:
+    """Return what measures in a process of its own, in one of the modes."""
+    environment = {**os.environ, SWITCH: MODES[mode]}
 
     def measure(seconds: float) -> Lateness:
         command = [sys.executable, __file__, "--only", kind, "--seconds", str(seconds)]

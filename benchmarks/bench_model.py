@@ -49,7 +49,7 @@ Row = dict[str, object]
 
 
 def measure_here() -> Iterator[Row]:
-    """Measure with the kernel of this process.
+    """Measure in the mode of this process.
 
     Raises:
         RuntimeError: The station has no arm, or its hand cannot move as it has to.

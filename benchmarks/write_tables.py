@@ -178,7 +178,7 @@ def write_batch(_: int) -> None:
     rows = run("batch")
     headers = [
         "stations in one process",
-        "kernel",
+        "mode",
         "trials per second",
         "times real time",
         "a station: to build [s]",

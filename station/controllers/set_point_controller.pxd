@@ -1,5 +1,4 @@
 from station.core.control.sample_columns cimport SampleColumns
-from station.core.control.usual_update cimport UsualUpdate
 from station.core.numerics.joint_errors cimport JointErrors
 from station.core.numerics.pid cimport PidGroup
 from station.core.ports.set_point cimport ActiveSetPoint
@@ -20,9 +19,10 @@ cdef class PidLaw(CommandLaw):
     cdef JointErrors rate_errors
     cdef PidGroup pids
 
-cdef class SetPointUpdate(UsualUpdate):
+cdef class SetPointUpdate:
     cdef ActiveSetPoint set_point
     cdef object copies
     cdef CommandLaw law
     cdef SampleColumns sampled
     cdef readonly double period
+    cpdef command_joints(self, double time, double period)

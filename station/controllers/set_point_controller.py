@@ -21,7 +21,6 @@ from typing_extensions import override
 from station.core.control.controller import Controller
 from station.core.control.sample_columns import SampleColumns
 from station.core.control.tunables import Tunable, Tunables
-from station.core.control.usual_update import UsualUpdate
 from station.core.declared_parameter import (
     EACH_JOINT,
     DeclaredParameter,
@@ -259,7 +258,7 @@ class PidLaw(CommandLaw):
         self.pids.compute_commands(period, rates_known)
 
 
-class SetPointUpdate(UsualUpdate):
+class SetPointUpdate:
     """The update of a controller that follows a set-point.
 
     Args:
@@ -285,7 +284,7 @@ class SetPointUpdate(UsualUpdate):
         self.sampled = sampled
         self.period = 0.0
 
-    def run(self, time: float, period: float) -> bool:
+    def command_joints(self, time: float, period: float) -> None:
         """Take the newest set-point, and command the joints towards it.
 
         Args:
@@ -303,7 +302,6 @@ class SetPointUpdate(UsualUpdate):
         self.sampled.keep(time)
         if self.copies is not None:
             self.copies.write()
-        return True
 
 
 class JointPidGroup:
@@ -592,12 +590,8 @@ class JointSetPointController(Controller[CommandInterfaceT]):
         self._update = SetPointUpdate(self._active, self.memory, law, self.sampled)
 
     @override
-    def usual_update(self) -> UsualUpdate | None:
-        return self._update
-
-    @override
     def update(self, time: float, period: float) -> None:
-        self._update.run(time, period)
+        self._update.command_joints(time, period)
 
     @override
     def starting(self, time: float) -> None:

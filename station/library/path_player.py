@@ -91,7 +91,7 @@ class PathPlayer:
         self._round: _Round | None = None
         self._first = 0
         self._epoch = 0
-        self._turn = 0
+        self._play = 0
 
     def state(self) -> Playback | None:
         """Return the path that plays or played last; None before the first."""
@@ -142,10 +142,10 @@ class PathPlayer:
             )
             self._begin(path, playback, options.first)
             self._first = options.first
-            self._turn += 1
-            turn = self._turn
+            self._play += 1
+            play = self._play
             found = self._playback or playback
-        self._watch(lambda: self._goes_on(turn))
+        self._watch(lambda: self._goes_on(play))
         return found
 
     def pause(self) -> Playback:
@@ -220,10 +220,10 @@ class PathPlayer:
                 )
             return self._playback
 
-    def _goes_on(self, turn: int) -> bool:
-        """Look at the path of a turn; return whether it is to be looked at again."""
+    def _goes_on(self, play: int) -> bool:
+        """Look at a path; return whether it is to be looked at again."""
         with self._lock:
-            if turn != self._turn:
+            if play != self._play:
                 return False
             self._look()
             return self._playback is not None and not _is_final(self._playback)

@@ -1,4 +1,4 @@
-"""Doubles in contiguous memory, which Python, NumPy, MuJoCo and the kernel see alike.
+"""Doubles in contiguous memory, which Python, NumPy, MuJoCo and compiled code share.
 
 A view is indexed and iterated like a list of floats, `.tolist()` copies it, and a slice
 of it is a view again. Its length is fixed, and it holds doubles and nothing else.
@@ -47,12 +47,12 @@ def viewed(values: Sequence[float]) -> Doubles:
 
 
 def own(values: Iterable[float]) -> Any:  # noqa: ANN401 - a `Storage` of two kinds
-    """Return memory for a kernel object alone, with these values; see `own_zeros`."""
+    """Return memory with these values for one compiled object; see `own_zeros`."""
     return doubles(values) if status().is_compiled else [*values]
 
 
 def own_zeros(size: int) -> Storage:
-    """Return memory for a kernel object alone, with `size` zeros.
+    """Return memory with `size` zeros for one compiled object alone.
 
     Interpreted it is a list, whose elements Python reads in half the time.
     """
@@ -60,7 +60,7 @@ def own_zeros(size: int) -> Storage:
 
 
 def own_block(parts: Sequence[str], size: int) -> dict[str, Storage]:
-    """Return memory for a kernel object alone, named parts of `size` zeros each.
+    """Return memory for one compiled object alone, named parts of `size` zeros each.
 
     The parts lie side by side, or are lists; see `own_zeros`.
     """
@@ -76,7 +76,7 @@ def indices(values: Iterable[int]) -> Indices:
 
 
 def put(view: Storage, values: Iterable[float]) -> None:
-    """Copy values into a view, or into memory for a kernel object alone.
+    """Copy values into a view, or into memory for one compiled object alone.
 
     Args:
         view: Where to, shape (n,).

@@ -19,7 +19,7 @@ class FiniteCheck:
         """Return the index of the first number that is not finite; -1 for none."""
         memory, size = self.memory, self.size
         if are_finite(memory, size):
-            return -1  # the usual case
+            return -1  # all are finite
         for i in range(size):
             value = memory[i]
             if value - value != 0.0:

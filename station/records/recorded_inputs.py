@@ -37,7 +37,7 @@ class RecordedInputs:
             cycle: The last cycle that was looked at.
         """
         self._note_expiries(list(self._in_force))
-        self._pending += self._log.take()
+        self._pending += self._log.take_inputs()
         left = []
         for one in self._pending:
             after = one.after()

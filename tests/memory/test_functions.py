@@ -1,4 +1,4 @@
-"""The kernel that is said to run is the one that runs, to the same results."""
+"""The mode that is said to run is the one that runs, to the same results."""
 
 import math
 import os
@@ -46,7 +46,7 @@ def test_functions_return_what_the_standard_library_does():
 
 
 @pytest.mark.skipif(not status().is_compiled, reason=status().text())
-def test_both_kernels_return_the_same_bits():
+def test_both_modes_return_the_same_bits():
     (mode, compiled), (other_mode, interpreted) = run_python("1"), run_python("0")
 
     assert (mode, other_mode) == ("compiled", "interpreted")

@@ -1,4 +1,4 @@
-"""Checks, copies and statistics of the kernel say the same in both modes."""
+"""Checks, copies and statistics say the same in both modes."""
 
 from math import inf, nan
 

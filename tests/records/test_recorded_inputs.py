@@ -20,7 +20,7 @@ def inputs(station, written):
     station.load_controller("spring", "test/Spring", {"joint": "j"})
     station.loop.step()
     station.switch_controllers(SwitchRequest(start=("spring",)))
-    station.inputs.take()
+    station.inputs.take_inputs()
     return RecordedInputs(station.inputs, lambda text: written.append(json.loads(text)))
 
 

@@ -17,7 +17,7 @@ BOUNDS = yaml.safe_load((ROOT / "tests" / "data" / "cycle_ratios.yaml").read_tex
 @pytest.mark.parametrize("mode", ["interpreted", "compiled"])
 def test_ratio_of_cycle_and_step_stays_below_its_bound(mode):
     if mode == "compiled" and find_misfit() is not None:
-        pytest.skip("there is no compiled kernel")
+        pytest.skip("nothing is compiled")
     options = ["--robots", "panda", "--temperature", "hot", "--quick", "--json"]
     result = subprocess.run(
         [sys.executable, "benchmarks/bench_cycle.py", "--mode", mode, *options],

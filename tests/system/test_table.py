@@ -100,7 +100,7 @@ def test_arm_stops_within_five_milliseconds_and_recovers(station: Station) -> No
 
 def count_objects(station: Station) -> int:
     """Return how many objects there are besides the inputs that a recorder takes."""
-    station.inputs.take()
+    station.inputs.take_inputs()
     gc.collect()
     return len(gc.get_objects())
 

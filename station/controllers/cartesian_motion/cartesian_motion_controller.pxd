@@ -3,7 +3,6 @@ from station.controllers.cartesian_motion.cartesian_motion_generator cimport (
 )
 from station.controllers.cartesian_motion.end_effector_sample cimport EndEffectorSample
 from station.controllers.cartesian_motion.joint_lookahead cimport JointLookahead
-from station.core.control.usual_update cimport UsualUpdate
 from station.core.ports.set_point cimport ActiveSetPoint, SetPointPort
 from station.memory.vectors cimport copy_into
 
@@ -11,7 +10,7 @@ cdef double _PUBLISHED_FOR
 cdef Py_ssize_t _POSE
 cdef object _NONE
 
-cdef class EndEffectorUpdate(UsualUpdate):
+cdef class EndEffectorUpdate:
     cdef ActiveSetPoint active
     cdef SetPointPort port
     cdef object steer
@@ -25,7 +24,7 @@ cdef class EndEffectorUpdate(UsualUpdate):
     cdef readonly object obstacle
     cdef readonly object joint
     cdef double until
-    cpdef bint run(self, double time, double period) except -1
+    cpdef move_end_effector(self, double time, double period)
     cdef move(self, double time, double period)
     cdef advance(self, double time, double period)
     cdef note(self, object obstacle, object joint, double time)

@@ -32,7 +32,6 @@ from station.controllers.franka_arm import (
 )
 from station.core.control.controller import MultiInterfaceController
 from station.core.control.sample_columns import SampleColumns
-from station.core.control.usual_update import UsualUpdate
 from station.core.declared_parameter import DeclaredParameter
 from station.core.description.robot_description import require_robot_description
 from station.core.franka import (
@@ -70,7 +69,7 @@ _TEXTS = {
 }
 
 
-class EndEffectorUpdate(UsualUpdate):
+class EndEffectorUpdate:
     """The update of a controller that moves an end effector.
 
     Args:
@@ -119,7 +118,7 @@ class EndEffectorUpdate(UsualUpdate):
         self.obstacle, self.until = _NONE, time
         self.joint: str | None = None
 
-    def run(self, time: float, period: float) -> bool:
+    def move_end_effector(self, time: float, period: float) -> None:
         """Move the end effector, and keep the sample.
 
         Args:
@@ -132,7 +131,6 @@ class EndEffectorUpdate(UsualUpdate):
         if not self.is_resting or self.port.has_changed():
             self.move(time, period)
         self.sample.keep(time)
-        return True
 
     def move(self, time: float, period: float) -> None:
         """Advance the motion if the joints can follow, else brake."""
@@ -242,10 +240,6 @@ class CartesianMotionController(MultiInterfaceController):
             command,
         )
 
-    @override
-    def usual_update(self) -> UsualUpdate:
-        return self._update
-
     @property
     def is_free(self) -> bool:
         """Return whether `published` names no obstacle."""
@@ -292,7 +286,7 @@ class CartesianMotionController(MultiInterfaceController):
 
     @override
     def update(self, time: float, period: float) -> None:
-        self._update.run(time, period)
+        self._update.move_end_effector(time, period)
 
     @override
     def published(self) -> Mapping[str, Mapping[str, object]]:

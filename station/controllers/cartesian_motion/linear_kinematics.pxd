@@ -21,7 +21,7 @@ cdef class LinearKinematics:
     cpdef void put_others(self, double[::1] columns) noexcept
     cpdef bint is_dexterous(self, double least) noexcept
     cpdef void joint_step(self, double[::1] way, double elbow, double[::1] step) noexcept
-    cpdef void follow(self, double[::1] motion, double[::1] result) noexcept
+    cpdef void write_joint_rates(self, double[::1] motion, double[::1] result) noexcept
     cpdef void drift(self, double[::1] dq, double[::1] result) noexcept
     cpdef bint are_slow(
         self,

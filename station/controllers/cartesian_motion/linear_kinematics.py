@@ -113,10 +113,10 @@ class LinearKinematics:
         bend = elbow - self.q[2]
         for row in range(6):
             motion[row] = way[row] - bend * jacobian[12 + row]
-        self.follow(motion, step)
+        self.write_joint_rates(motion, step)
         step[2] = bend
 
-    def follow(self, motion: Doubles, result: Doubles) -> None:
+    def write_joint_rates(self, motion: Doubles, result: Doubles) -> None:
         """Write joint rates for rates of the end effector, joint 3 at rest.
 
         Args:
@@ -193,7 +193,7 @@ class LinearKinematics:
             acceleration: Largest joint accelerations [rad/s^2], shape (n,).
         """
         dq, arms = self.dq, self.arms
-        self.follow(twist, dq)
+        self.write_joint_rates(twist, dq)
         turn = linear = angular = 0.0
         for joint in range(self.size):
             rate = dq[joint]
@@ -235,7 +235,7 @@ class LinearKinematics:
             acceleration: Largest joint accelerations [rad/s^2], shape (n,).
         """
         dq, motion, inverse = self.dq, self.motion, self.inverse
-        self.follow(twist, dq)
+        self.write_joint_rates(twist, dq)
         self.drift(dq, motion)
         a0, a1, a2 = -motion[0], -motion[1], -motion[2]
         a3, a4, a5 = -motion[3], -motion[4], -motion[5]

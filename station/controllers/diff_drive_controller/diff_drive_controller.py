@@ -66,7 +66,7 @@ class Odometry:
         self._linear: deque[float] = deque(maxlen=window)
         self._angular: deque[float] = deque(maxlen=window)
 
-    def begin(self, left: float, right: float, time: float) -> None:
+    def forget_velocity(self, left: float, right: float, time: float) -> None:
         """Forget the velocity; position and heading stay.
 
         Args:
@@ -399,7 +399,7 @@ class DiffDriveController(Controller[VelocityJointInterface]):
         self._last = self._before = (0.0, 0.0)
         self._group.set_commands([0.0] * len(self.joint_names))
         self._timer.start(time, at_once=False)
-        self.odometry.begin(*self._sides(), time)
+        self.odometry.forget_velocity(*self._sides(), time)
 
     @override
     def stopping(self, time: float) -> None:

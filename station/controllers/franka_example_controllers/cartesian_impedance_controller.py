@@ -26,7 +26,6 @@ from station.controllers.franka_example_controllers.cartesian_spring import (
 from station.controllers.franka_example_controllers.pose_target import PoseTarget
 from station.core.control.controller import MultiInterfaceController
 from station.core.control.tunables import Tunable, Tunables
-from station.core.control.usual_update import UsualUpdate
 from station.core.declared_parameter import DeclaredParameter
 from station.core.franka import FrankaModelInterface, FrankaStateInterface
 from station.core.hardware.interfaces import EffortJointInterface
@@ -90,10 +89,6 @@ class CartesianImpedanceExampleController(MultiInterfaceController):
         )
 
     @override
-    def usual_update(self) -> UsualUpdate:
-        return self._update
-
-    @override
     def starting(self, time: float) -> None:
         """Make the present pose the equilibrium, at which the spring has no force."""
         gains = self.tunables.values
@@ -103,7 +98,7 @@ class CartesianImpedanceExampleController(MultiInterfaceController):
 
     @override
     def update(self, time: float, period: float) -> None:
-        self._update.run(time, period)
+        self._update.command_springs(time)
 
     def _retarget(self) -> None:
         pose = self._target.newest()

@@ -1,6 +1,5 @@
 cimport cython
 from station.controllers.franka_example_controllers.pose_spring cimport PoseSpring
-from station.core.control.usual_update cimport UsualUpdate
 from station.core.franka.model_sources cimport ModelSource
 from station.core.ports.set_point cimport SetPointPort
 from station.core.toolbox.publish_timer cimport PublishTimer
@@ -16,11 +15,11 @@ cdef class CartesianSpring:
     @cython.locals(spring=PoseSpring)
     cpdef command_torques(self)
 
-cdef class SpringUpdate(UsualUpdate):
+cdef class SpringUpdate:
     cdef SetPointPort port
     cdef object retarget
     cdef list springs
     cdef PublishTimer timer
     cdef readonly object published
     @cython.locals(spring=CartesianSpring)
-    cpdef bint run(self, double time, double period) except -1
+    cpdef command_springs(self, double time)

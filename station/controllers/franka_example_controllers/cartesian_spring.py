@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from station.controllers.franka_arm import LARGEST_STEP
 from station.controllers.franka_example_controllers.pose_spring import PoseSpring
-from station.core.control.usual_update import UsualUpdate
 from station.core.franka import Frame, FrankaModelHandle, FrankaStateHandle
 from station.core.hardware.interfaces import JointGroup
 from station.core.ports.set_point import SetPointPort
@@ -116,7 +115,7 @@ class CartesianSpring:
             self._copies.set_commands(list(spring.torques))
 
 
-class SpringUpdate(UsualUpdate):
+class SpringUpdate:
     """The update of a controller that commands springs.
 
     Args:
@@ -144,12 +143,11 @@ class SpringUpdate(UsualUpdate):
         self.timer = timer
         self.published: tuple[float, list[float]] | None = None
 
-    def run(self, time: float, period: float) -> bool:
+    def command_springs(self, time: float) -> None:
         """Take the newest set-point, and command the springs.
 
         Args:
             time: Station time of the cycle [s].
-            period: Time since the last cycle [s], >= 0.
 
         Raises:
             CommandTimeoutError: The set-point has expired and the action is `stop`.
@@ -160,4 +158,3 @@ class SpringUpdate(UsualUpdate):
             spring.command_torques()
         if self.timer.is_due(time):
             self.published = (time, self.springs[0].measured_pose())
-        return True

@@ -31,7 +31,6 @@ from station.controllers.franka_example_controllers.cartesian_spring import (
 from station.controllers.franka_example_controllers.pose_target import PoseTarget
 from station.core.control.controller import MultiInterfaceController
 from station.core.control.tunables import Tunable, Tunables
-from station.core.control.usual_update import UsualUpdate
 from station.core.declared_parameter import DeclaredParameter
 from station.core.description.robot_description import ROBOT_DESCRIPTION
 from station.core.description.urdf import Pose, Urdf
@@ -117,10 +116,6 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
         self._right_to_left = self._left_to_center = np.eye(4)
 
     @override
-    def usual_update(self) -> UsualUpdate:
-        return self._update
-
-    @override
     def starting(self, time: float) -> None:
         """Make the present poses the equilibria, at which the springs have no force."""
         for arm, spring in self._springs.items():
@@ -136,7 +131,7 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
 
     @override
     def update(self, time: float, period: float) -> None:
-        self._update.run(time, period)
+        self._update.command_springs(time)
 
     @override
     def published(self) -> Mapping[str, Mapping[str, object]]:

@@ -53,9 +53,9 @@ class FollowerMotion:
 
     def __init__(self, drift_gains: NDArray[np.float64]) -> None:
         self._drift_gains = drift_gains
-        self.begin(np.zeros(7), np.zeros(7))
+        self.begin_alignment(np.zeros(7), np.zeros(7))
 
-    def begin(
+    def begin_alignment(
         self, leader_q: NDArray[np.float64], follower_q: NDArray[np.float64]
     ) -> None:
         """Start to align the follower.

@@ -89,7 +89,7 @@ class JointWall:
         self._width = shape.spring_width + shape.damper_width
         self._scale = 1.0
 
-    def begin(self, q: float) -> None:
+    def start_at(self, q: float) -> None:
         """Start at a position [rad].
 
         Raises:
@@ -175,7 +175,7 @@ class _Arm:
     tau: NDArray[np.float64]
     contact: float = 0.0
 
-    def command(self, tau: NDArray[np.float64], state: RobotState) -> None:
+    def command_torques(self, tau: NDArray[np.float64], state: RobotState) -> None:
         """Command torques plus those of the joint walls."""
         self.tau = tau + wall_torques(self.walls, state.q, state.dq)
         self.joints.set_commands(self.tau.tolist())
@@ -229,9 +229,9 @@ class TeleopJointPDExampleController(MultiInterfaceController):
         for arm in (self._leader, self._follower):
             q = arm.state.get_robot_state().q
             for wall, position in zip(arm.walls, q, strict=True):
-                wall.begin(position)
+                wall.start_at(position)
             arm.tau = np.zeros(len(q))
-        self._motion.begin(
+        self._motion.begin_alignment(
             np.array(self._leader.state.get_robot_state().q),
             np.array(self._follower.state.get_robot_state().q),
         )
@@ -253,8 +253,8 @@ class TeleopJointPDExampleController(MultiInterfaceController):
         else:
             led = self._leader_torques(leader, follower)
             followed = self._follower_torques(follower)
-        self._leader.command(led, leader)
-        self._follower.command(followed, follower)
+        self._leader.command_torques(led, leader)
+        self._follower.command_torques(followed, follower)
         q_target, tau = self._motion.q.tolist(), self._follower.tau.tolist()
         error = (self._motion.q - follower.q).tolist()
         self.sample = ControllerSample(time, q_target, list(follower.q), error, tau)

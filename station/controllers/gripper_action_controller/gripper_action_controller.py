@@ -138,7 +138,7 @@ class GripperActionController(Controller[CommandInterfaceT]):
         )
         self.goals = self._port
 
-    def command(
+    def command_joint(
         self, handle: JointHandle, target: GripperTarget, period: float
     ) -> float:
         """Command the joint towards `target`; return what was commanded.
@@ -179,7 +179,7 @@ class GripperActionController(Controller[CommandInterfaceT]):
             self._hold()
         position = handle.get_position()
         error = self._target.position - position
-        output = self.command(handle, self._target, period)
+        output = self.command_joint(handle, self._target, period)
         if self._goal is not None:
             self._supervise(self._goal, handle, error, time)
         self.sample = ControllerSample(
@@ -299,7 +299,7 @@ class PositionGripperActionController(GripperActionController[PositionJointInter
         self._reach_of: GripperTarget | None = None
 
     @override
-    def command(
+    def command_joint(
         self, handle: JointHandle, target: GripperTarget, period: float
     ) -> float:
         if target is not self._reach_of:
@@ -356,7 +356,7 @@ class EffortGripperActionController(GripperActionController[EffortJointInterface
         self._pids.reset()
 
     @override
-    def command(
+    def command_joint(
         self, handle: JointHandle, target: GripperTarget, period: float
     ) -> float:
         pids = self._pids

@@ -28,7 +28,6 @@ from station.controllers.joint_trajectory_controller.planning import TrajectoryP
 from station.controllers.set_point_controller import JOINTS, read_joint_names
 from station.core.control.controller import Controller, PackedSample
 from station.core.control.tunables import Tunables
-from station.core.control.usual_update import UsualUpdate
 from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.description.robot_description import (
     JointDescription,
@@ -189,12 +188,8 @@ class JointTrajectoryController(Controller[InterfaceT]):
         self.execution.end_goals(GoalStatus.ABORTED, "The controller failed.")
 
     @override
-    def usual_update(self) -> UsualUpdate:
-        return self._update
-
-    @override
     def update(self, time: float, period: float) -> None:
-        self._update.run(time, period)
+        self._update.command_joints(time, period)
 
     @property
     def trajectory_state(self) -> JointTrajectoryState | None:

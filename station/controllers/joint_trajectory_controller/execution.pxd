@@ -1,7 +1,6 @@
 cimport cython
 from station.controllers.set_point_controller cimport CommandLaw
 from station.core.control.sample_columns cimport SampleColumns
-from station.core.control.usual_update cimport UsualUpdate
 from station.core.numerics.joint_errors cimport JointErrors
 from station.core.trajectory.ros_time cimport uptime_seconds
 from station.core.trajectory.splines cimport sample_splines
@@ -75,8 +74,9 @@ cdef class TrajectoryExecution:
     cdef double _pass_time(self, double time, double period) except? -1.0
     cdef _sample_states(self, double now)
 
-cdef class TrajectoryUpdate(UsualUpdate):
+cdef class TrajectoryUpdate:
     cdef TrajectoryExecution execution
     cdef object copies
     cdef CommandLaw law
     cdef readonly SampleColumns sampled
+    cpdef command_joints(self, double time, double period)

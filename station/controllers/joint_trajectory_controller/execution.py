@@ -13,7 +13,6 @@ from math import inf
 from station.controllers.set_point_controller import CommandLaw, ControlledJoints
 from station.core.control.sample_columns import SampleColumns
 from station.core.control.tunables import Tunable, Tunables
-from station.core.control.usual_update import UsualUpdate
 from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.description.robot_description import JointDescription
 from station.core.description.urdf import JointType
@@ -666,7 +665,7 @@ def _timely(
     return result
 
 
-class TrajectoryUpdate(UsualUpdate):
+class TrajectoryUpdate:
     """The update of a controller that executes a trajectory.
 
     Args:
@@ -701,7 +700,7 @@ class TrajectoryUpdate(UsualUpdate):
         )
         self.sampled = SampleColumns(columns)
 
-    def run(self, time: float, period: float) -> bool:
+    def command_joints(self, time: float, period: float) -> None:
         """Command the joints along the trajectory.
 
         Args:
@@ -715,4 +714,3 @@ class TrajectoryUpdate(UsualUpdate):
         if self.copies is not None:
             self.copies.write()
         self.sampled.keep(time)
-        return True

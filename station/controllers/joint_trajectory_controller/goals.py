@@ -155,7 +155,7 @@ class JointTrajectoryPort(TrajectoryPort):
         self._is_running = is_running
 
     @override
-    def follow(
+    def follow_trajectory(
         self, request: Mapping[str, object], receipt: Receipt | None = None
     ) -> None:
         """Replace the trajectory being executed.

@@ -14,7 +14,6 @@ from typing_extensions import override
 
 from station.core.control.sample_columns import PackedColumns, SampleColumns
 from station.core.control.tunables import Tunables
-from station.core.control.usual_update import UsualUpdate
 from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.errors import ControllerLoadError
 from station.core.hardware.interfaces.interface_manager import interface_type_name
@@ -251,13 +250,6 @@ class ControllerBase:
         without an instance, outside of the control thread.
         """
         return ()
-
-    def usual_update(self) -> UsualUpdate | None:
-        """Return a quicker equal of `update` for usual cycles; None if there is none.
-
-        A subclass that overrides `update` alone gets its `update` called.
-        """
-        return None
 
     def starting(self, time: float) -> None:
         """Prepare to run; command the robot to rest where it is."""

@@ -218,7 +218,7 @@ class ControllerManager:
             self._refuse_duplicate(name)
             self._loading[name] = loading
         try:
-            loaded = loading.run(timeout)
+            loaded = loading.load(timeout)
         finally:
             with self._lock:
                 # After a cancellation another caller may be loading the same name.

@@ -183,8 +183,7 @@ class ControllerUpdate:
         stopwatch = self.stopwatch
         begin = wall_time() if stopwatch is None else stopwatch()
         try:
-            if one.usual is None or not one.usual.run(time, period):
-                one.controller.update(time, period)
+            one.controller.update(time, period)
         except CONTAINED as error:
             self._fail(one, time, reason_of("update", error), trace_of_fault())
             if self.gate.traced_cycles:

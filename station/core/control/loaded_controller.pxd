@@ -1,5 +1,4 @@
 from station.core.control.sample_columns cimport SampleColumns
-from station.core.control.usual_update cimport UsualUpdate
 from station.core.numerics.durations cimport Durations
 
 cdef class LoadedController:
@@ -7,7 +6,6 @@ cdef class LoadedController:
     cdef readonly object info
     cdef readonly object commands
     cdef readonly list blocks
-    cdef UsualUpdate usual
     cdef SampleColumns sampled
     cdef Py_ssize_t place
     cdef readonly tuple fallback

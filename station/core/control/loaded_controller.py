@@ -15,11 +15,9 @@ from station.core.control.controller_status import (
 from station.core.hardware.robot_hw import ControllerInfo
 from station.core.numerics.statistics import DurationRing
 from station.core.ports.goal import Goal
-from station.core.quick_way import is_in_force
 
 if TYPE_CHECKING:
     from station.core.control.sample_columns import SampleColumns
-    from station.core.control.usual_update import UsualUpdate
 
 
 class LoadedController:
@@ -61,7 +59,6 @@ class LoadedController:
         self.info = info
         self.commands = ControllerCommands(guards)
         self.blocks = self.commands.blocks
-        self.usual: UsualUpdate | None = None
         self.sampled: SampleColumns | None = None
         self.place = -1
         self.fallback = fallback
@@ -92,12 +89,7 @@ class LoadedController:
         controller = self.controller
         port = controller.set_points
         self.fresh = True
-        # Asked at each start: a test or a subclass may have replaced `update` since the
-        # last one.
-        self.sampled, self.usual = controller.sampled, None
-        # A class that overrides `update` alone must get its calls.
-        if is_in_force(controller, "usual_update", "update"):
-            self.usual = controller.usual_update()
+        self.sampled = controller.sampled
         self.last_set_point = None if port is None else port.last
         self.last_goal = self._newest_goal()
 

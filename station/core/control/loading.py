@@ -38,7 +38,7 @@ class Loading:
         self._error: BaseException | None = None
         self._is_cancelled = False
 
-    def run(self, timeout: float) -> LoadedController:
+    def load(self, timeout: float) -> LoadedController:
         """Load the controller in a thread of its own.
 
         Args:

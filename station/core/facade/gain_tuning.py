@@ -53,7 +53,7 @@ class GainTuning:
         self._revisions: dict[str, int] = {}
         self._history: deque[_Done] = deque(maxlen=HISTORY)
 
-    def begin(self, name: str) -> None:
+    def begin_revision(self, name: str) -> None:
         """Begin a revision for a controller that was loaded; the lock is held."""
         self._revisions[name] = self._revisions.get(name, 0) + 1
 
@@ -191,7 +191,7 @@ class GainTuning:
             self._history.append(_Done(found, previous))
         done = {}
         for name in changes:
-            self.begin(name)
+            self.begin_revision(name)
             revision = self._revisions[name]
             notes = tuple(found[name].notes(wanted[name]))
             done[name] = GainsChange(wanted[name], before[name], revision, cycle, notes)

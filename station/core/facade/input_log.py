@@ -91,7 +91,7 @@ class InputLog:
 
         self._add("stop", {"reason": reason}, after)
 
-    def take(self) -> list[Input]:
+    def take_inputs(self) -> list[Input]:
         """Return the inputs since the last call, for the one recorder there is."""
         taken = []
         while self._inputs:

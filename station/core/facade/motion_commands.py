@@ -331,7 +331,7 @@ class MotionCommands:
         admit()
         present = self._check_may_move(name, epoch)
         receipt = receipt or self.receipt()
-        port.follow(request, receipt)
+        port.follow_trajectory(request, receipt)
         self._inputs.note_command("trajectory", receipt, name=name, request=request)
         try:
             admit()

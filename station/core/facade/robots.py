@@ -125,7 +125,7 @@ class Robots:
 
         return call
 
-    def run(
+    def run_in_cycle(
         self,
         action: Callable[[], T],
         *,

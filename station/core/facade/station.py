@@ -414,7 +414,7 @@ class Station:
             with self._change_lock:
                 self._loading.discard(name)
                 if is_loaded:
-                    self.tuning.begin(name)
+                    self.tuning.begin_revision(name)
                 else:
                     self._restore(name, before)
         self.inputs.note("load", name=name, params=wanted)

@@ -211,7 +211,7 @@ class Grippers:
 
     def state(self, arm_id: str) -> GripperState:
         """Return the state of a gripper."""
-        return self._robots.run(self._find(arm_id).get_state)
+        return self._robots.run_in_cycle(self._find(arm_id).get_state)
 
     def homing(self, arm_id: str) -> GripperState:
         """Begin to close and to open a gripper all the way."""
@@ -244,7 +244,7 @@ class Grippers:
             command(gripper)
             return gripper.get_state()
 
-        return self._robots.run(begin, moves=moves)
+        return self._robots.run_in_cycle(begin, moves=moves)
 
     def _find(self, arm_id: str) -> GripperServices:
         kind: type[GripperServices] = GripperServices  # type: ignore[type-abstract]

@@ -49,7 +49,7 @@ class ToolPoseSource(ModelSource):
 
     def write(self, result: Doubles) -> None:
         """Write the present pose."""
-        self.dynamics.follow(self.q)
+        self.dynamics.move_links(self.q)
         copy_into(self.flange, 0, self.links[self.end :], 16)
         compose(self.flange, self.tool, result)
 
@@ -112,7 +112,7 @@ class CoriolisSource(ModelSource):
         if self.is_another_load():
             self.put_load()
             self.changes = self.dynamics.changes
-        self.dynamics.follow(self.q)
+        self.dynamics.move_links(self.q)
         self.dynamics.coriolis(self.dq, result)
 
     def is_another_load(self) -> bool:

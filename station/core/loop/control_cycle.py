@@ -175,7 +175,7 @@ class ControlCycle:
 
     def carry_out_requests(self) -> bool:
         """Carry out operations and the stop; return whether there were any."""
-        changed = self.operations.run()
+        changed = self.operations.run_operations()
         if self.stop_latch.pending:
             self.carry_out_stop()
             changed = True

@@ -36,7 +36,7 @@ class Operation:
         self.done = threading.Lock()
         self.done.acquire()
 
-    def run(self) -> None:
+    def run_operation(self) -> None:
         """Do it, unless nobody waits for it any more."""
         if not self.abandoned:
             try:
@@ -89,14 +89,14 @@ class Operations:
         self.waiting.append(operation)
         return operation
 
-    def run(self) -> bool:
+    def run_operations(self) -> bool:
         """Carry out what a cycle has time for; return whether there was anything."""
         waiting = self.waiting
         if not waiting:
             return False
         # Not `while waiting`: an operation may post another one.
         for _ in range(min(len(waiting), OPERATIONS_PER_CYCLE)):
-            waiting.popleft().run()
+            waiting.popleft().run_operation()
         return True
 
     def give_up(self, error: LoopError) -> None:

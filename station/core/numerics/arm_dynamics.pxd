@@ -20,7 +20,7 @@ cdef class ArmDynamics:
 
     cpdef void move_to(self, object q) except *
     @cython.locals(differs=bint)
-    cpdef void follow(self, double[::1] q) noexcept
+    cpdef void move_links(self, double[::1] q) noexcept
     cpdef void change_bodies(self) noexcept
     cpdef void weigh(self) noexcept
     cpdef void mass(self, double[::1] result) noexcept

@@ -54,9 +54,9 @@ class ArmDynamics:
         Args:
             q: Joint positions [rad], shape (n,).
         """
-        self.follow(viewed(q))
+        self.move_links(viewed(q))
 
-    def follow(self, q: Doubles) -> None:
+    def move_links(self, q: Doubles) -> None:
         """Do the same with joint positions in memory."""
         own, differs = self.q, 0
         for i in range(self.size):

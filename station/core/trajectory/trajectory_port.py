@@ -14,7 +14,7 @@ class TrajectoryPort(ABC):
     """
 
     @abstractmethod
-    def follow(
+    def follow_trajectory(
         self, request: Mapping[str, object], receipt: Receipt | None = None
     ) -> None:
         """Check a trajectory and let it replace the present one.

@@ -105,7 +105,7 @@ class JointCommandModes:
         self._update()
         return True
 
-    def run(self, period: float) -> None:
+    def command_joints(self, period: float) -> None:
         """Hold the joints that no controller commands, and run the PID controllers.
 
         Args:

@@ -197,7 +197,7 @@ class MujocoRobotHW(RobotHW):
         if self._modes.release_bad_commands():
             self._limits.activate(self._modes.in_use)
         self._limits.enforce(period)
-        self._modes.run(period)
+        self._modes.command_joints(period)
         for quantity in self._modes.quantities:
             self._to_actuators[quantity].propagate()
             self._motors.act(quantity)

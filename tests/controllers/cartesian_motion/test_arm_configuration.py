@@ -36,7 +36,7 @@ def twist_of(q, dq):
 
 def joint_velocities(configuration, twist):
     result = zeros(7)
-    configuration.motion.follow(doubles(twist), result)
+    configuration.motion.write_joint_rates(doubles(twist), result)
     return np.array(result)
 
 
@@ -115,8 +115,8 @@ def test_a_configuration_places_the_end_effector_and_moves_on():
 
     assert [*pose] == frame_pose(Frame.END_EFFECTOR, there)
     moved, new = zeros(7), zeros(7)
-    it.motion.follow(doubles(TWIST), moved)
-    configuration(there).motion.follow(doubles(TWIST), new)
+    it.motion.write_joint_rates(doubles(TWIST), moved)
+    configuration(there).motion.write_joint_rates(doubles(TWIST), new)
     assert [*moved] == [*new]
 
 

@@ -1,4 +1,4 @@
-"""Ways to rest against Ruckig, and both modes of the kernel."""
+"""Ways to rest against Ruckig, and both modes."""
 
 import pytest
 from hypothesis import given, settings, strategies as st

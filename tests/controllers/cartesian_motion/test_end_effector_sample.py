@@ -1,4 +1,4 @@
-"""Numbers of poses that do not jump, and both modes of the kernel."""
+"""Numbers of poses that do not jump, and both modes."""
 
 import numpy as np
 import pytest

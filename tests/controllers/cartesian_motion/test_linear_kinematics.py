@@ -1,4 +1,4 @@
-"""Both modes of the kernel; what it computes is tested with its controller.
+"""Both modes; what it computes is tested with its controller.
 
 `tests/controllers/cartesian_motion/test_arm_configuration.py` compares the motions with
 finite differences.
@@ -52,7 +52,7 @@ def test_both_modes_agree_bit_for_bit(jacobian, q, motions, limits, elbow):
         twist, accelerations = doubles(motions[:6]), doubles(motions[6:])
         kernel.invert()
         kernel.joint_step(twist, elbow, step)
-        kernel.follow(accelerations[:6], rates)
+        kernel.write_joint_rates(accelerations[:6], rates)
         kernel.drift(doubles(q), drift)
         found[0] = kernel.fastest_joint(
             twist, accelerations, doubles(limits), doubles(limits)

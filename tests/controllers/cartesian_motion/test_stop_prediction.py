@@ -1,4 +1,4 @@
-"""A usual step in one call against the single functions, and both modes."""
+"""A step far from all limits: one call against the single functions, in both modes."""
 
 import numpy as np
 import pytest
@@ -53,7 +53,7 @@ class Predicted:
         self.prediction.present = self.prediction.resting = kinematics
 
     def passes_one_by_one(self):
-        """Return whether every single test says that the step is a usual one."""
+        """Return whether every single test finds the step far from its limit."""
         it, motion = self.prediction, self.motion
         return not (
             it.leads_away(motion)
@@ -83,7 +83,7 @@ def test_the_joints_would_rest_where_the_end_effector_would():
     assert it.new[2] == Q[2]
 
 
-def test_a_step_in_the_middle_is_usual():
+def test_a_step_in_the_middle_passes():
     it = predicted()
 
     assert it.passes_one_by_one()
@@ -91,7 +91,7 @@ def test_a_step_in_the_middle_is_usual():
 
 
 @pytest.mark.parametrize(
-    "unusual",
+    "near",
     [
         {"twist": [0.0] * 6},
         {"twist": [0.3, 0.0, 0.0, 0.0, 0.0, 0.0]},
@@ -105,8 +105,8 @@ def test_a_step_in_the_middle_is_usual():
         {"twist": [float("nan")] * 6},
     ],
 )
-def test_whatever_is_unusual_is_left_undecided(unusual):
-    it = predicted(**unusual)
+def test_a_step_near_a_limit_is_left_undecided(near):
+    it = predicted(**near)
 
     assert not it.passes_one_by_one()
     assert not it.prediction.passes(it.motion)

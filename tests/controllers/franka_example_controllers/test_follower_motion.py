@@ -19,7 +19,7 @@ REST = np.zeros(7)
 @pytest.fixture
 def motion():
     result = FollowerMotion(np.full(7, 4.3))
-    result.begin(REST, np.full(7, 0.2))
+    result.begin_alignment(REST, np.full(7, 0.2))
     return result
 
 

@@ -1,4 +1,4 @@
-"""The torques of a spring against its formula, and both modes of the kernel."""
+"""The torques of a spring against its formula, and both modes."""
 
 import numpy as np
 import pytest

@@ -73,7 +73,7 @@ def test_a_new_set_point_sets_the_targets_before_the_springs_are_commanded(chang
 
     update = SpringUpdate(port, retarget, springs, PublishTimer(0.0))
 
-    assert update.run(1.0, 0.001)
+    update.command_springs(1.0)
     assert order == ([] if change == "none" else [[0.0] * 7])
     for arm in arms:
         assert [*arm.commands] == CORIOLIS
@@ -83,9 +83,9 @@ def test_the_first_pose_is_published_at_a_rate():
     timer = PublishTimer(10.0)
     springs = [Arm().spring, Arm().spring]
     update = SpringUpdate(SetPointPort([]), lambda: None, springs, timer)
-    update.run(1.0, 0.001)
+    update.command_springs(1.0)
     assert update.published is None
     timer.start(1.0, at_once=False)
     for time in (1.05, 1.101, 1.15):
-        update.run(time, 0.001)
+        update.command_springs(time)
     assert update.published == (1.101, HERE)

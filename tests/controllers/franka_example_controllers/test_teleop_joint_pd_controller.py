@@ -131,7 +131,7 @@ SHAPE = WallShape(0.1, 0.2, 1000.0, 30.0, 10.0)
 
 def make_wall(q=0.0):
     wall = JointWall("elbow", -1.0, 2.0, SHAPE)
-    wall.begin(q)
+    wall.start_at(q)
     return wall
 
 

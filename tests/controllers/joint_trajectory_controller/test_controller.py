@@ -72,7 +72,7 @@ def test_a_goal_is_planned_from_one_cycle_alone(robot, start, make_goal, monkeyp
 
 def test_a_trajectory_without_a_goal_is_followed(robot, start):
     controller = start()
-    controller.trajectories.follow(_trajectory(AWAY))
+    controller.trajectories.follow_trajectory(_trajectory(AWAY))
     robot.run_with_position(controller, 1002)
     assert robot.position == pytest.approx(AWAY[1], abs=1e-12)
 
@@ -118,7 +118,7 @@ def test_a_trajectory_without_a_goal_preempts_a_goal(robot, start, make_goal):
     controller = start()
     goal = controller.goals.submit(make_goal(AWAY))
     robot.run_with_position(controller, 500)
-    controller.trajectories.follow(_trajectory(HOME))
+    controller.trajectories.follow_trajectory(_trajectory(HOME))
     robot.run_with_position(controller, 1002)
     assert goal.status is GoalStatus.PREEMPTED
     assert robot.position == pytest.approx(HOME[1], abs=1e-12)
@@ -149,10 +149,10 @@ def test_two_requests_between_two_cycles_are_both_taken_up(robot, start, make_go
 
 def test_an_empty_trajectory_stops_and_holds(robot, start):
     controller = start()
-    controller.trajectories.follow(_trajectory(AWAY))
+    controller.trajectories.follow_trajectory(_trajectory(AWAY))
     robot.run_with_position(controller, 500)
     here = list(robot.position)
-    controller.trajectories.follow(_trajectory())
+    controller.trajectories.follow_trajectory(_trajectory())
     robot.run_with_position(controller, 600)
     assert robot.position == pytest.approx(here, abs=1e-12)
 
@@ -326,7 +326,7 @@ def test_goals_need_a_running_controller(robot, start, make_goal):
     with pytest.raises(ControllerStateError, match="not running"):
         controller.goals.submit(make_goal(AWAY))
     with pytest.raises(ControllerStateError, match="not running"):
-        controller.trajectories.follow(_trajectory(AWAY))
+        controller.trajectories.follow_trajectory(_trajectory(AWAY))
     with pytest.raises(ControllerStateError, match="not running"):
         controller.trajectories.query_state(robot.time)
 

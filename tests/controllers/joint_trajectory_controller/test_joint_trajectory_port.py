@@ -10,7 +10,7 @@ JOINTS = ["slide", "elbow", "wheel"]
 
 def test_hold_ends_the_motion(robot, start):
     controller = start()
-    controller.trajectories.follow({"joint_names": JOINTS, "points": [AWAY]})
+    controller.trajectories.follow_trajectory({"joint_names": JOINTS, "points": [AWAY]})
     robot.run_with_position(controller, 500)
     here = list(robot.position)
 
@@ -35,7 +35,7 @@ def test_a_malformed_trajectory_is_refused_and_changes_nothing(
     controller = start()
 
     with pytest.raises(InvalidTrajectoryError, match=message):
-        controller.trajectories.follow(request_)
+        controller.trajectories.follow_trajectory(request_)
 
     robot.run_with_position(controller, 100)
     assert robot.position == [0.0, 0.0, 0.0]

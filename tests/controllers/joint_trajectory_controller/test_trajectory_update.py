@@ -29,7 +29,7 @@ class Run:
         law = DirectLaw(self.tracking.positions, self.commands)
         self.update = TrajectoryUpdate(self.execution, law, self.commands)
         self.execution.start(100.0)
-        self.update.run(100.5, 0.5)
+        self.update.command_joints(100.5, 0.5)
         self.planner = TrajectoryPlanner(self.execution, joints)
         point = JointTrajectoryPoint([1.0], time_from_start=10.0)
         self.planner.plan(JointTrajectory(["a"], [point], stamp=101.0))
@@ -42,7 +42,7 @@ def run():
 
 def test_time_passes_and_the_joint_follows(run):
     for cycle in range(5):
-        assert run.update.run(101.0 + 0.5 * cycle, 0.5)
+        run.update.command_joints(101.0 + 0.5 * cycle, 0.5)
     assert [*run.commands] == pytest.approx([0.2])
     assert run.execution.moment == (103.0, 0.5, 3_000_000_000)
     assert [*run.execution.times_from_start] == [0.0, 2.0]
@@ -51,17 +51,17 @@ def test_time_passes_and_the_joint_follows(run):
 
 def test_a_trajectory_that_is_over_rests_at_its_end(run):
     for cycle in range(30):
-        run.update.run(101.0 + 0.5 * cycle, 0.5)
+        run.update.command_joints(101.0 + 0.5 * cycle, 0.5)
     assert [*run.commands] == pytest.approx([1.0])
     assert [*run.tracking.velocities] == [0.0]
 
 
 def test_a_request_is_taken_up_in_the_next_cycle(run):
-    run.update.run(101.0, 0.5)
-    run.update.run(101.5, 0.5)
+    run.update.command_joints(101.0, 0.5)
+    run.update.command_joints(101.5, 0.5)
     run.execution.hold()
     assert len(run.execution.requests) == 1
-    run.update.run(102.0, 0.5)
+    run.update.command_joints(102.0, 0.5)
     assert not run.execution.requests
     assert [*run.commands] == pytest.approx([0.05])
 

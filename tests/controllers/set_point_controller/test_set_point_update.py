@@ -49,7 +49,7 @@ def following():
 
 
 def test_the_set_point_is_followed_and_the_sample_kept(following):
-    assert following.update.run(3.0, 0.001)
+    following.update.command_joints(3.0, 0.001)
     # The rates of the errors are those since an error of 0.
     assert [*following.commands] == [5.0 + 2.0 * 500.0, -100.0 - 3.0 * 1000.0]
     assert following.sampled.newest[0] == 3.0
@@ -58,16 +58,16 @@ def test_the_set_point_is_followed_and_the_sample_kept(following):
 
 def test_known_rates_are_compared_with_the_measured_ones(following):
     following.port.post([1.5, 1.0, 0.6, 0.2])
-    following.update.run(3.0, 0.001)
+    following.update.command_joints(3.0, 0.001)
     assert [*following.commands] == [5.0 + 2.0 * 0.5, -100.0]
 
 
 def test_a_new_set_point_is_followed_at_once_and_rest_when_it_expires(following):
     following.port.post([9.0, 2.0], timeout=1.0)
-    following.update.run(3.0, 0.001)
+    following.update.command_joints(3.0, 0.001)
     assert [*following.set_point.desired] == [5.0, 2.0]
     following.port.clock.advance(1.1)
-    following.update.run(3.001, 0.001)
+    following.update.command_joints(3.001, 0.001)
     assert [*following.set_point.desired] == [1.5, 1.0]
 
 
@@ -83,7 +83,7 @@ def test_both_modes_command_the_same(set_points, has_rates):
         for values in set_points:
             put(following.set_point.desired, values[:2])
             put(following.set_point.desired_rates, values[2:])
-            following.update.run(0.0, 0.001)
+            following.update.command_joints(0.0, 0.001)
             found += following.commands
         return found
 

@@ -120,7 +120,7 @@ def test_a_cancelled_loading_leaves_the_next_one_of_its_name_alone(bench, monkey
     go_on = [threading.Event(), threading.Event()]
     numbers = iter(range(2))
 
-    def run(*_):
+    def wait_and_fail(*_):
         number = next(numbers)
         entered[number].set()
         assert go_on[number].wait(PATIENCE)
@@ -130,7 +130,7 @@ def test_a_cancelled_loading_leaves_the_next_one_of_its_name_alone(bench, monkey
         with pytest.raises(ControllerLoadError):
             bench.manager.load_controller("slow")
 
-    monkeypatch.setattr(Loading, "run", run)
+    monkeypatch.setattr(Loading, "load", wait_and_fail)
     threads = [threading.Thread(target=load) for _ in range(2)]
     threads[0].start()
     assert entered[0].wait(PATIENCE)

@@ -7,7 +7,7 @@ from tests.two_joint_station import TRAJECTORY, make_station as make_trajectory_
 
 
 def _kinds(station):
-    return [(one.kind, one.after()) for one in station.inputs.take()]
+    return [(one.kind, one.after()) for one in station.inputs.take_inputs()]
 
 
 def test_inputs_are_noted_with_the_last_cycle_before_them():
@@ -33,12 +33,12 @@ def test_a_replaced_set_point_has_no_cycle():
     station = make_station()
     station.load_controller("arm", "test/Spring", {"joint": "j"})
     station.switch_controllers(SwitchRequest(start=["arm"]))
-    station.inputs.take()
+    station.inputs.take_inputs()
     station.motion.set_command("arm", [0.5])
     station.motion.set_command("arm", [0.6])
     station.loop.step()
 
-    first, second = station.inputs.take()
+    first, second = station.inputs.take_inputs()
     assert (first.after(), second.after()) == (None, 1)
     assert second.arguments["values"] == [0.6]
 
@@ -46,7 +46,7 @@ def test_a_replaced_set_point_has_no_cycle():
 def test_a_dry_run_and_what_is_refused_are_no_inputs():
     station = make_station()
     station.load_controller("arm", "test/Spring", {"joint": "j"})
-    station.inputs.take()
+    station.inputs.take_inputs()
     station.switch_controllers(SwitchRequest(start=["arm"], dry_run=True))
 
     assert _kinds(station) == []
@@ -58,7 +58,7 @@ def test_inputs_that_nobody_takes_are_dropped_and_that_is_told():
         station.inputs.note("release", arm=True)
 
     assert not station.inputs.is_complete
-    assert len(station.inputs.take()) == input_log.CAPACITY
+    assert len(station.inputs.take_inputs()) == input_log.CAPACITY
 
 
 def test_a_set_point_that_expires_is_noted_with_its_cycle():
@@ -66,11 +66,11 @@ def test_a_set_point_that_expires_is_noted_with_its_cycle():
     station.load_controller("arm", "test/Spring", {"joint": "j"})
     station.switch_controllers(SwitchRequest(start=["arm"]))
     port = station.manager.get_controller("arm").set_points
-    station.inputs.take()
+    station.inputs.take_inputs()
     station.motion.set_command("arm", [0.5])
     station.loop.step(3)
     port.expire()
-    (one,) = station.inputs.take()
+    (one,) = station.inputs.take_inputs()
     assert one.until() is None
 
     station.loop.step()
@@ -84,7 +84,7 @@ def test_a_plan_is_noted_with_the_time_of_its_cycle():
     station.loop.step()
     station.switch_controllers(SwitchRequest(start=["arm"]))
     station.loop.step(3)
-    station.inputs.take()
+    station.inputs.take_inputs()
     goal = station.motion.submit_goal("arm", {"trajectory": TRAJECTORY})
     planned = station.loop.time
     station.loop.step(10)
@@ -92,7 +92,7 @@ def test_a_plan_is_noted_with_the_time_of_its_cycle():
     cycle = station.loop.cycle
     station.loop.step()
 
-    sent, cancelled = station.inputs.take()
+    sent, cancelled = station.inputs.take_inputs()
     assert sent.arguments["planned_at"] == planned
     assert (sent.kind, sent.after()) == ("goal", cycle - 10)
     assert (cancelled.kind, cancelled.after()) == ("cancel_goal", cycle)

@@ -8,18 +8,18 @@ def test_what_is_posted_is_run_once_and_its_result_handed_over():
     operations = Operations()
     operation = operations.post(lambda: 7)
 
-    assert operations.run()
+    assert operations.run_operations()
 
     assert operation.done.acquire(blocking=False)
     assert (operation.result, operation.error) == (7, None)
-    assert not operations.run()
+    assert not operations.run_operations()
 
 
 def test_an_error_is_handed_over_instead_of_raised():
     operations = Operations()
     operation = operations.post(lambda: 1 / 0)
 
-    operations.run()
+    operations.run_operations()
 
     assert isinstance(operation.error, ZeroDivisionError)
 
@@ -29,9 +29,9 @@ def test_a_cycle_runs_a_few_only():
     for number in range(OPERATIONS_PER_CYCLE + 1):
         operations.post(lambda number=number: ran.append(number))
 
-    operations.run()
+    operations.run_operations()
     assert ran == list(range(OPERATIONS_PER_CYCLE))
-    operations.run()
+    operations.run_operations()
     assert ran[-1] == OPERATIONS_PER_CYCLE
 
 
@@ -39,7 +39,7 @@ def test_what_nobody_waits_for_is_not_run():
     operations, ran = Operations(), []
     operations.post(lambda: ran.append(1)).abandoned = True
 
-    operations.run()
+    operations.run_operations()
 
     assert ran == []
 
@@ -52,4 +52,4 @@ def test_who_waits_is_told_when_nobody_will_run_it():
 
     assert operation.done.acquire(blocking=False)
     assert str(operation.error) == "dead"
-    assert not operations.run()
+    assert not operations.run_operations()

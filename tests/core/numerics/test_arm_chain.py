@@ -1,4 +1,4 @@
-"""Poses and Jacobians of chains against pinocchio, and both modes of the kernel."""
+"""Poses and Jacobians of chains against pinocchio, and both modes."""
 
 import numpy as np
 import pinocchio as pin

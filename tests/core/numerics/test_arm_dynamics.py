@@ -1,4 +1,4 @@
-"""Dynamics of chains against pinocchio, and both modes of the kernel."""
+"""Dynamics of chains against pinocchio, and both modes."""
 
 import numpy as np
 import pinocchio as pin

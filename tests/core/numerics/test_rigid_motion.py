@@ -1,4 +1,4 @@
-"""Rotations against pinocchio, and both modes of the kernel against each other."""
+"""Rotations against pinocchio, and both modes against each other."""
 
 import numpy as np
 import pinocchio as pin

@@ -1,4 +1,4 @@
-"""Solutions against NumPy, and both modes of the kernel."""
+"""Solutions against NumPy, and both modes."""
 
 import numpy as np
 import pytest

@@ -4,9 +4,14 @@ import logging
 
 import pytest
 
+from station.core.clock import ManualClock
+from station.core.control.controller_manager import ControllerManager
 from station.core.description.robot_files import load_robot_files
 from station.core.errors import HardwareInterfaceError
+from station.core.loop.control_loop import ControlLoop
+from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.franka_hw import (
+    FrankaHW,
     arm_cycles_of,
     joint_limit_warnings,
     model_interface,
@@ -51,3 +56,35 @@ def test_loop_too_slow_for_torques_is_warned_of(caplog):
     with caplog.at_level(logging.WARNING):
         arm_cycles_of(0.01, 0.001, "panda")
     assert "100 Hz" in caplog.text
+
+
+class Watched(FrankaHW):
+    """Notes in every cycle that it is asked."""
+
+    def __init__(self):
+        super().__init__()
+        self.asked = []
+
+    def read(self, time, period):
+        self.asked.append("read")
+        super().read(time, period)
+
+    def write(self, time, period):
+        self.asked.append("write")
+        super().write(time, period)
+
+    def mode(self):
+        self.asked.append("mode")
+        return super().mode()
+
+
+def test_a_loop_calls_what_a_subclass_replaces():
+    robot, clock = Watched(), ManualClock()
+    arm = {"arm_id": "panda", "robot_description": "example-robot-data:panda"}
+    tree = ParameterTree({"robot": arm})
+    robot.init(Parameters(tree), Parameters(tree, "robot"))
+    manager = ControllerManager(robot, Parameters(), [], clock)
+
+    ControlLoop(robot, manager, clock=clock).step(2)
+
+    assert robot.asked == ["read", "write", "mode"] * 2

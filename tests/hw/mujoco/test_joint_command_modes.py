@@ -58,12 +58,12 @@ def bench():
 
 def test_unclaimed_joint_is_held_where_it_came_to_rest(bench):
     bench.joints.velocity[0] = 1.0
-    bench.modes.run(0.001)
+    bench.modes.command_joints(0.001)
     bench.joints.position[0] = 1.1
     bench.joints.velocity[0] = 0.0
-    bench.modes.run(0.001)
+    bench.modes.command_joints(0.001)
     bench.joints.position[0] = 1.2
-    bench.modes.run(0.001)
+    bench.modes.command_joints(0.001)
     assert bench.joints.position_command == [1.1, 2.0]
     assert bench.drives == [DriveMode.POSITION] * 2
     assert bench.modes.in_use == []
@@ -84,7 +84,7 @@ def test_claimed_joint_obeys_the_interface_it_is_claimed_through(bench):
 def test_joint_with_gains_is_driven_by_effort(bench):
     bench.modes.switch(info(PositionJointInterface, "b"), [])
     bench.joints.position_command[1] = 2.5
-    bench.modes.run(0.001)
+    bench.modes.command_joints(0.001)
     assert bench.drives[1] is DriveMode.EFFORT
     assert bench.joints.effort_command[1] == pytest.approx(5.0)
 

@@ -46,7 +46,7 @@ _NEAR: dict[int, tuple[int, ...]] = {
 def _ends_and_radius(
     center: Sequence[float], axis: Sequence[float], radius: float, length: float
 ) -> list[float]:
-    """Return a capsule in the form of the kernel, 7 numbers."""
+    """Return a capsule as `capsules` takes it, 7 numbers."""
     half = length / 2.0
     ends = [
         c + sign * half * a
@@ -62,7 +62,7 @@ _SHAPES = doubles(
     for _, center, axis, radius, length in _CAPSULES
     for value in _ends_and_radius(center, axis, radius, length)
 )
-# The hand is fixed to link 7; the kernel counts the links from 0.
+# The hand is fixed to link 7; `capsules` counts the links from 0.
 _OWNERS = indices(min(link, DOF) - 1 for link in _LINKS)
 _PAIRS = [
     (i, j)

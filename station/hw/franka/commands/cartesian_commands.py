@@ -81,7 +81,7 @@ class CartesianCommands:
         """Return the interfaces that controllers may ask for."""
         return [self._pose_interface, self._twist_interface]
 
-    def begin(self, mode: ControlMode) -> None:
+    def begin_commands(self, mode: ControlMode) -> None:
         """Take commands of the kinds in `mode` from now on, seeded with rest."""
         self.has_pose = bool(mode & ControlMode.CARTESIAN_POSE)
         self.has_twist = bool(mode & ControlMode.CARTESIAN_VELOCITY)

@@ -247,7 +247,7 @@ class CartesianSender:
         """
         self.rates.gain = gain
         self.rates.is_limiting = is_limiting
-        self.bridge.begin(self.pose, self.arm.state.elbow_d)
+        self.bridge.rest_at(self.pose, self.arm.state.elbow_d)
         self.is_first = True
 
     def send_pose(self, is_new: bool) -> None:  # noqa: FBT001 - positional in C

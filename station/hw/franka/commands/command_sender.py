@@ -71,8 +71,8 @@ class CommandSender:
         """
         self.refusal = None
         joints, cartesian = self.joints, self.cartesian
-        joints.begin(mode)
-        cartesian.begin(mode)
+        joints.begin_commands(mode)
+        cartesian.begin_commands(mode)
         self.checks = [*joints.checks(), *cartesian.checks()]
         self.limits = [limits.enforced for limits in joints.limits()]
         self.has_positions = joints.has_positions

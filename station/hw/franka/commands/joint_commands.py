@@ -107,7 +107,7 @@ class JointCommands:
             self._velocity_interface.register_handle(velocity)
             self._effort_interface.register_handle(effort)
             self._handles.append((position, velocity, effort))
-        self.begin(ControlMode.NONE)
+        self.begin_commands(ControlMode.NONE)
 
     def interfaces(self) -> list[JointStateInterface | JointCommandInterface]:
         """Return the interfaces that controllers may ask for."""
@@ -181,7 +181,7 @@ class JointCommands:
             for handle in limits.handles()
         })
 
-    def begin(self, mode: ControlMode) -> None:
+    def begin_commands(self, mode: ControlMode) -> None:
         """Take commands of the kinds in `mode` from now on.
 
         The buffers are seeded with commands that hold the arm; earlier ones are lost.

@@ -80,9 +80,9 @@ class PoseBridge:
         self.is_on_commands = True
         self.pose = zeros(_POSE)
         self.elbow = zeros(_ELBOW)
-        self.begin([0.0] * _POSE, [0.0] * _ELBOW)
+        self.rest_at([0.0] * _POSE, [0.0] * _ELBOW)
 
-    def begin(self, pose: Sequence[float], elbow: Sequence[float]) -> None:
+    def rest_at(self, pose: Sequence[float], elbow: Sequence[float]) -> None:
         """Rest at a pose, 16 numbers, and an elbow, 2 numbers."""
         for self.cycle in (-3, -2, -1):
             self.note_next(doubles(pose), doubles(elbow))

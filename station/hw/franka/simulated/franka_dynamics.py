@@ -63,7 +63,7 @@ class FrankaDynamics:
             put(self._bodies, read_bodies(description))
         self._bare = [*self._bodies[_LAST]]
         self.links: Storage = own(new_links(CHAIN))
-        self._kernel = ArmDynamics(CHAIN, self._bodies, self.links)
+        self._dynamics = ArmDynamics(CHAIN, self._bodies, self.links)
         self._load = _NO_LOAD
         self._mass, self._coriolis = zeros(DOF * DOF), zeros(DOF)
         self._weight = zeros(DOF)
@@ -79,7 +79,7 @@ class FrankaDynamics:
         """
         self._set(q, load)
         if self.is_new(_MASS):
-            self._kernel.mass(self._mass)
+            self._dynamics.mass(self._mass)
         return [*self._mass]
 
     def coriolis(
@@ -95,7 +95,7 @@ class FrankaDynamics:
         self._set(q, load)
         rates = viewed(dq)
         if self.is_new(_CORIOLIS, rates.tobytes()):
-            self._kernel.coriolis(rates, self._coriolis)
+            self._dynamics.coriolis(rates, self._coriolis)
         return [*self._coriolis]
 
     def gravity(
@@ -114,7 +114,7 @@ class FrankaDynamics:
         self._set(q, load)
         acceleration = viewed(gravity_earth)
         if self.is_new(_GRAVITY, acceleration.tobytes()):
-            self._kernel.gravity(acceleration, self._weight)
+            self._dynamics.gravity(acceleration, self._weight)
         return [*self._weight]
 
     def torques(
@@ -151,7 +151,7 @@ class FrankaDynamics:
             what: A number for what is computed; those of the frames are for Jacobians.
             arguments: What it depends on besides positions and load.
         """
-        wanted = (self._kernel.version, arguments)
+        wanted = (self._dynamics.version, arguments)
         if self._known.get(what) == wanted:
             return False
         self._known[what] = wanted
@@ -159,7 +159,7 @@ class FrankaDynamics:
 
     def move_to(self, q: Sequence[float]) -> Storage:
         """Return `links` at joint positions [rad], shape (7,)."""
-        self._kernel.move_to(q)
+        self._dynamics.move_to(q)
         return self.links
 
     def tool_pose_source(self, q: Doubles, tool: Doubles) -> ToolPoseSource:
@@ -169,7 +169,7 @@ class FrankaDynamics:
             q: Joint positions [rad], shape (7,); read in every cycle, as `tool`.
             tool: What is fixed, in the frame of the flange, 16 numbers.
         """
-        return ToolPoseSource(self._kernel, q, self.links, tool)
+        return ToolPoseSource(self._dynamics, q, self.links, tool)
 
     def tool_jacobian_source(self, q: Doubles, tool: Doubles) -> ModelSource:
         """Return a source of the Jacobian of a body fixed to the flange, (42,).
@@ -195,16 +195,16 @@ class FrankaDynamics:
         def put_load() -> None:
             self._set(q, load())
 
-        return CoriolisSource(self._kernel, state, q, dq, center, inertia, put_load)
+        return CoriolisSource(self._dynamics, state, q, dq, center, inertia, put_load)
 
     def _set(self, q: Sequence[float], load: Load) -> None:
-        self._kernel.move_to(q)
+        self._dynamics.move_to(q)
         if load is not self._load and load != self._load:
             self._load = load
             added = _moments_at_link7(load)
             link = [a + b for a, b in zip(self._bare, added, strict=True)]
             put(self._bodies[_LAST], link)
-            self._kernel.change_bodies()
+            self._dynamics.change_bodies()
 
 
 class ArmLoad:
@@ -256,7 +256,7 @@ def _moments_at_link7(load: Load) -> list[float]:
 def _moments(
     mass: float, center: Sequence[float], inertia: NDArray[np.float64]
 ) -> list[float]:
-    """Return mass and moments in the form of the kernel, 10 numbers.
+    """Return mass and moments as `ArmDynamics` takes them, 10 numbers.
 
     Args:
         mass: Mass of a body [kg].

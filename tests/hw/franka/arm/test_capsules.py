@@ -1,4 +1,4 @@
-"""Distances between segments against a fine search, and both modes of the kernel."""
+"""Distances between segments against a fine search, and both modes."""
 
 import numpy as np
 import pytest

@@ -48,7 +48,7 @@ def test_first_commands_keep_the_arm_at_its_pose() -> None:
     commands = JointCommands(state, NAMES)
     commands.efforts[2] = commands.velocities[2] = 3.0
     state.q_d = [0.1] * 7
-    commands.begin(ControlMode.NONE)
+    commands.begin_commands(ControlMode.NONE)
     assert list(commands.positions) == [0.1] * 7
     assert list(commands.efforts) == list(commands.velocities) == [0.0] * 7
 
@@ -65,7 +65,7 @@ def test_first_commands_keep_the_arm_at_its_pose() -> None:
 def test_limits_of_the_commanded_kinds_alone_are_enforced(
     commands: JointCommands, mode: ControlMode, expected: tuple[float, float, float]
 ) -> None:
-    commands.begin(mode)
+    commands.begin_commands(mode)
     commands.positions[0] = commands.velocities[0] = 9.0
     commands.efforts[0] = 99.0
     for limits in commands.limits():
@@ -86,7 +86,7 @@ def test_limits_of_the_commanded_kinds_alone_are_enforced(
 def test_only_commanded_kinds_must_be_finite(
     commands: JointCommands, mode: ControlMode, *, expected: bool
 ) -> None:
-    commands.begin(mode)
+    commands.begin_commands(mode)
     commands.efforts[6] = nan
     found = [check.first_bad() for check in commands.checks()]
     assert all(index < 0 for index in found) is expected

@@ -43,7 +43,7 @@ def predict(bridge):
 def bridge():
     """Return a bridge that has passed on a motion of 0.1 mm per cycle."""
     bridge = PoseBridge(PERIOD)
-    bridge.begin(at(0.0), NO_ELBOW)
+    bridge.rest_at(at(0.0), NO_ELBOW)
     for cycle in range(1, 4):
         pass_on(bridge, 1e-4 * cycle)
     return bridge
@@ -100,7 +100,7 @@ def test_commands_pass_unchanged_again_after_the_return(bridge):
 
 def test_whatever_the_gaps_are_nothing_leaps() -> None:
     bridge, random, sent, cycle = PoseBridge(PERIOD), Random(1), [], 0
-    bridge.begin(at(0.0), NO_ELBOW)
+    bridge.rest_at(at(0.0), NO_ELBOW)
     while cycle < 3_000:
         gap = random.choice([0] * 10 + [1, 2, 9, 19])
         sent += [predict(bridge) for _ in range(gap)]
@@ -119,7 +119,7 @@ def test_whatever_the_gaps_are_nothing_leaps() -> None:
 
 def test_elbow_goes_on_as_well():
     bridge = PoseBridge(PERIOD)
-    bridge.begin(UNIT, NO_ELBOW)
+    bridge.rest_at(UNIT, NO_ELBOW)
     for angle in (0.1, 0.2, 0.3):
         bridge.pass_on(UNIT, doubles([angle, -1.0]))
 
@@ -132,7 +132,7 @@ def test_elbow_goes_on_as_well():
 def test_both_modes_agree_bit_for_bit(commands):
     def scenario(module):
         bridge, results = module.PoseBridge(PERIOD), []
-        bridge.begin(UNIT, NO_ELBOW)
+        bridge.rest_at(UNIT, NO_ELBOW)
         for values, elbow, gap in commands:
             for _ in range(gap):
                 bridge.predict()

@@ -34,12 +34,12 @@ class SteppedHand:
 
     def turns(self, count):
         for _ in range(count):
-            self.link.turn()
+            self.link.serve_orders()
 
     def turn_until_over(self):
         """Turn until the present command has ended; return how."""
         for _ in range(200):
-            self.link.turn()
+            self.link.serve_orders()
             if self.hand.get_state().command is None:
                 break
         return self.hand.get_state().last

@@ -15,7 +15,7 @@ Q = [0.0, -0.8, 0.0, -2.3, 0.0, 1.5, 0.8]
 
 
 class Supervised:
-    """A supervisor and the watch that tells it which cycles are unusual."""
+    """A supervisor and the watch that notes violations for it."""
 
     def __init__(self, state: RobotState, **limits: float) -> None:
         thresholds = SupervisorLimits(**limits)

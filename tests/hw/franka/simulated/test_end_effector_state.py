@@ -1,4 +1,4 @@
-"""Derived fields against the kinematics, and both modes of the kernel."""
+"""Derived fields against the kinematics, and both modes."""
 
 import numpy as np
 import pytest

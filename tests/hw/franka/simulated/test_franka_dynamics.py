@@ -152,17 +152,17 @@ def test_what_is_asked_twice_is_computed_once(monkeypatch: pytest.MonkeyPatch) -
     weighed = []
 
     class Counted:
-        """Counts what is asked of the kernel."""
+        """Counts what is asked of the compiled dynamics."""
 
-        def __init__(self, kernel: ArmDynamics) -> None:
-            self._kernel = kernel
+        def __init__(self, computed: ArmDynamics) -> None:
+            self._dynamics = computed
 
         def __getattr__(self, name: str) -> object:
             if name in {"mass", "coriolis", "gravity"}:
                 weighed.append(name)
-            return getattr(self._kernel, name)
+            return getattr(self._dynamics, name)
 
-    monkeypatch.setattr(dynamics, "_kernel", Counted(dynamics._kernel))
+    monkeypatch.setattr(dynamics, "_dynamics", Counted(dynamics._dynamics))
     for load, dq in ((Load(), DQ), (HAND, DQ), (HAND, DQ[::-1]), (HAND, DQ[::-1])):
         before = dynamics.mass(Q, load), dynamics.coriolis(Q, dq, load)
         weight = dynamics.gravity(Q, load)

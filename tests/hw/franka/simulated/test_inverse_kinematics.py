@@ -1,4 +1,4 @@
-"""Steps of the inverse kinematics lead to the pose, and both modes of the kernel."""
+"""Steps of the inverse kinematics lead to the pose, and both modes."""
 
 import pytest
 from hypothesis import given, settings

@@ -113,7 +113,7 @@ class ArmLink:
 
         When none could be made, `loss` is why.
         """
-        found = self._reconnection and self._reconnection.take()
+        found = self._reconnection and self._reconnection.take_connection()
         if not found or not self.is_returning:
             return False
         self.is_returning = False
@@ -218,10 +218,10 @@ class ArmLink:
         """Drop the answers to a request, also those that are still to come."""
         self._client.forget(number)
 
-    def take(self, number: int) -> RobotAnswer | None:
+    def take_answer(self, number: int) -> RobotAnswer | None:
         """Return the next answer to a request if it is there; the arm may get lost."""
         try:
-            return self._client.take(number)
+            return self._client.take_answer(number)
         except (FciNetworkError, FciProtocolError) as error:
             self._lose(error)
             return None

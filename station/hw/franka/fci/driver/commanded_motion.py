@@ -216,7 +216,7 @@ class CommandedMotion:
         self._log = MotionLog(protocol, "tau_J_d", cycle_time)
         self.is_late = False
 
-    def begin(
+    def begin_motion(
         self, controller: ControllerMode, generator: MotionGeneratorMode
     ) -> dict[str, Any]:
         """Prepare a motion; return the request for it.

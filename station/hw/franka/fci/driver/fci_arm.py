@@ -97,7 +97,7 @@ class PendingRequests:
         if not self._waiting:
             return
         for number in list(self._waiting):
-            answer = self._link.take(number)
+            answer = self._link.take_answer(number)
             if answer is None:
                 continue
             self._waiting.remove(number)
@@ -290,7 +290,7 @@ class FciArm(RobotArm):
                 remedy="Stop the running motion, recover, or ask for other modes.",
             )
         self._pending.failure, self._has_failed = "", False
-        request = self._commands.begin(controller_mode, motion_generator_mode)
+        request = self._commands.begin_motion(controller_mode, motion_generator_mode)
         try:
             self._motion = self._begin(self._link.ask(Command.MOVE, request))
         finally:
@@ -486,7 +486,7 @@ class FciArm(RobotArm):
             if self._commands.is_shown() or self._link.loss is not None:
                 break
             self._link.receive_next()
-            end = self._link.take(answer.command_id)
+            end = self._link.take_answer(answer.command_id)
             if end is not None:
                 raise self._link.refused(end)
         if not self._commands.is_shown() or self._link.loss is not None:

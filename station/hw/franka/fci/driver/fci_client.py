@@ -118,7 +118,7 @@ class FciClient(Generic[_Command]):
             FciProtocolError: What came is no answer.
         """
         number = self.send(command, values)
-        answer = self.take(number) or self.take(number, TCP_TIMEOUT)
+        answer = self.take_answer(number) or self.take_answer(number, TCP_TIMEOUT)
         if answer is None:
             raise FciNetworkError(
                 f"libfranka: TCP receive: no answer to {command.name} within "
@@ -127,7 +127,7 @@ class FciClient(Generic[_Command]):
             )
         return answer
 
-    def take(self, number: int, timeout: float = 0.0) -> Answer[_Command] | None:
+    def take_answer(self, number: int, timeout: float = 0.0) -> Answer[_Command] | None:
         """Return the next answer to a request; None if there is none.
 
         Args:

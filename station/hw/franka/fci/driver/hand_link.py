@@ -74,8 +74,8 @@ class HandLink:
     A hand that is lost is connected to again every `RETRY` seconds. A motion that runs
     is stopped before a newer order is sent.
 
-    Threads: `order` and the attributes are for the control thread; `turn` is for the
-    thread of the link, which `start` begins.
+    Threads: `order` and the attributes are for the control thread; `serve_orders` is
+    for the thread of the link, which `start` begins.
 
     Args:
         open_network: Opens a connection to the hand.
@@ -123,7 +123,7 @@ class HandLink:
 
     def start(self) -> None:
         """Try to connect, and go on in a thread of the link."""
-        self.turn()
+        self.serve_orders()
         self._thread = threading.Thread(target=self._run, name="hand", daemon=True)
         self._thread.start()
 
@@ -150,7 +150,7 @@ class HandLink:
         self._word.close()
         self._ear.close()
 
-    def turn(self) -> None:
+    def serve_orders(self) -> None:
         """Do what there is to do now, then wait for more."""
         network, client = self._network, self._client
         if network is None or client is None:
@@ -172,7 +172,7 @@ class HandLink:
 
     def _run(self) -> None:
         while not self._is_closing:
-            self.turn()
+            self.serve_orders()
 
     def _wait(self, network: Network | None, longest: float) -> None:
         readers: list[socket.socket | Network] = [self._ear]
@@ -237,11 +237,11 @@ class HandLink:
         self.on_state(state)
 
     def _take_answers(self, client: FciClient[GripperCommand]) -> None:
-        if self._stop is not None and client.take(self._stop) is not None:
+        if self._stop is not None and client.take_answer(self._stop) is not None:
             self._stop = None
         if self._running is not None:
             number, identifier = self._running
-            answer = client.take(number)
+            answer = client.take_answer(number)
             if answer is not None:
                 self._running = None
                 self.outcomes.append(HandOutcome(identifier, answer.status))

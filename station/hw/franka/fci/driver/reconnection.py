@@ -72,7 +72,7 @@ class Reconnection:
         with contextlib.suppress(BlockingIOError):
             self._word.send(b"\0")
 
-    def take(self) -> Connection | str | None:
+    def take_connection(self) -> Connection | str | None:
         """Return the new connection once, or the reason for its failure, else None."""
         found, self._found = self._found, None
         return found

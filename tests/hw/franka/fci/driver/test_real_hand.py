@@ -25,7 +25,7 @@ def unconnected():
 @pytest.fixture
 def bench(unconnected):
     """A hand that the driver has connected to."""
-    unconnected.link.turn()
+    unconnected.link.serve_orders()
     return unconnected
 
 
@@ -134,7 +134,7 @@ def test_impossible_numbers_are_refused_before_they_are_sent(bench):
 def test_absent_hand_is_told_and_found_when_it_is_there(unconnected):
     bench = unconnected
     bench.is_absent = True
-    bench.link.turn()
+    bench.link.serve_orders()
     for refused in (bench.hand.get_state, bench.hand.homing, bench.hand.stop):
         with pytest.raises(GripperLostError, match="FCI refused at h:1338") as error:
             refused()

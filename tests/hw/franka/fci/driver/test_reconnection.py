@@ -124,7 +124,7 @@ def test_arm_that_refuses_its_settings_is_hung_up_on(monkeypatch):
     reconnection = Reconnection(lambda: opened, PANDA)
     reconnection.ask([(Command.SET_COLLISION_BEHAVIOR, {})])
     reconnection.close()
-    assert reconnection.take() == (
+    assert reconnection.take_connection() == (
         "libfranka: Set Collision Behavior command rejected: invalid argument!"
     )
     assert opened.is_closed
@@ -135,5 +135,5 @@ def test_connection_that_nobody_takes_is_hung_up():
     reconnection = Reconnection(lambda: opened, PANDA)
     reconnection.ask([])
     reconnection.close()
-    assert isinstance(reconnection.take(), Connection)
+    assert isinstance(reconnection.take_connection(), Connection)
     assert opened.is_closed

@@ -1,2 +1,0 @@
-cdef class UsualUpdate:
-    cpdef bint run(self, double time, double period) except -1
