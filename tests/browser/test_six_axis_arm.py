@@ -81,7 +81,7 @@ def test_a_number_of_cycles_that_is_none_is_refused_in_words(arm, typed):
         before = client.status().simulation.time
         workspace.dock("simulation").get_by_label("Cycles to step").fill(typed)
         step.click()
-        refusal = f"“{typed}” is no number of cycles"
+        refusal = f"“{typed}” is not a whole number of cycles."
         workspace.page.locator("#refusal-line").get_by_text(refusal).first.wait_for()
         assert client.status().simulation.time == before
     finally:
