@@ -74,7 +74,7 @@ class RowPacker:
     Args:
         joints: Names of the joints in the snapshots.
         elements: Returns the names of the elements of a controller's sample; asked
-            once for every form.
+            whenever the mode or the running controllers change.
     """
 
     def __init__(
@@ -83,7 +83,9 @@ class RowPacker:
         self._joints = tuple(joints)
         self._elements = elements
         self._forms: list[RowForm] = []
-        self._indices: dict[tuple[str, tuple[str, ...], tuple[int, ...]], int] = {}
+        self._indices: dict[RowForm, int] = {}
+        self._key: tuple[str, tuple[str, ...], tuple[int, ...]] | None = None
+        self._index = 0
 
     def pack(self, record: Record) -> bytes:
         """Return a cycle as bytes.
@@ -94,10 +96,11 @@ class RowPacker:
         cycle, epoch, time, period, mode, joints, samples = record
         pieces = [unpack_sample(one).memory() for one in samples.values()]
         key = (mode, tuple(samples), tuple(map(len, pieces)))
-        index = self._indices.get(key)
-        if index is None:
-            index = self._add_form(*key)
-        head = _HEAD.pack(cycle, epoch, time, period, index, len(joints))
+        # A controller that is loaded anew under its name may move other joints, and
+        # between the two there is a cycle without it.
+        if key != self._key:
+            self._key, self._index = key, self._find_form(*key)
+        head = _HEAD.pack(cycle, epoch, time, period, self._index, len(joints))
         return b"".join((head, joints, *pieces))
 
     def unpack(self, row: bytes) -> Row:
@@ -112,16 +115,18 @@ class RowPacker:
             at += length
         return Row(cycle, epoch, time, period, form, joints, tuple(samples))
 
-    def _add_form(
+    def _find_form(
         self, mode: str, names: tuple[str, ...], sizes: tuple[int, ...]
     ) -> int:
-        forms = []
+        samples = []
         for name, size in zip(names, sizes, strict=True):
             known, count = self._elements(name), size // (_COLUMNS * _DOUBLE)
             numbered = (str(number) for number in range(count))
             # A controller may sample another number of elements than it has joints.
             elements = tuple(known) if len(known) == count else tuple(numbered)
-            forms.append(SampleForm(name, elements))
-        self._forms.append(RowForm(mode, self._joints, tuple(forms), sizes))
-        index = self._indices[mode, names, sizes] = len(self._forms) - 1
+            samples.append(SampleForm(name, elements))
+        form = RowForm(mode, self._joints, tuple(samples), sizes)
+        index = self._indices.setdefault(form, len(self._forms))
+        if index == len(self._forms):
+            self._forms.append(form)
         return index

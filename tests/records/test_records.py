@@ -64,6 +64,22 @@ def test_a_row_keeps_a_cycle():
     assert row.form.samples == (("arm", ("a", "b")), ("other", ("0",)))
 
 
+def test_a_controller_loaded_anew_is_kept_under_its_new_joints():
+    joints = {"arm": ["a"]}
+    packer = RowPacker(["a", "b"], lambda name: joints[name])
+    packed = array("d", [0.0] * 6).tobytes()
+    one = ControllerSample(0.5, [1.0], [2.0], [3.0], [4.0])
+
+    def elements(samples):
+        row = packer.unpack(packer.pack((1, 1, 0.5, 0.001, "move", packed, samples)))
+        return [sample.elements for sample in row.form.samples]
+
+    assert elements({"arm": one}) == [("a",)]
+    assert elements({}) == []
+    joints["arm"] = ["b"]
+    assert elements({"arm": one}) == [("b",)]
+
+
 def test_a_franka_state_is_what_an_independent_decoder_reads():
     state = RobotState()
     lengths = {f.name: f.length for f in messages.FRANKA_STATE.fields if f.length}
