@@ -392,7 +392,9 @@ def find_topic(
         if family == ROBOT_STATE:
             return RobotStateTopic(station, member)
     except (ControllerNotFoundError, ArmNotFoundError):
-        pass
+        # Whoever asked names all topics there are in his refusal, arms and controllers
+        # alike, which says more than that this one is missing.
+        return None
     return None
 
 

@@ -63,6 +63,19 @@ def check_start_pose(q_d: Sequence[float]) -> None:
             )
 
 
+def back_and_forth(elapsed: float, *, peak: float, half_period: float) -> float:
+    """Return the velocity of a smooth motion back and forth, from rest to rest.
+
+    Args:
+        elapsed: Time since the start [s], >= 0.
+        peak: Highest velocity, in any unit.
+        half_period: Time after which the direction changes [s], > 0.
+    """
+    sign = -1.0 if floor(elapsed / half_period) % 2 else 1.0
+    turn = 2.0 * pi / half_period * elapsed
+    return sign * (peak / 2.0 * (1.0 - cos(turn)))
+
+
 JOINT_AMPLITUDE = 0.2 * pi / 16.0
 """Half of the range in which each joint moves [rad]."""
 _MIRRORED = 4
@@ -158,10 +171,10 @@ class JointVelocityExampleController(Controller[VelocityJointInterface]):
     @override
     def update(self, time: float, period: float) -> None:
         self._elapsed += period
-        sign = -1.0 if floor(self._elapsed / JOINT_HALF_PERIOD) % 2 else 1.0
-        turn = 2.0 * pi / JOINT_HALF_PERIOD * self._elapsed
-        omega = JOINT_PEAK / 2.0 * (1.0 - cos(turn))
-        self._joints.set_commands([sign * omega] * len(self.joint_names))
+        omega = back_and_forth(
+            self._elapsed, peak=JOINT_PEAK, half_period=JOINT_HALF_PERIOD
+        )
+        self._joints.set_commands([omega] * len(self.joint_names))
 
 
 RADIUS = 0.15
@@ -253,10 +266,10 @@ class CartesianVelocityExampleController(Controller[FrankaVelocityCartesianInter
     @override
     def update(self, time: float, period: float) -> None:
         self._elapsed += period
-        sign = -1.0 if floor(self._elapsed / TWIST_HALF_PERIOD) % 2 else 1.0
-        turn = 2.0 * pi / TWIST_HALF_PERIOD * self._elapsed
-        speed = TWIST_PEAK / 2.0 * (1.0 - cos(turn))
-        x, z = cos(ANGLE) * sign * speed, -sin(ANGLE) * sign * speed
+        speed = back_and_forth(
+            self._elapsed, peak=TWIST_PEAK, half_period=TWIST_HALF_PERIOD
+        )
+        x, z = cos(ANGLE) * speed, -sin(ANGLE) * speed
         self._handle.set_command([x, 0.0, z, 0.0, 0.0, 0.0])
 
 
