@@ -199,6 +199,7 @@ class FrankaDynamics:
 
     def _set(self, q: Sequence[float], load: Load) -> None:
         self._dynamics.move_to(q)
+        # The identity first: `ArmModel` passes the same object while nothing changes.
         if load is not self._load and load != self._load:
             self._load = load
             added = _moments_at_link7(load)
@@ -250,6 +251,8 @@ def _moments_at_link7(load: Load) -> list[float]:
     """Return mass and moments of a load in the frame of link 7, 10 numbers."""
     x, y, z = load.center_of_mass
     inertia = np.reshape(load.inertia, (3, 3))
+    # Six moments describe a symmetric tensor; rounding may leave it not quite
+    # symmetric.
     return _moments(load.mass, [x, y, z + FLANGE_OFFSET], (inertia + inertia.T) / 2.0)
 
 

@@ -203,6 +203,7 @@ class FrictionAndObserver(Preparation):
         is_reliable = self.has_wrench and equation.factorise(
             jacobian, -reliable * reliable
         )
+        # Last, because the equation solves with the factors that it computed last.
         if self.has_wrench:
             self.has_wrench = equation.factorise(jacobian, 0.0)
         for i in range(self.size):

@@ -256,6 +256,7 @@ class SimulatedArm(RobotArm):
         self._sensors.rest()
         self._motion.seed(self._memory.positions, _ZEROS)
         self.motors.engage_joint_impedance()
+        # A motion that runs goes on after a reset, by the controller that it has.
         if self._modes.controller is ControllerMode.CARTESIAN_IMPEDANCE:
             self.motors.engage_cartesian_impedance()
         self._faults.clear()
@@ -272,6 +273,7 @@ class SimulatedArm(RobotArm):
 
     def _react_to_observer(self, found: int) -> None:
         """Do what the observer asks for; now and then a command is lost."""
+        # Only a motion has commands that can be lost.
         if self.contact.react_to(found) and self.state.robot_mode is RobotMode.MOVE:
             self._faults.drop()
             self._step.has_faults = True
@@ -283,6 +285,7 @@ class SimulatedArm(RobotArm):
             found: What `ArmStep.read_joints` has found.
         """
         has_diverged = self._world.diverged_because is not None
+        # First of all: the readings of a diverged world mean nothing.
         if has_diverged and self.state.robot_mode is not RobotMode.OTHER:
             self._modes.end_motion(RobotMode.OTHER)
         errors = self.contact.update()

@@ -82,6 +82,7 @@ class SimulatedGripper:
             force: Largest force of each finger, > 0 [N]; None takes `effort_limit`.
         """
         motor = self._motor
+        # After a force the servo starts from where the fingers are, without a jump.
         if not self._servo[0]:
             self._set_servo(_STIFFNESS, self._damping)
             motor.place = self.read_position()
