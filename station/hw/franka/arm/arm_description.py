@@ -58,6 +58,7 @@ def load_arm_description(reference: str, limits: ArmLimits) -> RobotFiles:
     """
     description = load_robot_files(reference)
     prefix = find_prefix(description)
+    # Any other URDF than the Panda's states the limits of its own arm.
     if limits.urdf is None or prefix != _PANDA:
         return description
     return _with_limits(description, limits.urdf)

@@ -101,6 +101,8 @@ class ArmLimits:
         if not self.curves:
             return -highest, highest
         a, b, upper, lower = self.curves[joint]
+        # Beyond its limit, where the root has no real value, a joint may only come
+        # back.
         up = min(highest, max(0.0, sqrt(max(0.0, b * (upper - q))) - a))
         down = max(-highest, min(0.0, a - sqrt(max(0.0, b * (q - lower)))))
         return down, up

@@ -45,6 +45,8 @@ def collision_behavior_problem(behavior: CollisionBehavior) -> ThresholdProblem 
                 return ThresholdProblem(
                     name, f"{size} numbers for each of the {what} thresholds"
                 )
+            # With a threshold of 0 an arm at rest would be in contact with its own
+            # noise.
             if any(not 0.0 < a <= b for a, b in zip(lower, upper, strict=True)):
                 return ThresholdProblem(
                     name, f"above 0, no lower {what} threshold above its upper one"

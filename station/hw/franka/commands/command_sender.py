@@ -104,6 +104,7 @@ class CommandSender:
                 self.refuse("a command is not finite")
                 return
         if self.has_positions:
+            # Before limits cut the commands: the arm brakes towards what was asked for.
             self.rates.note_goals()
         # In a standstill no time has passed that a rate could be computed from.
         if period > 0.0:
@@ -152,6 +153,8 @@ class CommandSender:
         if self.update_ranges is not None:
             self.update_ranges()
         rates.filter_positions()
+        # The receiver takes the usual command without a call of Python; the method of
+        # the arm takes any other, or refuses it with a reason.
         if not self.receiver.receive_positions(rates.result):
             self.arm.command_joint_positions(rates.result)
 

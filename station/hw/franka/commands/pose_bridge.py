@@ -84,6 +84,8 @@ class PoseBridge:
 
     def rest_at(self, pose: Sequence[float], elbow: Sequence[float]) -> None:
         """Rest at a pose, 16 numbers, and an elbow, 2 numbers."""
+        # As if the pose had been commanded three times: velocity and acceleration of
+        # the prediction are then 0.
         for self.cycle in (-3, -2, -1):
             self.note_next(doubles(pose), doubles(elbow))
         # First and second difference of the prediction per cycle.
