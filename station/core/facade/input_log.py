@@ -105,6 +105,7 @@ class InputLog:
         after: Callable[[], int | None],
         until: Callable[[], int | None] = lambda: None,
     ) -> None:
+        # The oldest input drops out: a recording must not claim that it can be re-run.
         if len(self._inputs) >= CAPACITY:
             self.is_complete = False
         self._inputs.append(Input(kind, arguments, after, until))

@@ -76,6 +76,7 @@ class MotionCommands:
         the place of this one.
         """
         loop = self.loop
+        # A loop that stands or is stepped picks nothing up while somebody waits for it.
         if loop.state is LoopState.RUNNING and not loop.pace.paused:
             deadline = loop.clock.now() + max(_PICK_UP, 4.0 * loop.period)
             loop.clock.wait_for(receipt.done, deadline)
@@ -185,6 +186,7 @@ class MotionCommands:
         for name in names:
             try:
                 controller = self.manager.get_controller(name)
+            # Unloaded meanwhile: it has nothing left to end.
             except ControllerNotFoundError:
                 continue
             if controller.set_points is not None:
@@ -240,6 +242,8 @@ class MotionCommands:
         goal = port.submit(request, receipt)
         self._inputs.note_command("goal", receipt, name=name, request=request)
         try:
+            # Asked again: control may have changed hands, or a stop may have come,
+            # since the goal was admitted.
             admit()
             self._check_may_move(name, present)
         except StationError as error:
@@ -356,6 +360,7 @@ class MotionCommands:
         """
         port = self._trajectory_port(name)
         when = self.loop.time if time is None else time
+        # True of infinities and NaN alone.
         if when - when != 0.0:
             raise InvalidTrajectoryError(
                 f"The time asked for is {when}.", remedy="Give a finite time."

@@ -141,6 +141,8 @@ class Arms:
 
         def press() -> None:
             simulation.set_user_stop(pressed=pressed)
+            # A person at the arm has ended the motion; a later recovery must not bring
+            # it back.
             if not pressed:
                 self._robots.forget_interrupted()
 

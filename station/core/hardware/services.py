@@ -95,6 +95,7 @@ class RobotServices(ResourceHandle):
     def services(cls) -> dict[str, Service]:
         """Return the declared services by name."""
         found: dict[str, Service] = {}
+        # Base classes first, so that a class replaces a service of its base.
         for kind in reversed(cls.__mro__):
             for name, member in vars(kind).items():
                 if hasattr(member, _DECLARED):
@@ -165,6 +166,7 @@ class RecoverableRobot(RobotServices, ABC):
 
 def _describe(name: str, method: Callable[..., Any]) -> Service:
     kind, moves = getattr(method, _DECLARED)
+    # The API builds models from the types; annotations may be strings.
     signature = inspect.signature(method, eval_str=True)
     parameters = dict(signature.parameters)
     del parameters[next(iter(parameters))]  # self

@@ -89,6 +89,7 @@ class _Places:
 
 def _base(storage: Storage) -> _Place:
     """Return the identity of what holds a storage, and where it begins there."""
+    # Only memory that may be written tells its address; any other has no neighbours.
     if isinstance(storage, list) or not isinstance(storage.obj, bytearray):
         return id(storage), 0
     return id(storage.obj), _place(storage)

@@ -151,6 +151,7 @@ class CommandedJointHandle(JointStateHandle):
         """
         try:
             storage[self.command_index] = command
+        # The slot refuses what is no float by itself: a check would cost every command.
         except TypeError:
             refuse_non_number(self.name, command)
 
