@@ -101,6 +101,7 @@ class Repeats:
             self._windows.clear()
 
     def _forget(self) -> None:
+        # A stranger who varies his requests must not make the memory grow.
         if len(self._windows) > MOST_KINDS:
             self._tell(self._windows.pop(next(iter(self._windows))))
 

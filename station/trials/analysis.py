@@ -12,7 +12,9 @@ from station.trials.parameters import gains_under, sort_out
 from station.trials.results import Results, Row
 from station.trials.trial import Trial
 
+# One less than a round number: the observed order counts as one more permutation.
 _PERMUTATIONS = 9999
+# Literal, so that a comparison gives the same probability each time.
 _SEED = 1
 
 
@@ -255,4 +257,5 @@ def _permutation_test(one: Column, other: Column) -> float:
         difference = together[: len(one)].mean() - together[len(one) :].mean()
         # Rounding must not make equal differences different.
         as_far += abs(difference) >= seen - 1e-12 * abs(seen)
+    # The observed difference is itself one of the permutations: no p is 0.
     return (1.0 + as_far) / (1.0 + _PERMUTATIONS)

@@ -115,6 +115,8 @@ class BackgroundExperiments:
                 f"{MOST_TRIALS} at most.",
                 remedy="Run it with the command line, which may use a cluster.",
             )
+        # A request must not wait for another one, whose process may take a minute to
+        # begin.
         if not self._starting.acquire(blocking=False):
             raise ExperimentRunningError(
                 "Another experiment is being started; a station runs one at a time.",
@@ -166,6 +168,8 @@ class BackgroundExperiments:
             raise ExperimentRunningError(
                 f"The experiment '{name}' does not run.", details={"experiment": name}
             )
+        # Before the signal: the thread that follows reads it as soon as the process
+        # ends.
         self._is_cancelled = True
         process.interrupt()
 
@@ -177,6 +181,7 @@ class BackgroundExperiments:
             ExperimentRunningError: It runs, in this station or another.
             ExperimentError: The file cannot be deleted.
         """
+        # The command line may be writing the file from another process.
         if self._runs(name) or is_written(file_of(name)):
             raise ExperimentRunningError(
                 f"The experiment '{name}' runs.", remedy="Cancel it first."
@@ -240,4 +245,5 @@ class BackgroundExperiments:
 
 def spare_processors() -> int:
     """Return the processors a station may lend: all but one, at least one."""
+    # One is left to the control thread.
     return max(1, len(os.sched_getaffinity(0)) - 1)

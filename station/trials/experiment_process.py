@@ -71,6 +71,7 @@ class ExperimentProcess:
             StationError: The process refuses it.
             ExperimentError: It ended before it began.
         """
+        # Reading a pipe has no time limit; the end of the process closes it.
         guard = threading.Timer(_BEGIN_TIMEOUT, self._process.kill)
         guard.daemon = True
         guard.start()
@@ -105,6 +106,7 @@ class ExperimentProcess:
     def end(self) -> None:
         """End it and its workers now; what has ended is kept."""
         with contextlib.suppress(BrokenPipeError):  # it may have ended already
+            # A worker that reads its orders ends when they do.
             self._orders.close()
         try:
             self._process.wait(_END_TIMEOUT)
@@ -136,6 +138,7 @@ def _check(begun: Mapping[str, Any]) -> None:
     kinds: list[type[StationError]] = [StationError]
     for kind in kinds:
         kinds.extend(kind.__subclasses__())
+    # Base classes last: of two classes with one code the more general one is raised.
     known = {kind.code: kind for kind in reversed(kinds)}
     found = known.get(refused["code"], ExperimentError)
     raise found(

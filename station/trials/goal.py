@@ -9,6 +9,8 @@ from station.trials.errors import ExperimentError, ImpossibleRangeError
 from station.trials.metrics import LARGER_IS_BETTER, check_metric
 from station.trials.trial import TrialResult
 
+# Far above `_VIOLATED`, and that above any cost of a good trial: a search prefers a
+# slow trial to a violation, and that to a failure.
 _FAILED = 1e6
 """Cost of a trial that failed."""
 _VIOLATED = 1e3

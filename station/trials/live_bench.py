@@ -126,6 +126,8 @@ class LiveBench:
         deadline = self._now() + _PATIENCE + _SLOWEST * request.duration
         cycle, due = 0, -1
         try:
+            # Control is asked for again before each set-point: its holder may change at
+            # any time.
             while cycle < cycles:
                 if cycle > due:
                     admit()
@@ -136,6 +138,7 @@ class LiveBench:
                 cycle = self._station.loop.cycle - first
                 self._check_speeds(fastest)
                 self._check_on_the_way(joint, start, allowed, deadline)
+        # The joint is brought back before the reason is told: nobody else would do it.
         except BenchRefusedError:
             self._brake(controller, begin, admit)
             self._go_back(controller, begin, admit)

@@ -112,6 +112,7 @@ class Channel(ABC):
                 for client in tuple(self._clients):
                     self._right_of_way.give()
                     client.ticked()
+                # A late tick is not made up for: clients take the newest only.
                 deadline = max(deadline + self._period, loop.time())
                 await asyncio.sleep(deadline - loop.time())
         except Exception as error:  # noqa: BLE001 - kept; every client gets it
@@ -151,6 +152,7 @@ class StateChannel(Channel):
     @property
     @override
     def beginning(self) -> int:
+        # One before the newest: a new client gets the present state without waiting.
         return max(0, self._frame.seq - 1)
 
     @override
@@ -163,6 +165,7 @@ class StateChannel(Channel):
         now = asyncio.get_running_loop().time()
         if payload is None:
             return
+        # A paused station makes no cycles; the heartbeat shows that the link lives.
         if payload.cycle == self._cycle and now - self._made_at < HEARTBEAT:
             return
         self._cycle = payload.cycle
@@ -289,6 +292,7 @@ class EventChannel(Channel):
         frame = self._frames.get(after + 1)
         if frame is not None:
             return frame
+        # An event must not be left out silently; the client reads what it missed.
         if not self._topic.log.is_in_memory(after):
             raise FramesLostError
         found = self._topic.log.recent(after)

@@ -211,6 +211,8 @@ class CommandStream:
             if message is None:
                 continue
             self._settle()
+            # Before the message is parsed: control that is lost ends the stream,
+            # whatever it says.
             self._control.check(self._access, self._request.lease)
             try:
                 self._apply(message)
@@ -260,6 +262,7 @@ class CommandStream:
         while True:
             await asyncio.sleep(REPORT_PERIOD)
             found = self.counts()
+            # The cycle changes always, and alone is no news.
             if {**found, "cycle": 0} != {**told, "cycle": 0}:
                 told = found
                 await _send(websocket, self._request.format, found)
@@ -271,6 +274,7 @@ class CommandStream:
 
 
 def _set_from_anywhere(loop: asyncio.AbstractEventLoop, event: asyncio.Event) -> None:
+    # A listener may be called once more while the server shuts down.
     if not loop.is_closed():
         loop.call_soon_threadsafe(event.set)
 

@@ -117,6 +117,7 @@ class RingSamples(CycleSamples):
     @override
     def since(self, cycle: int, newest: int) -> Payload | None:
         snapshots, lost = self._station.snapshots.read_since(cycle)
+        # Up to the cycle of this tick, so that clients that keep up share one batch.
         snapshots = snapshots[: min(self._limit, newest - cycle)]
         if not snapshots:
             return None

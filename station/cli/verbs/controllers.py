@@ -203,6 +203,7 @@ def _parameters_of(name: str, path: Path) -> dict[str, Any]:
     Raises:
         UsageError: It has none for that name.
     """
+    # Imported late: other verbs need no reader of configurations.
     from station.config.ros_parameters import split_ros_parameters
     from station.core.yaml_reader import read_yaml
 

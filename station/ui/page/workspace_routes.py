@@ -81,6 +81,7 @@ class WorkspaceRoutes:
         self._sessions = sessions
         self._find = find
         self._control = ControlRoutes(parts.access, find)
+        # One text at a time: parsing YAML holds the interpreter, and STOP shares it.
         self._one_text = anyio.CapacityLimiter(1)
 
     def routes(self) -> "list[BaseRoute]":
