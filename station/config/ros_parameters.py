@@ -35,7 +35,7 @@ class RosParameters:
     paths: dict[str, str] = field(default_factory=dict)
 
     def add_file(self, other: "RosParameters", name: str) -> None:
-        """Add what another file has, as `rosparam load` does: its values win.
+        """Add the values of another file, as `rosparam load` does: they win.
 
         Args:
             other: The content of the other file.

@@ -118,13 +118,13 @@ class EventLog:
         """Record that something happened; return the event.
 
         Args:
-            kind: What it is about.
+            kind: Kind of the event.
             text: A sentence for people; cut off after `MAX_TEXT` characters.
             severity: How much it asks for attention.
             what: Method and route, or the subject.
             result: How it ended, in one or two words.
             details: More facts; what JSON does not have is kept as text.
-            origin: Who did it, and from where.
+            origin: Person or program that did it, and its address.
         """
         stamp, cycle = self._station_time()
         # Memory and disk give the same answer, whatever objects the caller has handed
@@ -279,7 +279,7 @@ class EventLog:
             )
 
     def close(self, timeout: float = 1.0) -> None:
-        """Write what is pending and end the thread.
+        """Write the pending events and end the thread.
 
         Args:
             timeout: Longest wait [s].

@@ -81,7 +81,7 @@ def ranked(results: Results, metric: str | None = None) -> list[Row]:
 
     Args:
         results: The experiment.
-        metric: What decides; when None, the goal of a search, or else `rms_error`.
+        metric: Metric that ranks; None: the goal of a search, or else `rms_error`.
 
     Raises:
         UnknownParameterError: There is no such metric.
@@ -115,7 +115,7 @@ def _first(results: Results, rows: Sequence[Row]) -> Mapping[str, float]:
     """Return the metrics of the trial at which a search began.
 
     Raises:
-        ExperimentError: It has not ended.
+        ExperimentError: The first trial has not ended.
     """
     for row in rows:
         if row.result.hash == results.plan.get("first"):
@@ -155,9 +155,9 @@ def gains_of(results: Results, trial: Trial) -> dict[str, dict[str, float]]:
     """Return the gains that a trial says something of, by controller and name.
 
     Raises:
-        ExperimentError: It says nothing of gains, or scales some whose values before
+        ExperimentError: The trial changes no gains, or scales some whose values before
             the experiment does not know.
-        UnknownParameterError: It scales gains that there are not.
+        UnknownParameterError: The trial scales gains that do not exist.
     """
     wanted = sort_out(trial.parameters)
     found = {name: dict(values) for name, values in wanted.gains.items()}

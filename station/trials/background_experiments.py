@@ -56,8 +56,8 @@ class RunState:
 class BackgroundExperiments:
     """Starts, follows and cancels the experiments of a station. Any thread.
 
-    The process that runs one has a low priority, and ends when the station does, even
-    when that is killed; so do its workers. What has ended is kept.
+    An experiment runs in a process of low priority, which ends with the station, even
+    if the station is killed; its workers end, too. Trials that have ended are kept.
 
     Args:
         setup: The configuration of the station.
@@ -65,7 +65,7 @@ class BackgroundExperiments:
         command: The program that runs an experiment.
 
     Attributes:
-        tell: Is called whenever the state changes, in a thread of its own.
+        tell: Called at every change of the state, in a thread of its own.
     """
 
     def __init__(
@@ -98,14 +98,14 @@ class BackgroundExperiments:
         """Start an experiment; return its name once all that was asked is checked.
 
         Args:
-            request: What is asked for.
+            request: Request of the caller.
             gains: The gains in force, by controller and name.
             loaded: Parameters of the controllers that are loaded now, by name; those
                 of the configuration when None.
 
         Raises:
             ExperimentRunningError: Another one runs.
-            TooManyExperimentsError: It would have too many trials, or too many
+            TooManyExperimentsError: The request has too many trials, or too many
                 experiments are kept.
             StationError: A name or value is not allowed; nothing was started.
         """
@@ -160,7 +160,7 @@ class BackgroundExperiments:
 
         Raises:
             ExperimentNotFoundError: There is none of that name.
-            ExperimentRunningError: That one does not run.
+            ExperimentRunningError: The experiment does not run.
         """
         process = self._process
         if process is None or not self._runs(name):
@@ -178,7 +178,7 @@ class BackgroundExperiments:
 
         Raises:
             ExperimentNotFoundError: There is none of that name.
-            ExperimentRunningError: It runs, in this station or another.
+            ExperimentRunningError: The experiment runs, in this station or another.
             ExperimentError: The file cannot be deleted.
         """
         # The command line may be writing the file from another process.
@@ -189,7 +189,7 @@ class BackgroundExperiments:
         Results.open(file_of(name)).delete()
 
     def close(self) -> None:
-        """End the process, if one runs; what has ended is kept."""
+        """End the process, if one runs; ended trials are kept."""
         if self._process is not None:
             self._process.end()
 
@@ -220,7 +220,7 @@ class BackgroundExperiments:
             )
 
     def _follow(self, process: ExperimentProcess, state: RunState) -> None:
-        """Read what the process tells until it ends. Its own thread."""
+        """Read the reports of the process until it ends. Its own thread."""
         end = None
         for told in process.lines():
             if "end" in told:

@@ -182,8 +182,8 @@ async def first_end(
     """Wait for the first of some ends of a connection; the others are cancelled.
 
     Args:
-        ends: What returns when the connection is to end, and how to close it then.
-        what: What fails when one of them raises, for the log.
+        ends: Coroutines that return when the connection must end; code and reason.
+        what: Name of the connection in the log, if one of them raises.
 
     Returns:
         How to close: (0, "") when the client is gone already.
@@ -209,7 +209,7 @@ async def first_end(
 
 
 async def _drain(websocket: WebSocket) -> None:
-    """Read and forget what the client says; return when it is gone."""
+    """Read and drop the client's messages; return when the client is gone."""
     while True:
         message = await websocket.receive()
         if message["type"] == "websocket.disconnect":

@@ -26,7 +26,7 @@ class ChannelClient(Protocol):
     """Client that takes the frames of a channel."""
 
     def ticked(self) -> None:
-        """Take what there is; called after every tick."""
+        """Take the waiting frames; called after every tick."""
 
     def failed(self, error: BaseException) -> None:
         """Give up: there will be no more frames."""
@@ -36,7 +36,7 @@ class Channel(ABC):
     """Ticks at a rate and hands out frames. For one event loop.
 
     Args:
-        request: What its clients ask for.
+        request: Request that its clients have in common.
         right_of_way: Tells when to wait for the control thread.
         period: Time between two ticks [s].
     """
@@ -76,7 +76,7 @@ class Channel(ABC):
 
     @abstractmethod
     async def tick(self) -> None:
-        """Make what there is to take."""
+        """Make the frames of this tick."""
 
     def join(self, client: ChannelClient) -> None:
         """Tell `client` of every tick from now on."""
@@ -125,7 +125,7 @@ class StateChannel(Channel):
     """The newest state at a rate.
 
     Args:
-        request: What its clients ask for.
+        request: Request that its clients have in common.
         right_of_way: Tells when to wait for the control thread.
         topic: Where the state comes from.
         rate: Frames per second [Hz].
@@ -184,7 +184,7 @@ class FullChannel(Channel):
     """Every cycle, in batches; a frame's number is that of its last cycle.
 
     Args:
-        request: What its clients ask for.
+        request: Request that its clients have in common.
         right_of_way: Tells when to wait for the control thread.
         topic: Where the samples come from.
     """
@@ -252,7 +252,7 @@ class EventChannel(Channel):
     """Every event, one a frame; a frame's number is that of its event.
 
     Args:
-        request: What its clients ask for.
+        request: Request that its clients have in common.
         right_of_way: Tells when to wait for the control thread.
         topic: Where the events come from.
         rate: How often it looks for events [Hz].

@@ -95,8 +95,8 @@ class CommandStream:
     Args:
         station: The station.
         control: The lease of control.
-        access: What the client may do.
-        request: What the client asks for.
+        access: Rights of the client.
+        request: Request of the client.
     """
 
     def __init__(
@@ -229,7 +229,7 @@ class CommandStream:
 
         Raises:
             ControlHeldError: Somebody else holds control.
-            ValueError: It is malformed, or asks to be valid for too long.
+            ValueError: The message is malformed, or asks to be valid for too long.
         """
         motion, request = self._station.motion, self._request
         command = _read(message, request.format)
@@ -292,7 +292,8 @@ def _read(message: bytes | str, form: StreamFormat) -> CommandRequest:
     """Return the set-point in a message.
 
     Raises:
-        ValueError: It is none; pydantic's and both decoders' errors are ValueErrors.
+        ValueError: The message has no set-point; errors of pydantic and of both
+            decoders are ValueErrors.
     """
     if form == "json":
         values = orjson.loads(message)

@@ -92,7 +92,7 @@ class CycleSamples(ABC):
 
 
 class RingSamples(CycleSamples):
-    """Samples of what every cycle leaves in the ring of snapshots.
+    """Samples of the snapshots in the ring.
 
     Args:
         station: The station.

@@ -128,7 +128,7 @@ class GainTuning:
 
         Raises:
             ControllerNotFoundError: No controller of that name is loaded.
-            GainsChangedError: It is not.
+            GainsChangedError: The gains have another revision now.
         """
         self._manager.get_controller(name)
         # After the name was looked up: an unknown one would be at revision 0 as well.

@@ -58,7 +58,7 @@ class MotionCommands:
 
         Raises:
             ControllerNotFoundError: None of that name is loaded.
-            InvalidCommandError: It takes no set-points.
+            InvalidCommandError: The controller takes no set-points.
         """
         port = self._set_point_port(name)
         last, size = port.last, len(port.elements)
@@ -108,8 +108,9 @@ class MotionCommands:
 
         Raises:
             ControllerNotFoundError: None of that name is loaded.
-            ControllerStateError: It is not running.
-            InvalidCommandError: It takes no set-points or no rates, or they are
+            ControllerStateError: The controller is not running.
+            InvalidCommandError: The controller takes no set-points or no rates, or they
+                are
                 malformed.
             StaleEpochError: `epoch` is not the present epoch.
             StoppedError: The station is stopped.
@@ -139,12 +140,12 @@ class MotionCommands:
     def _whole(
         self, name: str, port: SetPointPort, values: Sequence[float | None]
     ) -> list[float]:
-        """Return a set-point with what is in force for each None.
+        """Return a set-point in which the values in force replace each None.
 
         Raises:
             ControllerNotFoundError: None of that name is loaded.
-            ControllerStateError: It is not running.
-            InvalidCommandError: What is in force is not known.
+            ControllerStateError: The controller is not running.
+            InvalidCommandError: The set-point in force is not known.
             StoppedError: The station is stopped.
             LoopError: The loop died.
         """
@@ -171,7 +172,7 @@ class MotionCommands:
         ]
 
     def let_go(self, names: Iterable[str], reason: str) -> None:
-        """End what controllers were commanded: their commander has lost control.
+        """End the motions of controllers whose commander has lost control.
 
         Set-points expire now, as if nobody had renewed them: what a controller then
         does is what its `command_timeout` parameters say, it holds or it stops. A
@@ -201,7 +202,7 @@ class MotionCommands:
 
         Raises:
             ControllerNotFoundError: None of that name is loaded.
-            InvalidCommandError: It takes no trajectories.
+            InvalidCommandError: The controller takes no trajectories.
         """
         receipt = self.receipt()
         self._trajectory_port(name).hold(receipt)
@@ -227,13 +228,14 @@ class MotionCommands:
 
         Raises:
             ControllerNotFoundError: None of that name is loaded.
-            ControllerStateError: It is not running.
-            InvalidCommandError: It takes no goals, or `request` is malformed.
+            ControllerStateError: The controller is not running.
+            InvalidCommandError: The controller takes no goals, or `request` is
+                malformed.
             InvalidTrajectoryError: `request` cannot be followed.
             StaleEpochError: `epoch` is not the present epoch.
             StoppedError: The station is stopped.
             LoopError: The loop died.
-            StationError: One of these came true meanwhile; nothing moves.
+            StationError: One of these conditions came true meanwhile; nothing moves.
         """
         port = self._goal_port(name)
         admit()
@@ -256,7 +258,7 @@ class MotionCommands:
 
         Raises:
             ControllerNotFoundError: None of that name is loaded.
-            InvalidCommandError: It takes no goals.
+            InvalidCommandError: The controller takes no goals.
         """
         return self._goal_port(name).goals()
 
@@ -265,8 +267,8 @@ class MotionCommands:
 
         Raises:
             ControllerNotFoundError: None of that name is loaded.
-            GoalNotFoundError: It knows no such goal.
-            InvalidCommandError: It takes no goals.
+            GoalNotFoundError: The controller knows no such goal.
+            InvalidCommandError: The controller takes no goals.
         """
         return self._goal_port(name).get(identifier)
 
@@ -278,8 +280,8 @@ class MotionCommands:
 
         Raises:
             ControllerNotFoundError: None of that name is loaded.
-            GoalNotFoundError: It knows no such goal.
-            InvalidCommandError: It takes no goals.
+            GoalNotFoundError: The controller knows no such goal.
+            InvalidCommandError: The controller takes no goals.
         """
         port = self._goal_port(name)
         goal = port.get(identifier)
@@ -323,13 +325,13 @@ class MotionCommands:
 
         Raises:
             ControllerNotFoundError: None of that name is loaded.
-            ControllerStateError: It is not running.
+            ControllerStateError: The controller is not running.
             InvalidTrajectoryError: `request` cannot be followed.
-            InvalidCommandError: It takes no trajectories.
+            InvalidCommandError: The controller takes no trajectories.
             StaleEpochError: `epoch` is not the present epoch.
             StoppedError: The station is stopped.
             LoopError: The loop died.
-            StationError: One of these came true meanwhile; nothing moves.
+            StationError: One of these conditions came true meanwhile; nothing moves.
         """
         port = self._trajectory_port(name)
         admit()
@@ -354,8 +356,8 @@ class MotionCommands:
 
         Raises:
             ControllerNotFoundError: None of that name is loaded.
-            ControllerStateError: It is not running.
-            InvalidCommandError: It takes no trajectories.
+            ControllerStateError: The controller is not running.
+            InvalidCommandError: The controller takes no trajectories.
             InvalidTrajectoryError: `time` is before its trajectory, or not finite.
         """
         port = self._trajectory_port(name)
@@ -393,7 +395,7 @@ class MotionCommands:
         """Refuse commands of a controller that does not run.
 
         Raises:
-            ControllerStateError: It is not running.
+            ControllerStateError: The controller is not running.
         """
         if not controller.is_running():
             raise ControllerStateError(

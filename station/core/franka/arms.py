@@ -31,8 +31,9 @@ class ArmReport:
         robot_mode: Mode of the arm.
         is_connected: Whether the arm is connected.
         errors: The present errors, or else the errors that ended the last motion.
-        remedy: What to do before the arm can move; None when it can move.
-        caution: What is about to end a motion, and what to do; None when nothing is.
+        remedy: Step needed before the arm can move; None when it can move.
+        caution: Error that is about to be raised, and a remedy; None when there is
+            none.
     """
 
     arm_id: str

@@ -31,7 +31,7 @@ from station.reports import HardwareTransmission
 
 
 class CombinedWorld(SimulatedWorld):
-    """Passes on what is asked to the worlds of simulated robots, in their order.
+    """Passes requests on to the worlds of simulated robots, in their order.
 
     Args:
         worlds: Each robot with its world; at least one.

@@ -399,7 +399,7 @@ def gain_label(name: str, unit: str) -> str:
 
 
 def set_value(widget: viser.GuiInputHandle[_Value], value: _Value) -> None:
-    """Set what an input shows, in all browsers."""
+    """Set the value that an input shows, in all browsers."""
     # Viser's setter is real, but mypy does not see it: a method stands in between.
     widget.value = value  # type: ignore[misc]
 

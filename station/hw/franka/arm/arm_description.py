@@ -46,15 +46,15 @@ def find_prefix(description: RobotFiles) -> str:
 def load_arm_description(reference: str, limits: ArmLimits) -> RobotFiles:
     """Find and read the URDF of an arm.
 
-    A Panda's URDF, by the names in it, gets the limits of the kind of arm that it is to
-    be. A URDF with other names keeps its limits.
+    A URDF with the names of a Panda gets the limits of the wanted kind of arm. A URDF
+    with other names keeps its limits.
 
     Args:
         reference: `example-robot-data:<robot>` or the path of a URDF file.
-        limits: What this kind of arm can do.
+        limits: Limits of this kind of arm.
 
     Raises:
-        RobotDescriptionError: It cannot be found or read, or is no Franka arm.
+        RobotDescriptionError: The URDF cannot be found or read, or is no Franka arm.
     """
     description = load_robot_files(reference)
     prefix = find_prefix(description)

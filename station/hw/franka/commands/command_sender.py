@@ -66,7 +66,7 @@ class CommandSender:
         """Take commands of the kinds in `mode` from now on, seeded with rest.
 
         Args:
-            mode: What is commanded.
+            mode: Kinds of commands.
             settings: How it is passed on.
         """
         self.refusal = None
@@ -125,7 +125,7 @@ class CommandSender:
             self.send_all(False)  # noqa: FBT003 - positional in C
 
     def send_all(self, is_new: bool) -> None:  # noqa: FBT001 - positional in C
-        """Filter and send what is commanded, as it is now.
+        """Filter and send the present commands.
 
         Args:
             is_new: Whether controllers have updated since the last call.

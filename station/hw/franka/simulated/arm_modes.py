@@ -289,7 +289,7 @@ class ArmModes:
         return found
 
     def is_still(self) -> bool:
-        """Return whether no joint moves, whatever is desired."""
+        """Return whether no joint moves, without regard to the desired motion."""
         return max(map(abs, self._state.dtheta)) < REST_VELOCITY
 
     def set_user_stop(self, *, pressed: bool) -> None:

@@ -77,7 +77,7 @@ class ArmStep(Preparation):
 
     Attributes:
         modes: The modes of the arm; set before the first step.
-        generator: What the motion commands.
+        generator: Kind of the commands of the motion.
         wants_torques: Whether the motion commands torques.
         has_load: Whether a load is configured.
         has_faults: Whether a simulated fault acts.

@@ -147,7 +147,7 @@ class ArmSupervisor(AlertFlag):
         self.is_alert = True
 
     def _accept(self) -> None:
-        """Take what is out of range now for known."""
+        """Note the values that are out of range now as known."""
         found = self._watch.violations.errors()
         self._known = {(e.name, e.where): _excess(e) for e in found}
 

@@ -145,10 +145,10 @@ class ContactEstimate(ContactFlag):
         """Take over the torques for the configured load; `update` asks for them."""
 
     def react_to(self, found: int) -> bool:
-        """Do what the observer cannot do by itself; there is none.
+        """Serve the requests of an observer; there is none here.
 
         Args:
-            found: What `FrictionAndObserver.sense` has returned, not 0.
+            found: Result of `FrictionAndObserver.sense`, not 0.
 
         Returns:
             Whether the next command is to be lost on its way.

@@ -75,7 +75,7 @@ class FrankaDynamics:
 
         Args:
             q: Joint positions [rad], shape (7,).
-            load: What is fixed to the flange.
+            load: Body fixed to the flange.
         """
         self._set(q, load)
         if self.is_new(_MASS):
@@ -90,7 +90,7 @@ class FrankaDynamics:
         Args:
             q: Joint positions [rad], shape (7,).
             dq: Joint velocities [rad/s], shape (7,).
-            load: What is fixed to the flange.
+            load: Body fixed to the flange.
         """
         self._set(q, load)
         rates = viewed(dq)
@@ -108,7 +108,7 @@ class FrankaDynamics:
 
         Args:
             q: Joint positions [rad], shape (7,).
-            load: What is fixed to the flange.
+            load: Body fixed to the flange.
             gravity_earth: Acceleration of gravity in the base frame [m/s^2], (3,).
         """
         self._set(q, load)
@@ -131,7 +131,7 @@ class FrankaDynamics:
             q: Joint positions [rad], shape (7,).
             dq: Joint velocities [rad/s], shape (7,).
             ddq: Joint accelerations [rad/s^2], shape (7,).
-            load: What is fixed to the flange.
+            load: Body fixed to the flange.
             gravity_earth: Acceleration of gravity in the base frame [m/s^2], (3,).
         """
         mass = self.mass(q, load)
@@ -149,7 +149,7 @@ class FrankaDynamics:
 
         Args:
             what: A number for what is computed; those of the frames are for Jacobians.
-            arguments: What it depends on besides positions and load.
+            arguments: Further numbers that it depends on, as bytes.
         """
         wanted = (self._dynamics.version, arguments)
         if self._known.get(what) == wanted:
@@ -167,7 +167,7 @@ class FrankaDynamics:
 
         Args:
             q: Joint positions [rad], shape (7,); read in every cycle, as `tool`.
-            tool: What is fixed, in the frame of the flange, 16 numbers.
+            tool: Pose of the body in the frame of the flange, 16 numbers.
         """
         return ToolPoseSource(self._dynamics, q, self.links, tool)
 
@@ -176,7 +176,7 @@ class FrankaDynamics:
 
         Args:
             q: Joint positions [rad], shape (7,); read in every cycle, as `tool`.
-            tool: What is fixed, in the frame of the flange, 16 numbers.
+            tool: Pose of the body in the frame of the flange, 16 numbers.
         """
         return ToolJacobianSource(self.tool_pose_source(q, tool))
 

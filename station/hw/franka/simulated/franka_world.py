@@ -69,7 +69,7 @@ class ArmPlacement:
         limits: Limits of this kind of arm.
         thresholds: Thresholds that Franka does not publish.
         service_limits: The largest pushes.
-        realism: What disturbs the arm; None for an ideal arm.
+        realism: Disturbances of the arm; None for an ideal arm.
     """
 
     arm_id: str

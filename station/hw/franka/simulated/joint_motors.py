@@ -67,7 +67,7 @@ class JointMotors:
         self.late_ddq = own(none)
 
     def engage(self, stiffness: Sequence[float], damping: Sequence[float]) -> None:
-        """Let an impedance act from the next step on, and forget what was wanted.
+        """Let an impedance act from the next step on, and forget the noted motion.
 
         Args:
             stiffness: Stiffness of the joints [Nm/rad], shape (n,).

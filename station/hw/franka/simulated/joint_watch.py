@@ -47,7 +47,7 @@ class JointWatch:
         has_hand: Whether a hand is mounted.
 
     Attributes:
-        violations: What was found in the last cycle.
+        violations: Violations in the last cycle.
         room: How far a point of the arm may still move until a distance may have become
             too short [m].
     """

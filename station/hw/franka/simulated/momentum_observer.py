@@ -55,7 +55,7 @@ class MomentumObserver(ContactEstimate):
         state: The arm's state.
         limits: The arm's limits.
         load_torques: As for `ContactEstimate`.
-        realism: What disturbs the arm.
+        realism: Disturbances of the arm.
         memory: State of the joints.
         simulator: The simulator's memory of the joints.
 

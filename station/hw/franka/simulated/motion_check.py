@@ -44,7 +44,7 @@ class MotionCheck:
         period: Duration of a cycle [s], > 0.
 
     Attributes:
-        violations: What was found since the last `clear`.
+        violations: Violations since the last `clear`.
     """
 
     def __init__(self, memory: JointMemory, limits: ArmLimits, period: float) -> None:

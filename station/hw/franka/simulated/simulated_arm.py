@@ -47,7 +47,7 @@ class SimulatedArm(RobotArm):
 
     Args:
         world: The world, with gravity compensation for this arm.
-        parts: What the arm is made of.
+        parts: Parts of the arm.
         description: The URDF of the arm.
         service_limits: The largest pushes.
 
@@ -272,7 +272,7 @@ class SimulatedArm(RobotArm):
             state.robot_mode = RobotMode.IDLE
 
     def _react_to_observer(self, found: int) -> None:
-        """Do what the observer asks for; now and then a command is lost."""
+        """Serve the requests of the observer, e.g. the loss of a command."""
         # Only a motion has commands that can be lost.
         if self.contact.react_to(found) and self.state.robot_mode is RobotMode.MOVE:
             self._faults.drop()
@@ -282,7 +282,7 @@ class SimulatedArm(RobotArm):
         """Bring the contacts up to date, and find errors in the readings.
 
         Args:
-            found: What `ArmStep.read_joints` has found.
+            found: Result of `ArmStep.read_joints`.
         """
         has_diverged = self._world.diverged_because is not None
         # First of all: the readings of a diverged world mean nothing.

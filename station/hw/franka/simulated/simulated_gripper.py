@@ -92,7 +92,7 @@ class SimulatedGripper:
         motor.target = width / 2.0
 
     def press(self, force: float, *, is_damped: bool = False) -> None:
-        """Let the motor give a force, whatever the width becomes.
+        """Let the motor give a force, without regard to the width.
 
         Args:
             force: On each finger [N], > 0 opens.
