@@ -32,7 +32,7 @@ class Announcement:
             f"API        {self.api_url}/docs",
             f"Token      {self.token} (also in {self.runtime_file})",
             f"Robot      {self.robot}",
-            f"Kernel     {self.kernel}",
+            f"Cycle      {self.kernel}",
         ]
 
     def dashboard_line(self) -> str:
