@@ -20,8 +20,8 @@ _ONE_MANAGER = (
 T = TypeVar("T")
 _TYPE = re.compile(r"[A-Za-z_][\w.]*[/:][A-Za-z_]\w*")
 # Keys besides controllers that a station reads. Files written for ROS may have any
-# other, so only a name that is nearly one of these is refused: at 0.8 `sceen` is one, and
-# MoveIt's `robot_description_planning` is none.
+# other, so only a name that is nearly one of these is refused: at 0.8 `sceen` is, and
+# MoveIt's `robot_description_planning` is not.
 _ROOT_KEYS = ("joint_limits", "robot_description", "scene")
 _NEARLY = 0.8
 

@@ -77,8 +77,8 @@ def test_a_signal_ends_it_at_once_and_cleanly(fake_station, number):
         _, errors = process.communicate(timeout=60)
     assert process.returncode == 0
     assert "Traceback" not in errors
-    # One second is promised. The start computes much and waits for nothing: it tells how
-    # much longer that takes on this machine now.
+    # One second is promised. The start computes much and waits for nothing: it tells
+    # how much longer work takes on this machine now.
     assert time.monotonic() - began < 1.0 + (began - launched)
 
 
