@@ -19,7 +19,7 @@ def __getattr__(name: str) -> Any:  # noqa: ANN401 - the stub beside this file h
 
     Raises:
         AttributeError: There is no such name.
-        MissingExtraError: It needs an extra of this distribution, and which.
+        MissingExtraError: The name needs an extra of this distribution that is missing.
     """
     try:
         if name == "open":

@@ -133,7 +133,7 @@ def built_record(package: Path) -> BuildRecord:
     """Return the record of the extensions that lie in a package now.
 
     Raises:
-        OSError: One of them is missing.
+        OSError: An extension is missing.
     """
     names = [SHARED, *compiled_modules()]
     paths = [f"{name.partition('.')[2].replace('.', '/')}{SUFFIX}" for name in names]
@@ -194,7 +194,7 @@ def find_misfit() -> str | None:
 
 
 def present_status() -> CompilationStatus:
-    """Return the implementation that runs, and what was built since the start."""
+    """Return the running implementation, and the state of a build since the start."""
     now = status()
     if now.is_compiled or now.is_forced:
         return now

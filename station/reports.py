@@ -1,4 +1,4 @@
-"""Reports: what a station says of itself, described once for core, API and client.
+"""Reports of a station on itself, described once for core, API and client.
 
 The core fills these dataclasses, the API sends them as they are, and the client reads
 them back. The module needs the standard library alone, so that the core stays free of
@@ -337,9 +337,9 @@ class PlaybackState(TextEnum):
     SUCCEEDED = "succeeded"
     """The robot is at the last waypoint."""
     CANCELLED = "cancelled"
-    """Somebody ended it."""
+    """A caller ended it."""
     ABORTED = "aborted"
-    """It could not go on."""
+    """Its controller could not go on."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -401,11 +401,11 @@ class Severity(TextEnum):
     """Severity of an event."""
 
     INFO = "info"
-    """Something happened as it should."""
+    """An event of ordinary operation."""
     WARNING = "warning"
-    """Something was refused, stopped, or came too late."""
+    """A request was refused, a motion was stopped, or a cycle came too late."""
     ERROR = "error"
-    """Something failed."""
+    """A part of the station or of the robot failed."""
 
     @property
     def rank(self) -> int:
@@ -419,11 +419,11 @@ class EventKind(TextEnum):
     STATION = "station"
     """The station starts, ends, or could not do part of its start."""
     REQUEST = "request"
-    """Somebody asked for a change, which was carried out or refused."""
+    """A change was requested, and carried out or refused."""
     LOGIN = "login"
     """A browser has logged in or out."""
     LOGIN_FAILED = "login_failed"
-    """Somebody showed a token that the station does not know."""
+    """A caller showed a token that the station does not know."""
     TOKEN = "token"
     """A named token was made, revoked, or has expired."""
     CONTROL = "control"
@@ -453,14 +453,14 @@ class EventKind(TextEnum):
     EXPERIMENT = "experiment"
     """An experiment began, came further or ended."""
     ALARM = "alarm"
-    """Somebody has acknowledged an alarm."""
+    """A person has acknowledged an alarm."""
     EVENTS = "events"
     """The event log itself: events could not be written, or can be again."""
 
 
 @dataclass(frozen=True, slots=True)
 class Event(Report):
-    """Something that happened at the station.
+    """An event at the station.
 
     Attributes:
         id: Number of the event, from 1; goes on growing when the station restarts.

@@ -194,7 +194,7 @@ def status(
         station: The station.
         versions: Versions of the packages.
         events: How the event log is doing.
-        operator: Who holds control.
+        operator: Name of the holder of control.
     """
     found = station.status()
     return wire.Status.model_validate({

@@ -85,7 +85,7 @@ def create_app(
     """Return the application that serves `station`.
 
     Args:
-        station: What it serves.
+        station: The station that the API serves.
         authenticator: Knows the tokens.
         policy: Which hosts and origins are allowed; localhost and numeric ones when
             left out.

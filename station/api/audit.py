@@ -1,4 +1,4 @@
-"""The audit: who asked for which change, from where, when, and with what result."""
+"""The audit: every requested change with its caller, address, time and result."""
 
 import time
 from collections.abc import Callable
@@ -27,14 +27,14 @@ _HEARTBEAT = "PATCH /control"
 
 
 def note_access(connection: HTTPConnection, access: Access) -> None:
-    """Note who is behind a request or a WebSocket.
+    """Note the caller of a request or a WebSocket.
 
     Many people may share a token. The holder of control has given a name, and is called
     by it as well in what is changed.
 
     Args:
         connection: The request.
-        access: What it has proved.
+        access: Rights that its token has proved.
     """
     who = access.name
     if connection.scope.get("method") not in _READS:
@@ -44,7 +44,7 @@ def note_access(connection: HTTPConnection, access: Access) -> None:
 
 
 def note_preview(connection: HTTPConnection) -> None:
-    """Note that a request only asks what would happen: it leaves no event."""
+    """Note that a request is a preview: it leaves no event."""
     connection.scope.setdefault("state", {})[_PREVIEW] = True
 
 
@@ -161,7 +161,7 @@ class EventRecorder:
 
         Args:
             connection: Its request.
-            access: What it may do.
+            access: Rights of the client.
             what: `login` or `logout`.
         """
         found = origin_of(connection)
@@ -178,7 +178,7 @@ class EventRecorder:
 
         Args:
             connection: The request for it.
-            result: What the switch did.
+            result: Result of the switch.
         """
         names = [f"started {name}" for name in result.started]
         names += [f"stopped {name}" for name in result.stopped]

@@ -40,7 +40,7 @@ class Session:
     """A browser that has logged in. For one event loop.
 
     Args:
-        role: What it may do.
+        role: Role, which decides on its rights.
         clock: Ages it.
         token: The named token that it was opened with, with which it ends.
 
@@ -82,7 +82,7 @@ class Access:
     """Rights of a request or a WebSocket, and their proof.
 
     Attributes:
-        role: What it may do.
+        role: Role, which decides on its rights.
         session: The browser's session, also when a ticket of that session was shown;
             None for a token.
         token: The named token, also behind a session; None for the tokens that the
@@ -227,7 +227,7 @@ class Authenticator:
         """Return the value of a new session cookie.
 
         Args:
-            role: What the session may do.
+            role: Role of the session.
             token: The named token that opens it.
         """
         return self._sessions.open(role, token)

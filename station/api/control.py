@@ -22,7 +22,7 @@ DEFAULT_TTL = 10.0
 
 
 class ControlHeldError(StationError, PermissionError):
-    """Somebody else holds control."""
+    """Another client holds control."""
 
     code = "control_held"
 
@@ -35,16 +35,16 @@ class ControlNotHeldError(StationError, RuntimeError):
 
 @dataclass(frozen=True, slots=True)
 class Lease:
-    """The control of the station in somebody's hands.
+    """The control of the station, held by one client.
 
     Attributes:
         owner: Name of the person or program.
         key: Proves the lease; only its holder is told.
-        access: What the holder may do, and what proves it.
+        access: Rights of the holder, and their proof.
         since: Wall time when the lease began [s since 1970].
         ttl: How long it lasts after a heartbeat [s], > 0.
         deadline: When it ends without a heartbeat [s, monotonic].
-        heir: Who may take the lease over without force; None without one.
+        heir: Name of the client that may take over without force; None without one.
         commanded: Names of the controllers that were commanded under the lease.
     """
 
@@ -122,7 +122,7 @@ class Control:
         """Refuse a change by anybody but the owner, while there is one.
 
         Args:
-            access: What the caller may do.
+            access: Rights of the caller.
             key: The lease that the request names; None without one.
 
         Raises:
@@ -137,7 +137,7 @@ class Control:
         """Return the name of a caller, e.g. `ada (operator)` for the holder of control.
 
         Args:
-            access: What the caller may do.
+            access: Rights of the caller.
             key: The lease that the request names; None without one.
         """
         lease = self.present()
@@ -147,7 +147,7 @@ class Control:
         return access.name if lease.owner == access.name else named
 
     def is_lost(self, access: Access, key: str | None) -> bool:
-        """Return whether somebody else holds control."""
+        """Return whether another client holds control."""
         lease = self.present()
         return lease is not None and not lease.is_held_by(access, key)
 
@@ -164,13 +164,13 @@ class Control:
         """Take control, or keep it: the owner's call is a heartbeat.
 
         Args:
-            access: What the caller may do.
+            access: Rights of the caller.
             key: The lease that the request names; None without one.
             owner: Name of the person or program.
             ttl: How long the lease lasts without a heartbeat [s], > 0.
             force: Take the lease from whoever holds it, also from an owner who offers
                 it; what the former owner commanded is held.
-            origin: Who asks, and from where.
+            origin: Caller, and the caller's address.
 
         Raises:
             ControlHeldError: Somebody else holds control and `force` is false.
@@ -219,12 +219,12 @@ class Control:
         """Send a heartbeat; with `heir` name who may take over without force.
 
         Args:
-            access: What the caller may do.
+            access: Rights of the caller.
             key: The lease that the request names; None without one.
             ttl: How long the lease lasts from now on without a heartbeat [s]; as before
                 when None.
             heir: Name of the person or of the named token; as before when None.
-            origin: Who asks, and from where.
+            origin: Caller, and the caller's address.
 
         Raises:
             ControlHeldError: Somebody else holds control.
@@ -245,7 +245,7 @@ class Control:
             return self._lease
 
     def release(self, access: Access, key: str | None, origin: Origin) -> None:
-        """Give control back; what moves goes on.
+        """Give control back; motions go on.
 
         Raises:
             ControlHeldError: Somebody else holds control.
@@ -269,7 +269,7 @@ class Control:
         expires with the others. The controller is noted, to hold it if control is lost.
 
         Args:
-            access: What the caller may do.
+            access: Rights of the caller.
             key: The lease that the request names; None without one.
             controller: Name of the controller.
 
@@ -290,7 +290,7 @@ class Control:
         given before, and the second call refuses what comes later.
 
         Args:
-            access: What the caller may do.
+            access: Rights of the caller.
             key: The lease that the request names; None without one.
             controller: Name of the controller.
 
@@ -301,7 +301,7 @@ class Control:
             pass
 
     def listen(self, changed: Callable[[], None]) -> Callable[[], None]:
-        """Call `changed` whenever control changes hands; return what ends it.
+        """Call `changed` at every change of control; return a function that ends this.
 
         It may be called in any thread and must return at once.
         """

@@ -126,7 +126,7 @@ async def operator(
     access: AccessDep,
     services: ServicesDep,
 ) -> Role:
-    """Return the caller's role, which is operator, while nobody else holds control.
+    """Return the role of an operator, unless another client holds control.
 
     Raises:
         ControlHeldError: Somebody else holds control.
@@ -150,7 +150,7 @@ def refuse_late(
         now: Wall clock [s since 1970].
 
     Raises:
-        ProblemError: It comes too late, or the header is no number.
+        ProblemError: The request comes too late, or the header is no number.
     """
     told = headers.get(NOT_AFTER_HEADER)
     if told is None:

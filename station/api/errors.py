@@ -153,7 +153,7 @@ class ProblemError(HTTPException):
         status: HTTP status.
         code: Stable machine-readable name.
         detail: Which thing, its value, what is allowed.
-        remedy: What to do.
+        remedy: Advice to the user.
         headers: Extra response headers.
     """
 
@@ -238,7 +238,7 @@ def _remedy(error: errors.StationError) -> str:
 
 
 def _configuration_line(error: errors.StationError) -> str | None:
-    """Return the line of the configuration that would allow what was refused."""
+    """Return the line of the configuration that would allow the refused request."""
     if not isinstance(error, errors.ControllerModuleRefusedError):
         return None
     listed = error.details.get("allowed")

@@ -101,7 +101,7 @@ class IdempotentAnswers:
         refused before it began (malformed, not permitted) leaves nothing behind.
 
         Args:
-            who: Who asks; everybody has keys of their own.
+            who: Name of the caller; each caller has keys of its own.
             key: The key.
             request: The request.
             carry_out: Does what is asked for.

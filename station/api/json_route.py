@@ -31,7 +31,7 @@ class JsonRequest(Request):
 
         Raises:
             json.JSONDecodeError: It is no JSON.
-            ProblemError: It has more values than a request may have.
+            ProblemError: The body has more values than a request may have.
         """
         body = orjson.loads(await self.body())
         _check_values(body)

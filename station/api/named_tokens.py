@@ -53,7 +53,7 @@ class NamedToken:
     """A token as the station knows it. For one event loop.
 
     Attributes:
-        name: Whose token it is.
+        name: Owner of the token.
         role: `operator` or `viewer`.
         digest: SHA-256 of the token, hexadecimal.
         created: Wall time when it was made [s since 1970].
@@ -73,7 +73,7 @@ class NamedToken:
         return expired or self._revoked.is_set()
 
     def revoke(self) -> None:
-        """End the token, and what was opened with it."""
+        """End the token, its sessions and its streams."""
         self._revoked.set()
 
     async def wait_for_end(self) -> None:
@@ -128,13 +128,13 @@ class NamedTokens:
         """Make a token and return it; nobody can learn it afterwards.
 
         Args:
-            name: Whose token it is.
+            name: Owner of the token.
             role: `operator` or `viewer`.
             lifetime: How long it is valid [s], > 0; None until it is revoked.
 
         Raises:
             TokenExistsError: The name is taken, or there are too many tokens.
-            TokensNotKeptError: It cannot be kept on disk; there is no new token.
+            TokensNotKeptError: The token cannot be kept on disk; none is made.
         """
         async with self._changing:
             return await self._create(name, role, lifetime)
@@ -180,7 +180,7 @@ class NamedTokens:
         return self._tokens[name]
 
     async def revoke(self, name: str) -> NamedToken:
-        """End a token and what was opened with it; return what it was.
+        """End a token, its sessions and its streams; return its last state.
 
         The token ends even if the disk fails, but then comes back at the next start.
 

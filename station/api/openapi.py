@@ -1,4 +1,4 @@
-"""The OpenAPI document: what the framework writes, with what it cannot know in it."""
+"""The OpenAPI document of the framework, completed by what it cannot know."""
 
 from typing import Any
 

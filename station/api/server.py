@@ -57,11 +57,11 @@ class ApiServer:
     """Serves an app until it is stopped. Installs no signal handlers.
 
     Args:
-        app: What `create_app` returned.
+        app: Application, from `create_app`.
         host: Address to listen on.
         port: Port; 0 for any free one.
         tls: Certificate and key for https and wss; http and ws when None.
-        foxglove: What is served at a port of its own, with the same certificate and
+        foxglove: Application for a port of its own, with the same certificate and
             the same limits; None for nothing.
 
     Raises:

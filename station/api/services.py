@@ -34,7 +34,7 @@ class Services:
         failed_logins: Slows down the guessing of tokens.
         event_recorder: Records who did what.
         event_feed: Hands out events, page by page or as they happen.
-        alarms: What asks for a person.
+        alarms: Alarms of the station.
         control: The lease of control.
         idempotent_answers: Answers that are repeated for a request that is sent twice.
         bench: Measures how a joint follows.

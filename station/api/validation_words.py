@@ -50,7 +50,7 @@ def explain(kind: str, context: Context) -> str:
 
     Args:
         kind: The validator's name of the error.
-        context: What the validator knows besides: limits, expected values.
+        context: Further facts of the validator: limits, expected values.
     """
     words = _WORDS.get(kind, "is not what is allowed here")
     return words if isinstance(words, str) else words(context)

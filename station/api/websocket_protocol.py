@@ -47,7 +47,7 @@ class StreamProtocol(WebSocketsSansIOProtocol):
             self.transport.write(wire)
 
     def is_writable(self) -> bool:
-        """Return whether the client reads what it gets."""
+        """Return whether the client reads its frames."""
         return self.writable.is_set()
 
     def listen(self, resumed: Callable[[], None] | None) -> None:

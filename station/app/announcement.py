@@ -13,7 +13,7 @@ class Announcement:
         ui_url: The dashboard; empty when there is none.
         token: The operator's token.
         runtime_file: Where the tokens are kept.
-        scheduler: What the control thread was granted.
+        scheduler: Scheduling that the control thread was granted.
         robot: SIMULATION or REAL ARM, as in the dashboard's strip.
         kernel: Whether the cycle's arithmetic runs interpreted or compiled, and why.
     """
@@ -32,7 +32,7 @@ class Announcement:
             f"API        {self.api_url}/docs",
             f"Token      {self.token} (also in {self.runtime_file})",
             f"Robot      {self.robot}",
-            f"Kernel     {self.kernel}",
+            f"Cycle      {self.kernel}",
         ]
 
     def dashboard_line(self) -> str:

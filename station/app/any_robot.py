@@ -74,7 +74,7 @@ def configure_robot(reference: str, base: BaseType = "fixed") -> dict[str, objec
 
 
 def examine_robot(reference: str, base: BaseType = "fixed") -> Sequence[Repair]:
-    """Return in what the simulated robot differs from its description.
+    """Return the differences of the simulated robot from its description.
 
     Args:
         reference: As for `configure_robot`.

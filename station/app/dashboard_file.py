@@ -27,7 +27,7 @@ class DashboardRecord:
         started: When it started, as the system counts it.
         host: Where the dashboard listens.
         port: Its port.
-        shown: What it draws and from which version of the program, as one text; a
+        shown: Drawn robots and the version of the program, as one text; a
             station adopts a dashboard only if it would start the same.
         station_pid: The station's process.
         station_started: When that one started.
@@ -70,7 +70,7 @@ def read_dashboard(pid: int) -> DashboardRecord | None:
 
 
 def claim_orphan(host: str, port: int) -> DashboardRecord | None:
-    """Take a dashboard whose station has ended; nobody else gets it then.
+    """Adopt a dashboard whose station has ended, before another station does.
 
     Files of dashboards that have ended are removed.
 

@@ -136,7 +136,7 @@ class FciBeside:
         """Wait until the process listens.
 
         Raises:
-            FciPortError: It cannot.
+            FciPortError: The process cannot listen, or does not in time.
         """
         self._pipe.settimeout(_START)
         try:
@@ -160,7 +160,7 @@ class FciBeside:
         return self._loop.stop_latch.state is StopState.ARMED
 
     def _serve(self) -> None:
-        """Carry out what the process passes on, until it ends."""
+        """Carry out the requests that the process passes on, until it ends."""
         pipe = self._pipe
         try:
             while True:
@@ -178,7 +178,7 @@ class FciBeside:
             self._say_goodbye()
 
     def _carry_out(self, kind: int, data: bytes) -> tuple[bytes, int | None]:
-        """Do what a frame asks for. Control thread."""
+        """Carry out the request of a frame. Control thread."""
         guest: FciGuest | HandGuest = self._guest
         if kind > OF_HAND and self._hand is not None:
             guest, kind = self._hand, kind - OF_HAND
@@ -191,7 +191,7 @@ class FciBeside:
         return b"", None
 
     def _say_goodbye(self) -> None:
-        """End what the last client has begun."""
+        """End the motion that the last client has begun."""
         try:
             self._loop.run_in_cycle(self._guest.leave)
             if self._hand is not None:

@@ -63,7 +63,7 @@ class FciRun:
         self._warn = warn
 
     def run(self) -> FciCounts:
-        """Serve until SIGINT, SIGTERM or SIGHUP; return what was done.
+        """Serve until SIGINT, SIGTERM or SIGHUP; return a summary.
 
         Raises:
             StationError: The robot or an address cannot be used.

@@ -184,7 +184,7 @@ class InProcessStation:
 
         Args:
             folder: Where to.
-            name: What to call it: letters, digits, `_`, `.` and `-`.
+            name: Name of the file: letters, digits, `_`, `.` and `-`.
             note: For the record.
 
         Raises:
@@ -239,7 +239,7 @@ class InProcessStation:
         """Start and stop controllers in one cycle.
 
         Raises:
-            SwitchRefusedError: It is not possible, and why; nothing changed.
+            SwitchRefusedError: The switch is not possible; nothing changed.
         """
         self.facade.switch_controllers(SwitchRequest(start=start, stop=stop))
 
@@ -300,7 +300,7 @@ class InProcessStation:
 
         Args:
             seconds: How much station time, > 0 [s].
-            controller: What this controller did: `desired`, `actual`, `error` and
+            controller: Samples of this controller: `desired`, `actual`, `error` and
                 `output`; the joints' `position`, `velocity` and `effort` when None.
         """
         samples = Samples(controller or "joint_states")
@@ -385,7 +385,7 @@ def open_station(
 
 
 def _numbers(values: object) -> object:
-    """Return numbers as a list with None for what is not finite; others as they are."""
+    """Return numbers as a list, None if not finite; other values unchanged."""
     if isinstance(values, list | tuple):
         # As the API sends them: JSON has no NaN.
         return [v if math.isfinite(v) else None for v in values]

@@ -1,4 +1,4 @@
-"""A running station's event log, with what watches the station for it."""
+"""A running station's event log, and the watcher that fills it."""
 
 import json
 from collections.abc import Callable

@@ -62,7 +62,7 @@ class ExtensionsBuild:
         self._is_started = False
 
     def start(self) -> str:
-        """Start to build if that is needed; return what runs, and why."""
+        """Start to build if that is needed; return the running arithmetic, and why."""
         if compiled.needs_building():
             try:
                 with ordinary_priority():
@@ -132,7 +132,7 @@ class StationRun:
         """Run until SIGINT, SIGTERM or SIGHUP.
 
         Raises:
-            StationError: It cannot start as configured, or not stop in time.
+            StationError: The station cannot start as configured, or not stop in time.
             EndedByWatchdogError: The watchdog has ended it.
         """
         try:

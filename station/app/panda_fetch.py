@@ -54,7 +54,7 @@ def fetch_what_is_missing(parameters: object, tell: Callable[[str], None]) -> No
         tell: Takes a sentence before something takes long.
 
     Raises:
-        RobotDescriptionError: It could not be fetched.
+        RobotDescriptionError: The robot could not be fetched.
     """
     if PANDA in _references(parameters) and "panda" not in known_robots():
         fetch_panda(tell)
@@ -142,7 +142,7 @@ def _choose(source: Path, target: Path) -> None:
     """Copy the Panda's files.
 
     Raises:
-        PandaNotFetchedError: One is missing, or is not the expected one.
+        PandaNotFetchedError: A file is missing, or is not the expected one.
     """
     for line in _HASHES.read_text(encoding="ascii").splitlines():
         expected, name = line.split()

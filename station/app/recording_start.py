@@ -69,7 +69,7 @@ def make_recorder(
 def recover_all(
     stores: Iterable[RecordStore], station: Station, warn: Callable[[str], None]
 ) -> None:
-    """Recover what killed stations have left, beside a control loop that runs.
+    """Recover the recordings of killed stations, beside a running control loop.
 
     Args:
         stores: The folders.

@@ -97,7 +97,7 @@ def rerun(path: Path | str) -> RerunResult:
         path: The MCAP file of a recording or an incident.
 
     Raises:
-        RecordingFileError: It is no whole recording, or does not have all inputs since
+        RecordingFileError: The file is no whole recording, or lacks inputs since
             the station's first cycle.
         StationError: The station cannot be built as it was configured.
     """
@@ -119,7 +119,7 @@ def rerun(path: Path | str) -> RerunResult:
 
 
 class _Rerun:
-    """Steps a station, and asks of it what was asked then."""
+    """Steps a station, and repeats the recorded inputs."""
 
     def __init__(
         self, station: Station, clock: ManualClock, inputs: list[dict[str, object]]
@@ -169,7 +169,7 @@ class _Rerun:
         loop.step()
 
     def _plan_ahead(self) -> None:
-        """Plan what was planned from the state of this cycle, and taken up later."""
+        """Plan the inputs that were planned in this cycle and taken up later."""
         for one in self._plans.pop(self._station.loop.time, ()):
             if id(one) not in self._done:
                 self._prepare(one)

@@ -1,4 +1,4 @@
-"""The file by which a dashboard that was started anew knows who is logged in.
+"""The file by which a restarted dashboard knows its sessions.
 
 One file per port, `<port>.sessions`, in the user's runtime directory: a browser sends
 its cookie to the same port again. The file is as private as that with the station's

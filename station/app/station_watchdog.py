@@ -80,7 +80,7 @@ class StationWatchdog:
         """Report the start of a start-up step; the watchdog warns of a long one.
 
         Args:
-            step: What is done, e.g. `Loading the controller 'arm'`.
+            step: Step of the start, e.g. `Loading the controller 'arm'`.
         """
         if self._process is not None:
             self._process.tell({"step": step})
@@ -95,7 +95,7 @@ class StationWatchdog:
         self.heartbeat.phase = Phase.RUNNING
 
     def look(self, station: Station) -> None:
-        """Publish what the station does, and start a watchdog that has ended again."""
+        """Publish the station's state, and restart a watchdog that has ended."""
         if self._process is None:
             return
         station.loop.right_of_way.give()
@@ -166,7 +166,7 @@ class StationWatchdog:
         """Refuse to call the end of the station an orderly one when it was not.
 
         Args:
-            cause: What went wrong while the station ended, if anything did.
+            cause: Error of the station's end, if there was one.
 
         Raises:
             EndedByWatchdogError: The watchdog has ended the station.

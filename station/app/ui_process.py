@@ -29,7 +29,7 @@ class PortTakenError(StationError, OSError):
     Args:
         host: Where it was to listen.
         port: Its port.
-        cause: What the system said.
+        cause: Error message of the operating system.
     """
 
     code = "cannot_listen"
@@ -137,7 +137,7 @@ class AdoptedProcess:
         port: The port of the dashboard in it.
 
     Raises:
-        ProcessLookupError: It has ended.
+        ProcessLookupError: The process has ended.
     """
 
     def __init__(self, pid: int, port: int) -> None:
@@ -170,7 +170,7 @@ def find_orphan(host: str, port: int, shown: str) -> AdoptedProcess | None:
     Args:
         host: Where the dashboard must listen.
         port: Its port; 0: any.
-        shown: What it must draw.
+        shown: Robots and scene that it must draw.
 
     Raises:
         RuntimeDirectoryError: The runtime directory belongs to somebody else.
@@ -200,7 +200,7 @@ class UiProcess:
     by the station that is started next. It ends by itself when nobody does that.
 
     Args:
-        options: What the dashboard is told. The tokens go by the environment.
+        options: Options of the dashboard. The tokens go by the environment.
         command: The command line; the options' own when None.
         adopted: A dashboard that runs already; None starts one.
     """
@@ -291,7 +291,7 @@ class UiProcess:
         self._signal(signal.SIGTERM)
 
     def kill(self) -> None:
-        """End the dashboard and whatever it started; returns at once."""
+        """End the dashboard and its child processes; return at once."""
         self._signal(signal.SIGKILL)
 
     def finish(self, timeout: float) -> None:

@@ -23,7 +23,7 @@ class WatchdogStop:
 
     Attributes:
         carried_out: The control loop has carried the stop out already.
-        detail: What the watchdog says about it.
+        detail: Explanation of the watchdog.
     """
 
     carried_out: bool

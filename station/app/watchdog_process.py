@@ -88,7 +88,7 @@ class WatchdogProcess:
         self._write(_line({"settings": settings._asdict()}))
 
     def tell(self, status: Mapping[str, object]) -> None:
-        """Hand on what the station publishes about itself, if that has changed.
+        """Pass on the published state of the station, if it has changed.
 
         Args:
             status: JSON-compatible; cut off where it gets longer than 4 kB.

@@ -31,10 +31,10 @@ class Finding:
     """Result of a check.
 
     Attributes:
-        check: What was looked at.
+        check: Subject of the check.
         state: `ok`, `warning` (works, with a drawback) or `problem` (does not work).
-        finding: What is there.
-        advice: What to do; empty when all is well.
+        finding: Observation, in one sentence.
+        advice: Advice to the user; empty when all is well.
     """
 
     check: str

@@ -1,4 +1,4 @@
-"""Parse the command line, run the verb, turn what went wrong into an exit code.
+"""Parse the command line, run the verb, turn an error into an exit code.
 
 What takes long to import is imported by the function of the verb that needs it, so that
 help and wrong usage are answered at once.
@@ -65,7 +65,7 @@ def normalise(argv: Sequence[str]) -> list[str]:
 
 
 def report(failure: Failure, *, as_json: bool) -> None:
-    """Write to stderr what went wrong and what to do."""
+    """Write an error and its remedy to stderr."""
     if as_json:
         sys.stderr.write(json.dumps(failure.as_problem()) + "\n")
         return

@@ -17,7 +17,7 @@ def say(text: str) -> None:
 
 
 def say_progress(text: str) -> None:
-    """Print a line to stderr, at once: it says what takes long."""
+    """Print a line of progress to stderr at once."""
     sys.stderr.write(f"{text}\n")
     sys.stderr.flush()
 

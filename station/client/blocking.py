@@ -51,7 +51,7 @@ def _run(coroutine: Coroutine[Any, Any, R]) -> R:
     """Run a coroutine that never suspends to its end.
 
     Raises:
-        RuntimeError: It waits for an event loop.
+        RuntimeError: The thread runs an event loop, which would wait for itself.
     """
     try:
         # Nothing in it waits for an event loop, so it runs to its end in one step.
@@ -66,7 +66,7 @@ def _run(coroutine: Coroutine[Any, Any, R]) -> R:
 def _made(
     method: Callable[Concatenate[Any, P], S], finish: Callable[[S], R]
 ) -> Callable[Concatenate[Any, P], R]:
-    """Return a method that makes something of what the source returns."""
+    """Return a method that converts the result of the source."""
 
     @wraps(method)
     def call(self: "_Client[Any]", /, *args: P.args, **kwargs: P.kwargs) -> R:

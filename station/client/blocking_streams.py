@@ -101,7 +101,7 @@ def _do_nothing() -> None:
 
 
 def _outcome(future: "Future[R]") -> R:
-    """Wait for the end of what runs in the loop; cancel it on Ctrl-C."""
+    """Wait for the end of a coroutine in the loop; cancel it on Ctrl-C."""
     try:
         return future.result()
     except BaseException:
@@ -329,7 +329,7 @@ class CommandStream:
             PORTAL.call(self._arrived.set)
 
     async def _send_pending(self) -> None:
-        """Send what is offered, in its order; the oldest is lost on a link too slow."""
+        """Send the offered messages in order; a slow link loses the oldest."""
         while True:
             await self._arrived.wait()
             self._arrived.clear()

@@ -125,7 +125,7 @@ class AsyncConnection:
         """Do something again and again beside the program, until it returns False.
 
         Args:
-            act: What is done, first after a period.
+            act: Action to repeat, first after a period.
             period: Time from its end to its next beginning [s], > 0.
 
         Returns:
@@ -165,7 +165,7 @@ class AsyncConnection:
         """Return address and options of a stream.
 
         Args:
-            topic: What to stream.
+            topic: Topic to stream.
             rate: Frames per second [Hz], or "full"; None means the station's default.
             fields: Only these keys of `data`; all when empty.
             reconnect: Connect again when the link breaks.
@@ -260,7 +260,7 @@ class AsyncConnection:
     async def download(
         self, path: str, target: Path, query: Query | None = None
     ) -> None:
-        """Write what a GET request answers to a new file.
+        """Write the answer of a GET request to a new file.
 
         Args:
             path: Path below the prefix of the API.

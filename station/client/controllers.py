@@ -67,7 +67,7 @@ class AsyncGoalHandle:
             timeout: Longest wait [s]; None waits for ever. The goal goes on after it.
 
         Raises:
-            MotionError: It did not end in time.
+            MotionError: The goal did not end in time.
         """
         deadline = None if timeout is None else time.monotonic() + timeout
         while not self.is_final:
@@ -87,7 +87,7 @@ class AsyncGoalHandle:
             timeout: Longest wait [s]; None waits for ever. The goal goes on after it.
 
         Raises:
-            MotionError: It was aborted or preempted, or did not end in time.
+            MotionError: The goal was aborted or preempted, or did not end in time.
         """
         goal = await self.ended(timeout)
         if goal.status != "succeeded":
@@ -294,7 +294,7 @@ class AsyncControllersClient:
 
         Args:
             name: A running controller that takes set-points of joints.
-            excitation: What the joint is asked to do, e.g. a
+            excitation: Motion of the joint, e.g. a
                 `station.wire.excitations.Step` with the joint and an amplitude.
             duration: How long the response is measured [s], above 0, at most 10.
             settling_band: Half-width of the band of the settling time, as a share of

@@ -23,7 +23,7 @@ class ApiError(Exception):
         status: HTTP status, or close code of a stream; 0 when there was no answer.
         code: Stable machine-readable name of the kind of failure.
         detail: Which thing, its value, what is allowed.
-        remedy: What to do.
+        remedy: Advice to the user.
         errors: Every single thing that is wrong with the request.
         details: The facts of `detail` as data.
     """

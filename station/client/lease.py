@@ -95,7 +95,7 @@ class AsyncControlLease:
         return await self._connection.send("PATCH", _PATH, wire.ControlState, request)
 
     async def hand_over(self, to: str) -> wire.ControlState:
-        """Let somebody take control without force.
+        """Let another client take control without force.
 
         Args:
             to: The owner that they take it as, or the name of their token.

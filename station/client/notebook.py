@@ -24,7 +24,7 @@ def describe(
     transport: httpx.BaseTransport | None = None,
     tls: ssl.SSLContext | None = None,
 ) -> str:
-    """Return HTML: the station, what runs there, and where the joints are.
+    """Return HTML of the station, its running controllers and its joints.
 
     Args:
         url: The station.

@@ -15,7 +15,7 @@ Restart: TypeAlias = Literal["none", "previous"]
 
 
 class _Answer(RootModel[JsonValue]):
-    """The answer of a service, whatever it is."""
+    """The answer of a service, of any type."""
 
 
 class AsyncRobotClient:
@@ -48,7 +48,7 @@ class AsyncRobotClient:
         return await self._connection.get(f"{self._path}/model", wire.ArmModel, query)
 
     async def errors(self) -> wire.ArmReport:
-        """Return the arm's mode and errors, and what to do about them."""
+        """Return the arm's mode, errors and remedy."""
         return await self._connection.get(f"{self._path}/errors", wire.ArmReport)
 
     async def log(self) -> list[wire.ArmRecord]:
@@ -211,7 +211,7 @@ class AsyncGripperClient:
 
         Args:
             width: Distance of the fingers [m]; the largest one when None.
-            speed: How fast it changes, at most 0.4 [m/s].
+            speed: Rate of the width, at most 0.4 [m/s].
             timeout: Longest wait [s].
 
         Raises:
@@ -228,7 +228,7 @@ class AsyncGripperClient:
         """Close until the fingers meet something, or each other, and press.
 
         Args:
-            force: What each finger presses with, 0.1 to 140 [N].
+            force: Force of each finger, 0.1 to 140 [N].
             speed: How fast the width changes, at most 0.4 [m/s].
             timeout: Longest wait [s].
 
@@ -267,7 +267,7 @@ class AsyncGripperClient:
         """Wait until the command that has just begun has ended well.
 
         Raises:
-            MotionError: It has not.
+            MotionError: The gripper's command did not succeed.
         """
         command, state = begun.command, begun
         deadline = time.monotonic() + timeout

@@ -22,11 +22,11 @@ class Samples(Mapping[str, "Array"]):
     """Numbers of a topic over time: `samples["position"]`, shape (n, joints).
 
     Args:
-        topic: What was streamed.
+        topic: Topic that was streamed.
 
     Attributes:
-        topic: What was streamed.
-        names: What the columns of the arrays belong to, usually joints.
+        topic: Topic that was streamed.
+        names: Owners of the arrays' columns, usually joints.
         lost: How many cycles were lost on the way.
 
     Raises:
@@ -72,7 +72,7 @@ class Samples(Mapping[str, "Array"]):
                 self._append(sample, frame.stamp)
 
     def cut(self, seconds: float) -> None:
-        """Forget what is later than some seconds after the first sample.
+        """Drop the samples later than some seconds after the first one.
 
         Args:
             seconds: Station time [s].
@@ -151,7 +151,7 @@ def _load_numpy() -> "ModuleType":
     """Import NumPy.
 
     Raises:
-        ModuleNotFoundError: It is not installed.
+        ModuleNotFoundError: The package is not installed.
     """
     try:
         import numpy

@@ -65,10 +65,10 @@ class AsyncStationClient(AsyncControllersClient):
         gain_sets: Named sets of gains on the station's disk.
         waypoint_paths: Waypoint paths on the station's disk, and their playing.
         tokens: Named tokens of people and programs.
-        alarms: What asks for a person, and who has seen it.
+        alarms: Alarms, and who has acknowledged them.
         lease: Control, taken and given back call by call; see also `control`.
         recordings: Recordings of every cycle on the station's disk.
-        incidents: What the station kept of stops, reflexes and faults.
+        incidents: Cycles kept around stops, reflexes and faults.
         experiments: Many trials of a simulated copy of the station.
     """
 
@@ -265,12 +265,12 @@ class AsyncStationClient(AsyncControllersClient):
         await self._connection.send("PUT", _parameter(path), wire.Parameter, request)
 
     async def delete_parameter(self, path: str) -> JsonValue:
-        """Delete a parameter or a namespace; return what it was."""
+        """Delete a parameter or a namespace; return its last value."""
         found = await self._connection.send("DELETE", _parameter(path), wire.Parameter)
         return found.value
 
     async def robots(self) -> list[wire.ArmReport]:
-        """Return all arms with modes and errors, and what to do about the errors."""
+        """Return all arms with modes, errors and remedies."""
         return (await self._connection.get("/robots", wire.Arms)).robots
 
     async def recover_all(self, restart: Restart = "none") -> wire.Recoveries:

@@ -1,4 +1,4 @@
-"""The clients of what a station keeps, on its disk or while it runs."""
+"""The clients of a station's stores, on its disk or in its memory."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
@@ -145,7 +145,7 @@ class AsyncRecordingsClient(_AsyncFiles):
         return await self._connection.send("POST", path, wire.Recording)
 
     async def delete(self, identifier: str) -> wire.Recording:
-        """Delete a recording that does not run; return what it was."""
+        """Delete a recording that does not run; return its description."""
         return await self._connection.send(
             "DELETE", self._of(identifier), wire.Recording
         )
@@ -189,7 +189,7 @@ class AsyncGainSetsClient:
 
         Args:
             name: Letters, digits, `_`, `.` and `-`.
-            controllers: Whose gains; those of all loaded controllers when None.
+            controllers: Controllers; all loaded controllers when None.
         """
         request = _chosen(controllers)
         return await self._connection.send(
@@ -197,7 +197,7 @@ class AsyncGainSetsClient:
         )
 
     async def delete(self, name: str) -> wire.GainSet:
-        """Delete a set; return what it was."""
+        """Delete a set; return its last content."""
         return await self._connection.send(
             "DELETE", _below(_GAIN_SETS, name), wire.GainSet
         )
@@ -209,7 +209,7 @@ class AsyncGainSetsClient:
 
         Args:
             name: The set.
-            controllers: Whose gains; those of all controllers of the set when None.
+            controllers: Controllers; all controllers of the set when None.
         """
         path, request = f"{_below(_GAIN_SETS, name)}/apply", _chosen(controllers)
         answer = await self._connection.send("POST", path, wire.GainsChanges, request)
@@ -290,7 +290,7 @@ class AsyncWaypointPathsClient:
         )
 
     async def delete(self, name: str) -> wire.WaypointPath:
-        """Delete a path; return what it was."""
+        """Delete a path; return its last content."""
         return await self._connection.send(
             "DELETE", _below(_WAYPOINT_PATHS, name), wire.WaypointPath
         )
@@ -317,7 +317,7 @@ class AsyncWaypointPathsClient:
         speed: float = 1.0,
         loop: bool = False,
     ) -> wire.Playback:
-        """Move along a path; `playback` says how far it is.
+        """Move along a path; `playback` returns the progress.
 
         Args:
             name: The path.
@@ -371,7 +371,7 @@ class AsyncExperimentsClient:
         """Start an experiment; one runs at a time. The robot does not move.
 
         Args:
-            request: What to do, such as `ExperimentRequest(kind="tune",
+            request: Description of it, such as `ExperimentRequest(kind="tune",
                 controller="effort_joint_trajectory_controller")`.
         """
         return await self._connection.send(
@@ -408,7 +408,7 @@ class AsyncExperimentsClient:
         )
 
     async def delete(self, name: str) -> Experiment:
-        """Delete an experiment that does not run; return what it was."""
+        """Delete an experiment that does not run; return its last state."""
         return await self._connection.send(
             "DELETE", _below(_EXPERIMENTS, name), Experiment
         )
@@ -435,7 +435,7 @@ class AsyncExperimentsClient:
         Args:
             name: The experiment.
             count: How many at most, 1 to 500.
-            metric: What decides; the experiment's own goal or metric when None.
+            metric: Metric that ranks; the experiment's own goal or metric when None.
         """
         query = {"count": str(count)}
         if metric is not None:
@@ -532,7 +532,7 @@ class AsyncTokensClient:
         """Make a token; the answer alone has it.
 
         Args:
-            name: Whose token it is.
+            name: Owner of the token.
             role: `operator` or `viewer`.
             expires: How long it is valid [s]; None until it is revoked.
         """

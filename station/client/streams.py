@@ -58,7 +58,7 @@ class StreamOptions:
     Attributes:
         base_url: The station, http or https.
         token: Operator or viewer token.
-        topic: What to stream.
+        topic: Topic to stream.
         rate: Frames per second [Hz], or "full"; None means the station's default.
         fields: Only these keys of `data`; all when empty.
         reconnect: Connect again when the link breaks.
@@ -377,7 +377,7 @@ class AsyncCommandStream:
         options: Where the set-points go.
 
     Attributes:
-        counts: What the station said last about the set-points it has received; None
+        counts: The station's last report on the set-points it has received; None
             before the first report. Read while sending.
     """
 

@@ -158,7 +158,8 @@ class _Merge:
         """Add the controllers and other parameters of files written for ROS.
 
         Raises:
-            ConfigError: A file was written for ROS 2, or a name is in two namespaces.
+            ConfigError: A file was written for ROS 2, a name is in two namespaces, or
+                a key is misspelt.
         """
         found, sources = RosParameters(), list[tuple[KeyPath, str | YamlDocument]]()
         for document in documents:

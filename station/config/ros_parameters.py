@@ -4,10 +4,11 @@ In ROS a file like `panda: {arm_controller: {type: …}}` puts a controller into
 namespace of a controller manager. A station has one manager, so the namespace goes.
 """
 
+import difflib
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, TypeVar
+from typing import Any, NoReturn, TypeVar
 
 from station.core.config_error import ConfigError
 from station.core.errors import show
@@ -18,6 +19,11 @@ _ONE_MANAGER = (
 )
 T = TypeVar("T")
 _TYPE = re.compile(r"[A-Za-z_][\w.]*[/:][A-Za-z_]\w*")
+# Keys besides controllers that a station reads. Files written for ROS may have any
+# other, so only a name that is nearly one of these is refused: at 0.8 `sceen` is, and
+# MoveIt's `robot_description_planning` is not.
+_ROOT_KEYS = ("joint_limits", "robot_description", "scene")
+_NEARLY = 0.8
 
 
 @dataclass(slots=True)
@@ -35,7 +41,7 @@ class RosParameters:
     paths: dict[str, str] = field(default_factory=dict)
 
     def add_file(self, other: "RosParameters", name: str) -> None:
-        """Add what another file has, as `rosparam load` does: its values win.
+        """Add the values of another file, as `rosparam load` does: they win.
 
         Args:
             other: The content of the other file.
@@ -68,7 +74,8 @@ def split_ros_parameters(values: dict[str, object], name: str) -> RosParameters:
         name: The file, for messages.
 
     Raises:
-        ConfigError: The file was written for ROS 2, or has a name in two namespaces.
+        ConfigError: The file was written for ROS 2, has a name in two namespaces, or
+            misspells a key that the station reads.
     """
     found = RosParameters()
     _collect(values, "", found, name)
@@ -96,8 +103,29 @@ def _collect(
         elif isinstance(value, dict) and _has_controllers(value):
             _collect(value, path, found, name)
         else:
+            _refuse_misspelling(path, value, name)
             _add(found.others, path, value, name)
             found.paths[path.rpartition("/")[2]] = path
+
+
+def _refuse_misspelling(path: str, value: object, name: str) -> None:
+    """Refuse a key that would have no effect because of its spelling."""
+    key = path.rpartition("/")[2]
+    meant = difflib.get_close_matches(key, _ROOT_KEYS, 1, _NEARLY)
+    if key not in _ROOT_KEYS and meant:
+        _refuse_key(path, meant[0], name)
+    # A controller without `type` would be taken for parameters of something else.
+    for inner, kind in value.items() if isinstance(value, dict) else ():
+        is_type = isinstance(kind, str) and _TYPE.fullmatch(kind) is not None
+        if is_type and difflib.get_close_matches(inner.lower(), ["type"], 1, 0.7):
+            _refuse_key(f"{path}/{inner}", "type", name)
+
+
+def _refuse_key(path: str, meant: str, name: str) -> NoReturn:
+    raise ConfigError(
+        [f"{name}: {path} has no effect. Did you mean '{meant}'?"],
+        remedy="Correct the name, or leave the key out.",
+    )
 
 
 def _add(found: dict[str, T], path: str, value: T, name: str) -> None:

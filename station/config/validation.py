@@ -1,4 +1,4 @@
-"""Validate a merged configuration, and say in words what is wrong with it."""
+"""Validate a merged configuration, and describe its faults in words."""
 
 from collections.abc import Callable
 

@@ -93,9 +93,9 @@ class FrankaStateController(Controller[FrankaStateInterface]):
 
     @property
     def franka_states(self) -> FrankaStates | None:
-        """The last publication, the same object until the next; None before the first.
+        """The last publication, one object until the next one; None before the first.
 
-        Any thread may ask; it is made then, and not in the control loop.
+        Any thread may ask. The object is made by the caller, not in the control loop.
         """
         newest, made = self._newest, self._made
         if newest is None or made[0] is not newest:

@@ -136,7 +136,7 @@ class ControlledJoints:
         return zeros(self.size) if view is None else view
 
     def read(self) -> None:
-        """Copy what was measured, if these are copies."""
+        """Copy the measured values, if these are copies."""
         group = self._group
         if group.positions is None:
             put(self.positions, group.get_positions())
@@ -201,7 +201,7 @@ class CommandLaw:
 
 
 class DirectLaw(CommandLaw):
-    """Commands what is desired.
+    """Commands the desired values.
 
     Args:
         desired: Desired values, shape (n,).
@@ -226,7 +226,7 @@ class DirectLaw(CommandLaw):
 
 
 class PidLaw(CommandLaw):
-    """Commands what PIDs compute from the errors of a set-point, or from known errors.
+    """Commands the output of PIDs for the errors of a set-point, or for given errors.
 
     Args:
         pids: One PID per joint.
@@ -444,7 +444,7 @@ class JointPidGroup:
 def pid_parameters(
     *, error: JointQuantity, command: JointQuantity
 ) -> tuple[DeclaredParameter, ...]:
-    """Return the declarations of what `PidGains.of_joints` reads, at its first place.
+    """Return the declarations of the parameters that `PidGains.of_joints` reads.
 
     Args:
         error: The quantity whose error the PIDs reduce.
@@ -504,7 +504,7 @@ class JointSetPointController(Controller[CommandInterfaceT]):
     the joints count as unlimited and rotating.
 
     Attributes:
-        quantity: What the numbers of a set-point are.
+        quantity: Quantity of the set-points.
         is_group: Whether the parameter `joints` lists several joints; if not, the
             parameter `joint` names one.
         needs_description: Whether loading fails without a robot description.
@@ -634,7 +634,7 @@ class ForwardCommandController(ForwardJointGroupCommandController[CommandInterfa
 
 
 class JointPidController(JointSetPointController[CommandInterfaceT]):
-    """Commands what one PID per joint computes from the error of the set-point.
+    """Commands the output of one PID per joint for the error of the set-point.
 
     The error of a position is the way that the joint can go, see `set_wrapping`; the
     limits come from the robot description, without which positions are not controlled.
@@ -645,8 +645,8 @@ class JointPidController(JointSetPointController[CommandInterfaceT]):
     `PidGains.of_joints`.
 
     Attributes:
-        quantity: What is controlled: the unit of set-points, measurements and errors.
-        command_quantity: What the PIDs compute.
+        quantity: Controlled quantity, of set-points, measurements and errors.
+        command_quantity: Quantity that the PIDs compute.
 
     Source:
         JointGroupPositionController; differs: a set-point beyond the limits is refused

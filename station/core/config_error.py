@@ -10,7 +10,7 @@ class ConfigError(ParameterError):
 
     Args:
         problems: One sentence each: where, which key, its value, what is allowed.
-        remedy: What to do about them.
+        remedy: Advice to the user.
 
     Attributes:
         problems: The sentences.

@@ -49,8 +49,8 @@ class DeclaredParameter:
     Attributes:
         name: Path below the namespace of the controller, e.g. `constraints/goal_time`;
             `<joint>` in the path stands for the name of each joint.
-        type: What the value is.
-        description: What it is for; a phrase without a full stop.
+        type: Type of the value.
+        description: Purpose, a phrase without a full stop.
         unit: Unit of the numbers, where joints are concerned that of rotating joints;
             empty for what has no unit.
         default: Value when the parameter is absent; None when there is no fixed one.
@@ -61,7 +61,7 @@ class DeclaredParameter:
         maximum: Largest number allowed.
         choices: The strings allowed; empty when any is.
         size: Length that a list must have; None when any is allowed.
-        names: What the strings are names of.
+        names: Kind of things that the strings name.
 
     Raises:
         ValueError: Default and choices contradict each other.
@@ -108,7 +108,7 @@ class DeclaredParameter:
             default: Value when it is absent and no default is declared.
 
         Raises:
-            ParameterError: It is missing, not a finite number, or out of its range.
+            ParameterError: The value is missing, not finite, or out of its range.
         """
         declared = self.default if isinstance(self.default, (int, float)) else default
         value = params.get_float(self.name, declared)
@@ -122,7 +122,7 @@ class DeclaredParameter:
             params: The namespace in which the parameter is declared.
 
         Raises:
-            ParameterError: It is missing, or neither true nor false.
+            ParameterError: The value is missing, or neither true nor false.
         """
         declared = self.default if isinstance(self.default, bool) else None
         return params.get_bool(self.name, default=declared)
@@ -134,7 +134,7 @@ class DeclaredParameter:
             params: The namespace in which the parameter is declared.
 
         Raises:
-            ParameterError: It is missing, not a string, or none of the choices.
+            ParameterError: The value is missing, not a string, or none of the choices.
         """
         declared = self.default if isinstance(self.default, str) else None
         value = params.get_str(self.name, declared)
@@ -152,7 +152,7 @@ class DeclaredParameter:
             default: Value when it is absent and no default is declared.
 
         Raises:
-            ParameterError: It is missing, or not a list of strings.
+            ParameterError: The value is missing, or not a list of strings.
         """
         if isinstance(self.default, tuple):
             default = [str(each) for each in self.default]
@@ -167,7 +167,8 @@ class DeclaredParameter:
             params: The namespace in which the parameter is declared.
 
         Raises:
-            ParameterError: It is missing, not a list of finite numbers, has another
+            ParameterError: The value is missing, not a list of finite numbers, has
+                another
                 length, or a number is out of its range.
         """
         values = params.get_float_list(self.name, self.size, self._default_numbers())
@@ -185,7 +186,8 @@ class DeclaredParameter:
                 for the declared default. Infinity stands for a missing default.
 
         Raises:
-            ParameterError: It is missing, the numbers are too many or too few, or a
+            ParameterError: The value is missing, the numbers are too many or too few,
+                or a
                 number is not finite or out of its range.
         """
         usual = list(default or self._default_numbers() or ())
@@ -217,7 +219,7 @@ class DeclaredParameter:
         Args:
             params: The namespace in which the parameter is declared.
             value: The value, as it is shown.
-            allowed: What is allowed, after the words "it must be".
+            allowed: Allowed values, after the words "it must be".
 
         Raises:
             ParameterError: Always.

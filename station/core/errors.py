@@ -100,8 +100,8 @@ class StationError(Exception):
 
     Attributes:
         code: Stable machine-readable name of the kind of failure.
-        message: What is wrong, in one sentence or more.
-        remedy: What to do about it, in full sentences; may be empty.
+        message: The problem, in one sentence or more.
+        remedy: Advice to the user, in full sentences; may be empty.
         details: The facts of the message as data (JSON-compatible values).
     """
 
@@ -221,7 +221,7 @@ def refuse_non_number(name: str, command: object) -> NoReturn:
     """Refuse a command that is no number.
 
     Args:
-        name: What is commanded, usually a joint.
+        name: Commanded resource, usually a joint.
         command: The command.
 
     Raises:

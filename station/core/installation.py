@@ -29,7 +29,7 @@ EXTRAS: Mapping[str, tuple[str, ...]] = {
 
 
 class MissingExtraError(StationError, ModuleNotFoundError):
-    """Something needs a package that an extra of this distribution brings.
+    """A function needs a package that an extra of this distribution brings.
 
     Args:
         package: The package, a key of `EXTRAS`.

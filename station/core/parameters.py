@@ -281,7 +281,7 @@ class Parameters:
 def unknown_parameters(
     params: Parameters, known: Collection[str]
 ) -> list[tuple[str, str]]:
-    """Return the parameters of a namespace that nobody knows.
+    """Return the parameters of a namespace that no reader knows.
 
     Args:
         params: The namespace.

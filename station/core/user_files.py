@@ -37,7 +37,7 @@ def make_private_folder(folder: Path) -> None:
     folder that the user made elsewhere stays as open as it is.
 
     Raises:
-        OSError: It cannot be made.
+        OSError: The folder cannot be made.
     """
     missing = []
     for one in (folder, *folder.parents):
@@ -65,7 +65,7 @@ def open_regular(path: Path, flags: int = os.O_RDONLY) -> int:
         The descriptor.
 
     Raises:
-        OSError: It is no regular file, or cannot be opened.
+        OSError: The file is no regular file, or cannot be opened.
     """
     # Without waiting: only an open file can be asked what it is.
     descriptor = os.open(path, flags | os.O_NONBLOCK | os.O_CLOEXEC, 0o600)
@@ -83,8 +83,8 @@ def read_regular(path: Path, most: int) -> str:
         most: Most bytes that are read.
 
     Raises:
-        OSError: It is no regular file, is larger, or cannot be read.
-        UnicodeDecodeError: It is no text.
+        OSError: The file is no regular file, is larger, or cannot be read.
+        UnicodeDecodeError: The file is no text.
     """
     with os.fdopen(open_regular(path), "rb") as file:
         data = file.read(most + 1)
@@ -108,7 +108,7 @@ def try_lock(descriptor: int) -> bool:
 
 
 def is_locked(path: Path) -> bool:
-    """Return whether somebody writes a file now; False when there is none."""
+    """Return whether a process writes a file now; False when there is none."""
     try:
         descriptor = open_regular(path)
     except OSError:

@@ -125,7 +125,7 @@ class _Loader(yaml.SafeLoader):
         thousand open brackets.
 
         Raises:
-            ComposerError: It is nested too deep.
+            ComposerError: The text is nested too deep.
         """
         if self._depth > _MAX_DEPTH:
             problem = f"it is nested deeper than {_MAX_DEPTH} levels"
@@ -158,7 +158,7 @@ class TextKind:
     Attributes:
         characters: Longest text.
         values: Most values, with every alias written out.
-        remedy: What to do about a text that is refused.
+        remedy: Advice for a text that is refused.
     """
 
     characters: int

@@ -1,4 +1,4 @@
-"""Alarms: what asks for a person now, and what did until a person has seen it.
+"""Alarms: conditions that ask for a person, kept until they are gone and seen.
 
 An alarm stays in the list until its cause is gone and somebody has acknowledged it, in
 either order, as in ISA-18.2. Acknowledging says "seen"; it clears and moves nothing.
@@ -29,13 +29,13 @@ class AlarmNotFoundError(StationError, KeyError):
 
 @dataclass(frozen=True, slots=True)
 class Cause:
-    """Something that asks for a person, as it is now.
+    """Condition that asks for a person, as it is now.
 
     Attributes:
-        subject: What is in trouble, e.g. `stop`, `robot panda` or `controller joint_7`.
+        subject: Part in trouble, e.g. `stop`, `robot panda` or `controller joint_7`.
         severity: `ERROR` for a failure, `WARNING` for what somebody wanted.
-        text: What is wrong, a sentence for people.
-        remedy: What to do about it, in full sentences.
+        text: The problem, a sentence for people.
+        remedy: Advice to the user, in full sentences.
     """
 
     subject: str
@@ -46,11 +46,11 @@ class Cause:
 
 @dataclass(frozen=True, slots=True)
 class Alarm:
-    """A cause, since when it has been there, and who has seen it.
+    """A cause, the time since when it has lasted, and its acknowledgement.
 
     Attributes:
         id: Number of the alarm, from 1; a cause that returns gets a new one.
-        cause: What asks for a person.
+        cause: Cause that asks for a person.
         raised_at: Wall time at which it was noticed [s since 1970, UTC].
         cleared_at: Wall time at which the cause was gone [s since 1970]; None before.
         acknowledged_by: Name of who has seen it; empty before.
@@ -69,7 +69,7 @@ class Alarms:
     """The alarms of a run of the station. Any thread but the control thread.
 
     Args:
-        station: Whose state is looked at.
+        station: Station whose state is looked at.
         log: Takes the acknowledgements, and gives the wall time. The causes have
             events of their own.
     """
@@ -83,7 +83,7 @@ class Alarms:
         self._newest = 0
 
     def look(self) -> None:
-        """Compare the station with the list: raise what is new, clear what is gone."""
+        """Compare the station with the list: raise new alarms, clear ended ones."""
         now = self._log.wall_time()
         with self._lock:
             # One alarm a subject: a cause that changes its text is the same alarm.
@@ -113,13 +113,13 @@ class Alarms:
             return list(self._alarms.values())[::-1]
 
     def acknowledge(self, number: int, origin: Origin = STATION) -> Alarm:
-        """Note that somebody has seen an alarm; return it.
+        """Note that a person has seen an alarm; return the alarm.
 
         Seeing it again changes nothing: the first name and time stay.
 
         Args:
             number: Number of the alarm.
-            origin: Who has seen it.
+            origin: Person that has seen it.
 
         Raises:
             AlarmNotFoundError: There is no such alarm, or no more.

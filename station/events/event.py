@@ -1,4 +1,4 @@
-"""One thing that happened: when, what, who, from where, with what result."""
+"""One event: its time, kind, author, origin and result."""
 
 import json
 from collections.abc import Mapping

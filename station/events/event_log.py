@@ -118,13 +118,13 @@ class EventLog:
         """Record that something happened; return the event.
 
         Args:
-            kind: What it is about.
+            kind: Kind of the event.
             text: A sentence for people; cut off after `MAX_TEXT` characters.
             severity: How much it asks for attention.
             what: Method and route, or the subject.
             result: How it ended, in one or two words.
             details: More facts; what JSON does not have is kept as text.
-            origin: Who did it, and from where.
+            origin: Person or program that did it, and its address.
         """
         stamp, cycle = self._station_time()
         # Memory and disk give the same answer, whatever objects the caller has handed
@@ -152,6 +152,7 @@ class EventLog:
             self._queue(event)
             for key, listener in list(self._listeners.items()):
                 self._tell(key, listener, event)
+        # Outside of the lock, which the writer takes as its first step.
         self._wake.set()
         return event
 
@@ -226,6 +227,7 @@ class EventLog:
                 found = file.read(after, limit, kinds, severity)
             except (sqlite3.Error, ValueError) as error:
                 _log.warning("Events cannot be read from %s: %s", file.path, error)
+        # What is in both counts once.
         last = found[-1].id if found else after
         # A full page of the disk comes before all that only memory has.
         newer = [] if len(found) >= limit else [e for e in recent if e.id > last]
@@ -277,7 +279,7 @@ class EventLog:
             )
 
     def close(self, timeout: float = 1.0) -> None:
-        """Write what is pending and end the thread.
+        """Write the pending events and end the thread.
 
         Args:
             timeout: Longest wait [s].
@@ -340,6 +342,7 @@ class EventLog:
         if file is None:
             return False
         with self._lock:
+            # They stay pending until they are written: a failure loses none.
             batch = [self._pending[i] for i in range(min(BATCH, len(self._pending)))]
         try:
             file.append(batch)
@@ -349,6 +352,7 @@ class EventLog:
             return False
         last = batch[-1].id
         with self._lock:
+            # By number: the oldest may have been given up while the disk was busy.
             while self._pending and self._pending[0].id <= last:
                 self._pending.popleft()
             failure, self._failure = self._failure, None
@@ -379,6 +383,7 @@ class EventLog:
 def _open_or_replace(path: Path) -> EventFile:
     try:
         return EventFile(path)
+    # A file that is locked, or a full disk: nothing is wrong with the events in it.
     except sqlite3.OperationalError:
         raise
     except sqlite3.DatabaseError as error:

@@ -56,12 +56,12 @@ class Repeats:
         """Record an event, or count it.
 
         Args:
-            kind: What it is about.
+            kind: Kind of the event.
             text: A sentence for people.
             severity: How much it asks for attention.
             what: Method and route, or the subject.
             result: How it ended.
-            origin: Who did it, and from where.
+            origin: Person or program that did it, and its address.
             free: So many alike events of a window are recorded one by one, >= 1.
         """
         key = (kind.value, origin.who, origin.where, what, result)
@@ -101,6 +101,7 @@ class Repeats:
             self._windows.clear()
 
     def _forget(self) -> None:
+        # A stranger who varies his requests must not make the memory grow.
         if len(self._windows) > MOST_KINDS:
             self._tell(self._windows.pop(next(iter(self._windows))))
 

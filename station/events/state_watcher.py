@@ -1,4 +1,4 @@
-"""Notices what changes in a station and records it; outside of the control thread."""
+"""Notices changes of a station and records them; outside of the control thread."""
 
 import logging
 import threading
@@ -42,7 +42,7 @@ class StateWatcher:
     Args:
         station: The station.
         log: Takes the events.
-        also: What else has to be looked after at every look, by what it is.
+        also: Further checks at every look, by the name of their part.
     """
 
     def __init__(
@@ -74,7 +74,7 @@ class StateWatcher:
         self._thread: threading.Thread | None = None
 
     def start(self) -> None:
-        """Begin to look in a thread; what there is already is recorded as new."""
+        """Begin to look in a thread; the present state is recorded as new."""
         self._thread = threading.Thread(
             target=self._run, name="state-watcher", daemon=True
         )
@@ -92,7 +92,7 @@ class StateWatcher:
         self._bursts.tell_folded(self._station.loop.clock.now())
 
     def look(self) -> None:
-        """Record what has changed since the last look.
+        """Record the changes since the last look.
 
         A part of the look that fails is logged and recorded once, until it succeeds
         again; the other parts are looked at all the same.
@@ -282,7 +282,7 @@ class _Bursts:
             self._folded.append(count)
 
     def tell_folded(self, now: float) -> None:
-        """Tell the bursts that were counted since the last one that was told."""
+        """Record the bursts that were counted since the last recorded one."""
         if not self._folded:
             return
         bursts, self._folded = self._folded, []

@@ -30,7 +30,7 @@ _GONE = 3
 
 
 class Reporter:
-    """Tells how far the experiment is, and keeps the responses worth looking at.
+    """Reports the progress of the experiment, and keeps the responses worth seeing.
 
     Args:
         results: The experiment.

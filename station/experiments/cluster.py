@@ -18,7 +18,7 @@ T = TypeVar("T")
 
 
 class ClusterExecutor(Executor):
-    """Gives work to the workers of a cluster that have what the caller has.
+    """Gives work to those workers of a cluster that are equal to the caller.
 
     Dask repeats the tasks of a worker that is lost. Workers that come later are
     compared with the caller before they get work; one that differs gets none, and
@@ -32,7 +32,7 @@ class ClusterExecutor(Executor):
 
     Attributes:
         refused: Why a worker gets no work, by its address.
-        worker_losses: What a future ends with when worker after worker died of it.
+        worker_losses: Error of a future of which worker after worker has died.
 
     Raises:
         ExperimentError: The address is none, the scheduler does not answer, or has no
@@ -132,10 +132,10 @@ class ClusterExecutor(Executor):
 
 
 def _check_address(address: str) -> None:
-    """Refuse what is no address.
+    """Refuse a text that is no address.
 
     Raises:
-        ExperimentError: It is none.
+        ExperimentError: The text is no address.
     """
     try:
         parse_host_port(parse_address(address)[1])

@@ -115,7 +115,7 @@ class Mechanics:
         """Refuse a joint that is not one of the robot's.
 
         Raises:
-            UnknownParameterError: It is not.
+            UnknownParameterError: No disturbance has that name.
         """
         if joint not in self._dofs:
             raise UnknownParameterError(
@@ -204,7 +204,7 @@ class CommandDelay:
 
 
 class MeasurementNoise:
-    """Adds Gaussian noise to what a robot's joints measure.
+    """Adds Gaussian noise to the readings of a robot's joints.
 
     Controllers, limits and the record see the noise; the motors and the supervision
     inside of a simulated arm do not.

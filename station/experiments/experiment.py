@@ -64,7 +64,7 @@ def keep_worst(results: Results, metric: str, count: int) -> list[str]:
 
     Args:
         results: The experiment.
-        metric: What decides.
+        metric: Metric that ranks the trials.
         count: How many trials, >= 0.
 
     Raises:
@@ -89,14 +89,14 @@ class Experiment(ABC):
     """An experiment that is ready to run.
 
     Args:
-        request: What was asked for.
+        request: Request as it was made.
         base: The trial that all others are changed from.
         gains: Gains of the configuration, by controller and name.
 
     Attributes:
-        kind: What it is: `sweep`, `robustness` or `tune`.
+        kind: Kind of experiment: `sweep`, `robustness` or `tune`.
         setup: The configuration of all its trials.
-        plan: What it is started with, as plain data; the same plan is the same
+        plan: Settings at its start, as plain data; the same plan is the same
             experiment.
     """
 
@@ -130,7 +130,7 @@ class Experiment(ABC):
             watch: Called after every trial.
 
         Raises:
-            ExperimentError: It cannot go on; what has ended is kept.
+            ExperimentError: The experiment cannot go on; ended trials are kept.
         """
 
 
@@ -179,7 +179,7 @@ class TuneExperiment(Experiment):
     """A search for better gains.
 
     Attributes:
-        tuned: What it has found; None before its end.
+        tuned: Result of the search; None before its end.
     """
 
     def __init__(
@@ -237,13 +237,14 @@ def carry_out(
     """Run an experiment to its end, and note in its results how it ended.
 
     Args:
-        experiment: What to run.
+        experiment: Experiment to run.
         results: Where the trials are kept.
         executor: Where they run.
         watch: Called after every trial.
 
     Raises:
-        StationError: It cannot go on, or another process runs it; what has ended is
+        StationError: The experiment cannot go on, or another process runs it; what has
+            ended is
             kept.
         KeyboardInterrupt: It was interrupted before its first trial.
     """
@@ -257,7 +258,7 @@ def _carry_out(
     """Run an experiment that no other process runs.
 
     Raises:
-        StationError: It cannot go on; what has ended is kept.
+        StationError: The experiment cannot go on; ended trials are kept.
         KeyboardInterrupt: It was interrupted before its first trial.
     """
     results.set_outcome("running")
@@ -281,7 +282,7 @@ def prepare(
 
     Args:
         setup: The configuration of the trials.
-        request: What is asked for.
+        request: Request of the caller.
         live: Gains in force by controller and name, of a running station; those of
             the configuration when None.
 
@@ -321,9 +322,9 @@ def _rescaled(
     """Return the gains that the parameters of a search change, from the present ones.
 
     Args:
-        request: What is asked for.
+        request: Request of the caller.
         present: The gains before.
-        found: What the parameters make of the configuration's gains.
+        found: Gains that follow from the configuration and the parameters.
     """
     begin = f"scale/{request.controller}/"
     factors = {

@@ -17,7 +17,7 @@ _ABOUT = ("number", "hash", "state", "reason", "seed", "seconds", "worker")
 
 
 def table(results: Results) -> list[dict[str, object]]:
-    """Return a row per trial: what it is, its parameters, its metrics.
+    """Return a row per trial: its hash and state, its parameters, its metrics.
 
     Columns of parameters are called `parameter:NAME`; a metric that a trial lacks is
     None.

@@ -131,7 +131,7 @@ def _fit(
     Args:
         joint: The joint.
         wanted: Acceleration, velocity and its sign, shape (k, 3).
-        known: What else acts, shape (k, m).
+        known: Other torques that act, shape (k, m).
         effort: The measured efforts [Nm or N], shape (k,).
         noise: Standard deviation of the accelerations [rad/s^2 or m/s^2].
 

@@ -25,7 +25,7 @@ def plot(results: Results, kind: str, path: Path, metrics: Sequence[str] = ()) -
             `pareto`: two metrics, with the trials that none beats in both;
             `responses`: the error of the best, median and worst trial over time.
         path: The `.png` file.
-        metrics: What decides: the first of `parallel` and `responses`, two of
+        metrics: Metrics to rank by: the first of `parallel` and `responses`, two of
             `pareto`; `rms_error` and `effort_rms` when empty.
 
     Raises:

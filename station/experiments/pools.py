@@ -22,7 +22,7 @@ NICENESS = 10
 
 
 class InThisProcess(Executor):
-    """Runs what is submitted at once, in the caller's thread."""
+    """Runs submitted work at once, in the caller's thread."""
 
     @override
     def submit(
@@ -71,7 +71,7 @@ class ProcessPool(Executor):
         self._pool.shutdown(wait, cancel_futures=cancel_futures)
 
     def abandon(self) -> None:
-        """End this program's worker processes at once; what they run is lost."""
+        """End this program's worker processes at once; their work is lost."""
         self._pool.shutdown(wait=False, cancel_futures=True)
         for process in active_children():
             process.kill()

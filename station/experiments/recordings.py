@@ -93,7 +93,7 @@ def recorded_script(path: Path, controller: str) -> Script:
 
 
 def recorded_trace(path: Path) -> Trace:
-    """Return the motion of all joints in a recording, without what was asked of them.
+    """Return the measured motion of all joints in a recording.
 
     Args:
         path: The file of a recording or an incident. Of one with gaps or resets, the
@@ -101,7 +101,7 @@ def recorded_trace(path: Path) -> Trace:
 
     Raises:
         RecordingFileError: The file is no whole recording.
-        ExperimentError: It has no cycle in which all joints were measured.
+        ExperimentError: The recording has no cycle in which all joints were measured.
     """
     table = columns(path, [CYCLES, JOINT_STATES])
     names = [name.removeprefix(_POSITION) for name in table if _POSITION in name]

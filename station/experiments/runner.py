@@ -1,4 +1,4 @@
-"""Hands trials to an executor and keeps what comes back."""
+"""Hands trials to an executor and keeps the results."""
 
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence, Sized
@@ -53,7 +53,7 @@ _Waiting = dict[Future[list[TrialResult]], tuple[Sequence[Trial], int]]
 
 
 class Runner:
-    """Runs trials on an executor; what ends is in the results at once.
+    """Runs trials on an executor; the results have each trial as soon as it ends.
 
     Short trials travel together in tasks of half a second, and are in the
     results when their task ends.
@@ -187,7 +187,7 @@ class Runner:
         """Keep the results of a task, or give its trials away again.
 
         Raises:
-            ExperimentError: They were given away too often.
+            ExperimentError: The trials were given to workers too often.
         """
         trials, attempt = waiting.pop(future)
         is_alone = trials[0] in self._lost

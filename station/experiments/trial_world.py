@@ -120,11 +120,11 @@ class TrialWorld:
         return self._world.joints([joint]).read_inertia()[0]
 
     def run(self, trial: Trial) -> TrialResult:
-        """Run a trial and return what came out; a trial that is refused has failed."""
+        """Run a trial and return its result; a trial that is refused has failed."""
         return self.record(trial)[0]
 
     def record(self, trial: Trial) -> tuple[TrialResult, Trace | None]:
-        """Run a trial; return what came out, and every cycle of it.
+        """Run a trial; return its result and every cycle of it.
 
         The trace is None when the trial was refused before it began.
         """
@@ -332,7 +332,7 @@ def default_script(world: TrialWorld, controller: str) -> Script:
 
     Raises:
         ExperimentError: The controller commands no positions of joints.
-        StationError: It is not loaded.
+        StationError: The controller is not loaded.
     """
     motions = small_motions(world, controller, _TIMES, _SHARES)
     if not motions:

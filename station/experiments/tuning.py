@@ -31,9 +31,9 @@ class Tuned:
 
     Attributes:
         first: The trial at which it began.
-        first_result: What came out of it.
+        first_result: Result of the first trial.
         best: The best trial that keeps all bounds; `first` when none is better.
-        best_result: What came out of it.
+        best_result: Result of the best trial.
         best_cost: Its cost; that of `first` is 1.
         progress: How far the search came.
         stopped: Why it ended.
@@ -87,7 +87,7 @@ def tunable_gains(
 
     Args:
         gains: Gains by name, such as `panda_joint1/p`.
-        suffixes: What their names end in, after a `/` or as a whole.
+        suffixes: Ends of their names, after a `/`, or whole names.
 
     Raises:
         UnknownParameterError: There is none.
@@ -125,7 +125,7 @@ def tune(
         first: The trial at which it begins, with the present gains.
         gains: The gains that may change, by parameter (`gains/arm/panda_joint1/p`), and
             where they begin, > 0.
-        goal: What a better trial is.
+        goal: Measure by which trials are compared.
         search: How it is done.
         results: Where the trials are kept.
         executor: Where they run.
@@ -175,7 +175,7 @@ def _begin(
 
     Raises:
         KeyboardInterrupt: Ctrl-C came before its end.
-        ExperimentError: It fails, or lacks a metric of the goal.
+        ExperimentError: The first trial fails, or lacks a metric of the goal.
     """
     progress = _of_search(runner.run([first], search.trials), results, search.trials)
     begun = results.find(first.hash)

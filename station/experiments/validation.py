@@ -34,9 +34,9 @@ class Check:
     """One line of a scorecard.
 
     Attributes:
-        name: What was checked.
+        name: Subject of the check.
         outcome: `passed`, `failed`, or `skipped` when it does not apply.
-        detail: What was seen, in one sentence.
+        detail: Observation, in one sentence.
     """
 
     name: str
@@ -49,7 +49,7 @@ class Scorecard:
     """The results of a robot's checks.
 
     Attributes:
-        robot: What was checked.
+        robot: Name of the checked robot.
         setup: Digest of its setup.
         checks: The checks in their order.
     """
@@ -112,7 +112,7 @@ def validate(setup: Setup, robot: str) -> Scorecard:
 
     Args:
         setup: The configuration.
-        robot: What the scorecard is called after.
+        robot: Name in the scorecard.
     """
     try:
         world = TrialWorld(setup)

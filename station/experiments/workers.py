@@ -65,15 +65,15 @@ def identity(setup_text: str) -> Identity:
 def run_trials(
     setup_text: str, trial_texts: Sequence[str], expected: Identity | None = None
 ) -> list[TrialResult]:
-    """Run trials one after the other; what is wrong with one is in its result.
+    """Run trials one after the other; the error of a trial is in its result.
 
     Args:
         setup_text: Text of the setup.
         trial_texts: `Trial.to_json` of each trial.
-        expected: What this process must run trials with; anything when None.
+        expected: Version and configuration that trials need; any when None.
 
     Raises:
-        WorkerMismatchError: This process has something else.
+        WorkerMismatchError: This process has another version or configuration.
         StationError: The setup cannot be used here.
     """
     with _one_at_a_time:
@@ -89,7 +89,8 @@ def compare(expected: Identity, found: Identity, worker: str) -> None:
     """Refuse a worker that would give other numbers.
 
     Raises:
-        WorkerMismatchError: It would, and why.
+        WorkerMismatchError: This process would give other results; the message says
+            why.
     """
     for field in fields(Identity):
         wanted, has = getattr(expected, field.name), getattr(found, field.name)

@@ -194,7 +194,7 @@ class StationEnv(gymnasium.Env[Observation, Array]):
         """Return an action clipped to the range of the set-points.
 
         Raises:
-            InvalidCommandError: It is not finite, or has another shape.
+            InvalidCommandError: The action is not finite, or has another shape.
         """
         values = np.asarray(action)
         if values.shape != self._low.shape or not np.isfinite(values).all():

@@ -1,1 +1,1 @@
-"""Gain sets and waypoint paths: what operators keep by name on the disk."""
+"""Gain sets and waypoint paths, which operators keep by name on the disk."""

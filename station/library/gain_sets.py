@@ -84,7 +84,7 @@ class GainSets:
 
         Args:
             name: Letters, digits, `_`, `.` and `-`.
-            controllers: Whose gains; those of all loaded controllers when None.
+            controllers: Controllers; all loaded controllers when None.
 
         Raises:
             GainSetError: The name is none, or the file cannot be written.
@@ -138,7 +138,7 @@ class GainSets:
 
         Args:
             name: The set.
-            controllers: Whose gains; those of all controllers of the set when None.
+            controllers: Controllers; all controllers of the set when None.
 
         Raises:
             GainSetNotFoundError: There is no set of that name.
@@ -166,7 +166,7 @@ def _checked(gains: object) -> GainsByController:
     """Return the gains that a file has.
 
     Raises:
-        ValueError: They are malformed; the message says how.
+        ValueError: The values are malformed; the message says how.
     """
     if not isinstance(gains, dict):
         raise ValueError("it has no mapping 'gains'")  # noqa: TRY004 - of a file

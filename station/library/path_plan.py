@@ -1,4 +1,4 @@
-"""The goal that leads joints along a waypoint path, and what limits say of it."""
+"""The goal that leads joints along a waypoint path, and its check by limits."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -49,7 +49,7 @@ class PathPlan:
         return {"trajectory": {"joint_names": list(self.joints), "points": points}}
 
     def check(self, limits: Mapping[str, JointLimits]) -> None:
-        """Refuse what the limits of the joints do not allow.
+        """Refuse a path that the limits of the joints do not allow.
 
         Args:
             limits: The limits by joint.

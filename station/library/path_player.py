@@ -111,7 +111,8 @@ class PathPlayer:
             WaypointPathError: Its file cannot be read or is malformed.
             PathRefusedError: No trajectory controller that runs moves its joints, or
                 it has no such waypoint.
-            InvalidTrajectoryError: It is too fast for a joint, or leaves its range.
+            InvalidTrajectoryError: The path is too fast for a joint, or leaves its
+                range.
             StationError: The controller refuses the goal; nothing moves.
         """
         options = options or PlayOptions()
@@ -184,12 +185,12 @@ class PathPlayer:
         """Change speed or loop of the path that plays or is paused.
 
         Args:
-            speed: Factor of all speeds, `SLOWEST` to `FASTEST`; None leaves it.
-            loop: Whether it begins again at its end; None leaves it.
+            speed: Factor of all speeds, `SLOWEST` to `FASTEST`; None keeps the setting.
+            loop: Whether the path begins again at its end; None keeps the setting.
 
         Raises:
             PathRefusedError: No path plays.
-            StationError: It is too fast; nothing has changed.
+            StationError: The path would be too fast; nothing has changed.
         """
         with self._lock:
             playback = self._active()
@@ -237,7 +238,7 @@ class PathPlayer:
         return self._playback
 
     def _look(self) -> None:
-        """Note how far the goal is; begin the next round, or end."""
+        """Note the progress of the goal; begin the next round, or end."""
         playback, now = self._playback, self._round
         if playback is None or now is None or self._path is None:
             return

@@ -156,7 +156,7 @@ def _free_name(known: Sequence[Waypoint]) -> str:
 
 
 def _check(waypoints: Sequence[Waypoint]) -> None:
-    """Refuse what cannot be a path.
+    """Refuse waypoints that cannot be a path.
 
     Raises:
         InvalidTrajectoryError: There are too many waypoints, or one has an impossible
@@ -188,7 +188,7 @@ def _read(waypoints: object) -> tuple[Waypoint, ...]:
     """Return the waypoints that a file has.
 
     Raises:
-        ValueError: They are malformed; the message says how.
+        ValueError: The values are malformed; the message says how.
     """
     if not isinstance(waypoints, list):
         raise ValueError("it has no list 'waypoints'")  # noqa: TRY004 - of a file

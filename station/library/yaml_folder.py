@@ -30,7 +30,7 @@ class FileKind:
     """The kind of files in a folder.
 
     Attributes:
-        noun: What one of them is called in messages, e.g. `gain set`.
+        noun: Noun for an entry in messages, e.g. `gain set`.
         folder: Name of the folder among the data of the control station.
         not_found: Raised when there is none of a name, or a name is none.
         unusable: Raised when a file cannot be read or written, or is malformed.
@@ -51,7 +51,7 @@ class YamlFolder:
     """The files of one kind. Any thread.
 
     Args:
-        kind: What they are.
+        kind: Noun for the entries in messages.
         folder: Where they are; the user's own folder when None. It is made when the
             first file is written.
     """

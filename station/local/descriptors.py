@@ -12,7 +12,7 @@ LEAST = 128
 
 
 def open_more_files() -> None:
-    """Raise the limit of this process as far as its user may, to what is enough.
+    """Raise the limit of this process to a sufficient one, as far as its user may.
 
     A soft limit is for programs that do not look how many files they have open.
     """

@@ -65,7 +65,7 @@ def is_alive(pid: int, started: str) -> bool:
 
     Args:
         pid: Its number.
-        started: What `process_start` returned for it; empty where unknown.
+        started: Start of the process, from `process_start`; empty where unknown.
     """
     try:
         os.kill(pid, 0)
@@ -132,7 +132,7 @@ def check_private(directory: Path) -> None:
     """Refuse a directory that others could have put something into.
 
     Raises:
-        RuntimeDirectoryError: It is such a directory.
+        RuntimeDirectoryError: Other users can write into the directory.
     """
     info = directory.lstat()
     mode = stat.S_IMODE(info.st_mode)

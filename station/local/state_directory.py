@@ -1,4 +1,4 @@
-"""The directory where a station of this user keeps what outlives it.
+"""The directory of the files of this user's station that outlive it.
 
 `$XDG_STATE_HOME/control-station`, or `~/.local/state/control-station`, has a directory
 for each station that runs at the same time: `0`, `1`, … A station that starts takes the
@@ -39,7 +39,7 @@ class StateDirectory:
         path: The directory; only its user can enter it.
 
     Raises:
-        StateDirectoryError: It cannot be made, or too many stations run.
+        StateDirectoryError: The directory cannot be made, or too many stations run.
     """
 
     def __init__(self) -> None:

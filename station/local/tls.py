@@ -125,7 +125,7 @@ def _read(path: Path, what: str, remedy: str) -> str:
     """Return the text of a PEM file.
 
     Raises:
-        TlsFilesError: It cannot be read.
+        TlsFilesError: The file cannot be read.
     """
     try:
         return path.read_text(encoding="ascii")

@@ -22,13 +22,13 @@ if not cython.compiled:
 
 
 class VirtualTime:
-    """Wall time that passes when somebody says so.
+    """Wall time that passes on demand.
 
     Args:
         seconds: Its first value [s].
 
     Attributes:
-        seconds: What it is now [s].
+        seconds: The present time [s].
     """
 
     def __init__(self, seconds: float) -> None:

@@ -254,7 +254,7 @@ class Layout:
         """Return a message as CDR.
 
         Args:
-            values: What is not settled, in the order of the fields.
+            values: Values that are not settled, in the order of the fields.
 
         Raises:
             struct.error: There are too many or too few values.

@@ -1,4 +1,4 @@
-"""The messages of a cycle: what a packed row says, in CDR."""
+"""The messages of a cycle: the content of a packed row, in CDR."""
 
 from collections.abc import Iterator
 from typing import NamedTuple

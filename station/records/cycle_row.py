@@ -54,7 +54,7 @@ class Row(NamedTuple):
         epoch: The station's epoch in that cycle.
         time: Station time [s].
         period: Time since the cycle before [s].
-        form: What the numbers belong to.
+        form: Names of the numbers.
         joints: Positions, velocities and efforts as doubles, one after the other.
         samples: The four lists of each sample as doubles, one after the other.
     """
@@ -69,7 +69,7 @@ class Row(NamedTuple):
 
 
 class RowPacker:
-    """Packs cycles, and unpacks what it has packed.
+    """Packs cycles, and unpacks the rows.
 
     Args:
         joints: Names of the joints in the snapshots.

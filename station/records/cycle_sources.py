@@ -55,7 +55,7 @@ class CycleSource(ABC, Generic[SampleT]):
         Args:
             encoder: Makes messages.
             time: Station time of the cycle [s].
-            sample: What `sample` returned in that cycle.
+            sample: Result of `sample` in that cycle.
         """
 
     def open(self) -> None:

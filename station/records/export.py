@@ -45,7 +45,7 @@ def export(path: Path, target: Path, form: str, choice: Choice | None = None) ->
         path: The file of the recording.
         target: The file to be.
         form: `csv`, `npz` or `parquet`.
-        choice: What of the recording is wanted; all when None.
+        choice: Wanted part of the recording; all when None.
 
     Raises:
         RecordingFileError: The file is no whole recording.
@@ -71,7 +71,7 @@ def csv_pieces(
 
     Args:
         path: The file of the recording.
-        choice: What of it is wanted.
+        choice: Wanted part of the recording.
         pause: Called between short pieces of work.
 
     Raises:

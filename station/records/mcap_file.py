@@ -143,7 +143,7 @@ class McapFile:
         self._writer.flush()
 
     def write_out(self) -> None:
-        """Write to the disk what is complete; `failure` says why not."""
+        """Write complete chunks to the disk; `failure` has the error, if any."""
         data = memoryview(self._buffer.take())
         # After a failed write the file has a gap. More data would only hide it.
         if self.failure is not None:

@@ -131,7 +131,7 @@ def recover_file(path: Path, pause: Callable[[], None] = lambda: None) -> Recove
         pause: Called between short pieces of work.
 
     Raises:
-        RecordingFileError: It is no MCAP file, or cannot be read or written.
+        RecordingFileError: The file is no MCAP file, or cannot be read or written.
         RecordingRefusedError: A station is writing it.
     """
     try:
@@ -177,7 +177,7 @@ def _check_magic(path: Path, file: BinaryIO) -> bool:
     """Refuse a file that is no MCAP file; return whether it begins as one does.
 
     Raises:
-        RecordingFileError: It is none.
+        RecordingFileError: The file is no MCAP file.
     """
     begin = file.read(len(MAGIC) + HEAD.size)
     if begin.startswith(MAGIC):
@@ -193,7 +193,7 @@ def _check_magic(path: Path, file: BinaryIO) -> bool:
 
 
 def _mend(file: BinaryIO, content: Content) -> None:
-    """Write over what is damaged, and write the end of the file anew."""
+    """Write over damaged parts, and write the end of the file anew."""
     file.seek(0)
     file.write(MAGIC)
     for span in content.spans:

@@ -1,4 +1,4 @@
-"""Read an MCAP file record by record, and tell what is whole from what is damaged.
+"""Read an MCAP file record by record, and tell whole parts from damaged ones.
 
 The checksum of each chunk says whether its messages are as they were written. After a
 damaged record the scan goes on at the next one that is whole: where the damaged record
@@ -99,7 +99,7 @@ class Content:
         end: Offset behind the last whole record of the data.
         is_whole: Whether data and index are as they were written.
         has_end: Whether the end of the data is there.
-        spans: What is damaged before `end`.
+        spans: Damaged parts before `end`.
         chunks: The whole chunks.
         missing_indexes: Chunks whose own indexes are not all there, by their place.
         schemas: Schemas by number.
@@ -107,7 +107,7 @@ class Content:
         metadata: Facts about the file.
         counts: Number of messages by channel.
         numbers: Number that the last message has, by channel; the first has 1.
-        statistics: What the index says of the file as it was written, if it has one.
+        statistics: Counts in the file's index, if the file has one.
         first_of: The first message of each channel.
         last_of: The last message of each channel.
     """

@@ -1,4 +1,4 @@
-"""The folder of the recordings: files, what is known of each, and a quota.
+"""The folder of the recordings: files, their descriptions, and a quota.
 
 Beside every `ID.mcap` lies `ID.json` with what a list shows, so that no file needs to
 be opened for it. A file is locked while it is written. A description that says
@@ -53,8 +53,8 @@ class RecordingInfo:
 
     Attributes:
         identifier: Its name in the folder.
-        name: What the user calls it; empty without a name.
-        note: What the user says about it.
+        name: Name that the user gave; empty without a name.
+        note: Note of the user.
         state: `recording`, `stopped`, `failed`, or `recovered` after a crash.
         error: Why it failed; None if it did not.
         started_at: When it began, ISO 8601.
@@ -132,8 +132,8 @@ class RecordStore:
 
         Args:
             open_file: Makes a file that is not there yet, and locks it.
-            name: What the user calls the recording.
-            note: What the user says about it.
+            name: Name that the user gives.
+            note: Note of the user.
             causes: Why an incident is kept.
 
         Raises:
@@ -175,7 +175,7 @@ class RecordStore:
     def _open_free(
         self, base: str, open_file: Callable[[Path], FileT]
     ) -> tuple[str, FileT]:
-        """Return an identifier that nobody has, and its new file.
+        """Return a new identifier and its new file.
 
         Raises:
             FileExistsError: All names are taken.
@@ -255,11 +255,12 @@ class RecordStore:
         return self.folder / f"{identifier}.mcap"
 
     def delete(self, identifier: str) -> RecordingInfo:
-        """Delete a recording that is not running; return what it was.
+        """Delete a recording that is not running; return its description.
 
         Raises:
             RecordingNotFoundError: There is none of that name.
-            RecordingRefusedError: It is being recorded, or several have that name.
+            RecordingRefusedError: The recording is not finished, or several have that
+                name.
             RecordingFileError: The folder cannot be written to.
         """
         info = self.info(identifier)
@@ -293,7 +294,7 @@ class RecordStore:
         """Refuse a new recording when the folder is full.
 
         Raises:
-            RecordingRefusedError: It is, and of what.
+            RecordingRefusedError: The folder is full; the message says of what.
         """
         count, used = len(self.infos()), self.usage()
         if count >= self.quota.count or used >= self.quota.bytes:
@@ -319,7 +320,7 @@ class RecordStore:
         pause: Callable[[], None] = lambda: None,
         tell: Callable[[RecordingInfo], None] = lambda _: None,
     ) -> list[RecordingInfo]:
-        """Recover what a killed station left; return the recordings it was about.
+        """Recover the recordings of a killed station; return their descriptions.
 
         Args:
             pause: Called between short pieces of work.
@@ -359,11 +360,11 @@ class RecordStore:
     def note_recovery(
         self, identifier: str, recovered: "Recovered"
     ) -> RecordingInfo | None:
-        """Write down what a recovery found; None when there is no description.
+        """Write the result of a recovery down; None when there is no description.
 
         Args:
             identifier: The recording.
-            recovered: What was found in its file.
+            recovered: Content found in its file.
         """
         try:
             info = self._read(self._description(identifier))
@@ -421,8 +422,8 @@ class RecordStore:
         """Return a description.
 
         Raises:
-            OSError: It cannot be read.
-            ValueError: It is not one, or another file's.
+            OSError: The file cannot be read.
+            ValueError: The text is no such record, or belongs to another file.
         """
         values = json.loads(read_regular(path, _LARGEST))
         if not isinstance(values, dict):

@@ -31,7 +31,7 @@ class RecordedInputs:
         self._in_force: dict[str, Input] = {}
 
     def take(self, cycle: int) -> None:
-        """Write down what was asked of the station, once its cycle is known.
+        """Write the inputs of the station down, once their cycles are known.
 
         Args:
             cycle: The last cycle that was looked at.
@@ -73,7 +73,7 @@ class RecordedInputs:
         """Note once that not everything is known that was asked of the station.
 
         Args:
-            what: What is not known.
+            what: Unknown item, for the message.
             cycle: The last cycle that was looked at.
         """
         if self.is_whole:
@@ -100,6 +100,6 @@ class RecordedInputs:
 
 
 def _plain(arguments: Mapping[str, object]) -> dict[str, object]:
-    """Return arguments as JSON has them; what is no JSON is its text."""
+    """Return arguments as JSON has them; other values become text."""
     plain: dict[str, object] = json.loads(json.dumps(arguments, default=str))
     return plain

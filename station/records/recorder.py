@@ -37,7 +37,7 @@ BEFORE, AFTER = 10.0, 2.0
 
 
 class Recorder:
-    """Records, and keeps what was before an incident. Any thread but the control one.
+    """Records, and keeps the cycles before an incident. Any thread but the control one.
 
     Args:
         station: The station.
@@ -50,7 +50,7 @@ class Recorder:
     Attributes:
         store: As given.
         incidents: As given.
-        last: What is known of the present recording, or of the last one; None before
+        last: Information on the present recording, or on the last one; None before
             the first.
         failure: Why the thread ended; None while all is well.
         tell: Called with a recording or an incident when it begins, ends or fails, in
@@ -118,7 +118,7 @@ class Recorder:
 
         Args:
             stamp: Station time [s].
-            kind: What the event is about.
+            kind: Kind of the event.
             severity: How much it asks for attention.
             text: A sentence for people.
             details: More facts as JSON.
@@ -130,11 +130,11 @@ class Recorder:
         """Begin to record with the next cycle; one recording at a time.
 
         Args:
-            name: What the user calls it.
-            note: What the user says about it.
+            name: Name that the user gives.
+            note: Note of the user.
 
         Raises:
-            RecordingRefusedError: One runs already, the name is not allowed, or the
+            RecordingRefusedError: A recording runs, the name is not allowed, or the
                 quota is used up.
             RecordingFileError: The file cannot be made.
         """
@@ -159,14 +159,15 @@ class Recorder:
             return recording.info
 
     def stop(self, identifier: str | None = None) -> RecordingInfo:
-        """End the recording; return what is known of it.
+        """End the recording; return its description.
 
         Args:
             identifier: Which one, or its name; the present one when None.
 
         Raises:
             RecordingNotFoundError: There is no such recording.
-            RecordingRefusedError: It does not run, or several have that name.
+            RecordingRefusedError: The recording does not run, or several have that
+                name.
         """
         with self._lock:
             present = self._recording
@@ -189,7 +190,7 @@ class Recorder:
             return stopped
 
     def end(self) -> RecordingInfo:
-        """End the recording if it still runs; return what is known of the last one.
+        """End the recording if it still runs; return the description of the last one.
 
         Raises:
             RecordingRefusedError: Nothing was recorded yet.
@@ -229,7 +230,7 @@ class Recorder:
         ]
 
     def drain(self) -> None:
-        """Take what the cycles since the last call have left."""
+        """Take the cycles since the last call."""
         with self._lock:
             self._drain()
 

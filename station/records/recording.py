@@ -1,4 +1,4 @@
-"""A recording under way: its file, its channels, and how far it is."""
+"""A recording under way: its file, its channels, and its progress."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -19,14 +19,14 @@ class Recording:
     """Writes one recording. Not for several threads at a time.
 
     Args:
-        info: What is known of it so far.
+        info: Information on the recording so far.
         store: Where it is kept.
         file: Its file.
         encoder: Makes messages.
-        sources: What is sampled besides the snapshots; empty for an incident.
+        sources: Samples besides the snapshots; empty for an incident.
 
     Attributes:
-        info: What is known of it now.
+        info: Information on the recording now.
     """
 
     def __init__(
@@ -68,7 +68,7 @@ class Recording:
         return min((source.newest for source in self._sources), default=None)
 
     def add_facts(self, station: Station, texts: dict[str, str]) -> None:
-        """Add what a reader needs to know about the whole.
+        """Add the facts about the whole that a reader needs.
 
         Args:
             station: The station.
@@ -117,7 +117,7 @@ class Recording:
         self._count += 1
 
     def add_samples(self, until: int, lost: int = 0) -> None:
-        """Add what the sources have sampled since the last call.
+        """Add the samples of the sources since the last call.
 
         Args:
             until: Number of the last cycle that is in the recording.
@@ -150,7 +150,7 @@ class Recording:
         return None
 
     def finish(self, error: str | None = None) -> RecordingInfo:
-        """End the recording and return what is known of it.
+        """End the recording and return its description.
 
         Args:
             error: Why it failed; None when it ends as it should.

@@ -1,4 +1,4 @@
-"""Read recordings: their messages, their cycles as arrays, and what they are about."""
+"""Read recordings: their messages, their cycles as arrays, their descriptions."""
 
 import json
 import os
@@ -67,7 +67,7 @@ def _opened(path: Path) -> BinaryIO:
     """Open a recording to be read.
 
     Raises:
-        RecordingFileError: It is not there, or must not be read.
+        RecordingFileError: The file is not there, or must not be read.
     """
     try:
         return os.fdopen(open_regular(path), "rb")
@@ -83,8 +83,8 @@ def reading(path: Path) -> Iterator[BinaryIO]:
     """Open a recording to be read in the body of a `with`.
 
     Raises:
-        RecordingFileError: It is not there, or must not be read.
-        RecordingDamagedError: It is no whole recording.
+        RecordingFileError: The file is not there, or must not be read.
+        RecordingDamagedError: The file is no whole recording.
     """
     with _opened(path) as file:
         try:

@@ -55,7 +55,7 @@ class Choice:
 
         Args:
             column: Its whole name.
-            element: What the number belongs to; None for the only one of its field.
+            element: Owner of the number; None for the only one of its field.
         """
         if self.joints and element not in self.joints:
             return False
@@ -79,7 +79,7 @@ class RecordingTable:
 
     Args:
         path: The file of the recording.
-        choice: What of it is wanted.
+        choice: Wanted part of the recording.
         pause: Called between short pieces of work.
 
     Attributes:
@@ -113,7 +113,7 @@ class RecordingTable:
             self._look(file)
 
     def check(self) -> None:
-        """Refuse a choice of what the recording does not have.
+        """Refuse a choice of parts that the recording does not have.
 
         Raises:
             RecordingRefusedError: A channel or a joint is not in it.
@@ -156,7 +156,7 @@ class RecordingTable:
                         self._pause()
 
     def _limits(self) -> list[float]:
-        """Return for each chunk the oldest time that comes later [ns since 1970]."""
+        """Return the oldest time that follows each chunk [ns since 1970]."""
         limits, oldest = [], math.inf
         for chunk in reversed(self._chunks):
             limits.append(oldest)

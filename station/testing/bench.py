@@ -109,7 +109,8 @@ class Bench:
             parameters: Its parameters.
 
         Raises:
-            StationError: It cannot be loaded; the message states the reason.
+            StationError: The controller cannot be loaded; the message states the
+                reason.
         """
         if not isinstance(controller, str):
             controller_type = f"{controller.__module__}/{controller.__name__}"

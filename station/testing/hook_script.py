@@ -1,4 +1,4 @@
-"""Order what the switching hooks of any robot answer, around what they really do."""
+"""Order the answers of any robot's switching hooks, around their real effects."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -25,9 +25,9 @@ class HookScript:
     nothing has changed in the robot.
 
     Attributes:
-        prepare: What `prepare_switch` does.
+        prepare: Effect of `prepare_switch`.
         works: Whether `do_switch` works, call by call; the last entry is repeated.
-        answers: What the results say, cycle by cycle; the last entry is repeated.
+        answers: Results, cycle by cycle; the last entry is repeated.
         switches: How often `do_switch` was called.
         asked: How often a result was asked for. The manager asks twice a cycle unless
             the answer is DONE, so that each entry of `answers` stands for two.

@@ -1,4 +1,4 @@
-"""Controllers that do what a test says, on the shipped mock robot."""
+"""Controllers that a test scripts, on the shipped mock robot."""
 
 import threading
 from collections.abc import Callable
@@ -28,7 +28,7 @@ Actions = dict[str, Callable[[], object]]
 
 
 class Scripted(Controller[EffortJointInterface]):
-    """Notes every callback and runs what the test has put into `actions`.
+    """Notes every callback and runs the test's `actions`.
 
     Parameters: `joints`, the names of the joints that it claims; and `init_raises`,
     the text of the error that `init` raises.
@@ -36,7 +36,7 @@ class Scripted(Controller[EffortJointInterface]):
     Attributes:
         joints: The handles of the joints.
         calls: Names of the callbacks so far, oldest first.
-        actions: What to do in a callback, by the callback's name.
+        actions: Actions in a callback, by the callback's name.
     """
 
     hardware_interface: ClassVar[type] = EffortJointInterface
@@ -146,7 +146,7 @@ class ScriptedBench(Bench):
             parameters: More parameters.
 
         Raises:
-            StationError: It cannot be loaded.
+            StationError: The controller cannot be loaded.
         """
         controller = self.load_controller(
             name, f"test/{kind}", joints=list(joints), **parameters

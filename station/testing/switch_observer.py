@@ -63,7 +63,7 @@ class SwitchObserver:
         settling: After how many cycles without an owner a joint must be at rest.
 
     Attributes:
-        problems: What was wrong, one sentence each, at most `MOST_PROBLEMS`.
+        problems: Violated contracts, one sentence each, at most `MOST_PROBLEMS`.
         cycle: Number of the last cycle that was looked at, as `manager.cycle`.
         checks: More to look at in every cycle; each returns a problem or None.
     """

@@ -12,7 +12,9 @@ from station.trials.parameters import gains_under, sort_out
 from station.trials.results import Results, Row
 from station.trials.trial import Trial
 
+# One less than a round number: the observed order counts as one more permutation.
 _PERMUTATIONS = 9999
+# Literal, so that a comparison gives the same probability each time.
 _SEED = 1
 
 
@@ -79,7 +81,7 @@ def ranked(results: Results, metric: str | None = None) -> list[Row]:
 
     Args:
         results: The experiment.
-        metric: What decides; when None, the goal of a search, or else `rms_error`.
+        metric: Metric that ranks; None: the goal of a search, or else `rms_error`.
 
     Raises:
         UnknownParameterError: There is no such metric.
@@ -113,7 +115,7 @@ def _first(results: Results, rows: Sequence[Row]) -> Mapping[str, float]:
     """Return the metrics of the trial at which a search began.
 
     Raises:
-        ExperimentError: It has not ended.
+        ExperimentError: The first trial has not ended.
     """
     for row in rows:
         if row.result.hash == results.plan.get("first"):
@@ -153,9 +155,9 @@ def gains_of(results: Results, trial: Trial) -> dict[str, dict[str, float]]:
     """Return the gains that a trial says something of, by controller and name.
 
     Raises:
-        ExperimentError: It says nothing of gains, or scales some whose values before
+        ExperimentError: The trial changes no gains, or scales some whose values before
             the experiment does not know.
-        UnknownParameterError: It scales gains that there are not.
+        UnknownParameterError: The trial scales gains that do not exist.
     """
     wanted = sort_out(trial.parameters)
     found = {name: dict(values) for name, values in wanted.gains.items()}
@@ -255,4 +257,5 @@ def _permutation_test(one: Column, other: Column) -> float:
         difference = together[: len(one)].mean() - together[len(one) :].mean()
         # Rounding must not make equal differences different.
         as_far += abs(difference) >= seen - 1e-12 * abs(seen)
+    # The observed difference is itself one of the permutations: no p is 0.
     return (1.0 + as_far) / (1.0 + _PERMUTATIONS)

@@ -56,8 +56,8 @@ class RunState:
 class BackgroundExperiments:
     """Starts, follows and cancels the experiments of a station. Any thread.
 
-    The process that runs one has a low priority, and ends when the station does, even
-    when that is killed; so do its workers. What has ended is kept.
+    An experiment runs in a process of low priority, which ends with the station, even
+    if the station is killed; its workers end, too. Trials that have ended are kept.
 
     Args:
         setup: The configuration of the station.
@@ -65,7 +65,7 @@ class BackgroundExperiments:
         command: The program that runs an experiment.
 
     Attributes:
-        tell: Is called whenever the state changes, in a thread of its own.
+        tell: Called at every change of the state, in a thread of its own.
     """
 
     def __init__(
@@ -98,14 +98,14 @@ class BackgroundExperiments:
         """Start an experiment; return its name once all that was asked is checked.
 
         Args:
-            request: What is asked for.
+            request: Request of the caller.
             gains: The gains in force, by controller and name.
             loaded: Parameters of the controllers that are loaded now, by name; those
                 of the configuration when None.
 
         Raises:
             ExperimentRunningError: Another one runs.
-            TooManyExperimentsError: It would have too many trials, or too many
+            TooManyExperimentsError: The request has too many trials, or too many
                 experiments are kept.
             StationError: A name or value is not allowed; nothing was started.
         """
@@ -115,6 +115,8 @@ class BackgroundExperiments:
                 f"{MOST_TRIALS} at most.",
                 remedy="Run it with the command line, which may use a cluster.",
             )
+        # A request must not wait for another one, whose process may take a minute to
+        # begin.
         if not self._starting.acquire(blocking=False):
             raise ExperimentRunningError(
                 "Another experiment is being started; a station runs one at a time.",
@@ -158,7 +160,7 @@ class BackgroundExperiments:
 
         Raises:
             ExperimentNotFoundError: There is none of that name.
-            ExperimentRunningError: That one does not run.
+            ExperimentRunningError: The experiment does not run.
         """
         process = self._process
         if process is None or not self._runs(name):
@@ -166,6 +168,8 @@ class BackgroundExperiments:
             raise ExperimentRunningError(
                 f"The experiment '{name}' does not run.", details={"experiment": name}
             )
+        # Before the signal: the thread that follows reads it as soon as the process
+        # ends.
         self._is_cancelled = True
         process.interrupt()
 
@@ -174,9 +178,10 @@ class BackgroundExperiments:
 
         Raises:
             ExperimentNotFoundError: There is none of that name.
-            ExperimentRunningError: It runs, in this station or another.
+            ExperimentRunningError: The experiment runs, in this station or another.
             ExperimentError: The file cannot be deleted.
         """
+        # The command line may be writing the file from another process.
         if self._runs(name) or is_written(file_of(name)):
             raise ExperimentRunningError(
                 f"The experiment '{name}' runs.", remedy="Cancel it first."
@@ -184,7 +189,7 @@ class BackgroundExperiments:
         Results.open(file_of(name)).delete()
 
     def close(self) -> None:
-        """End the process, if one runs; what has ended is kept."""
+        """End the process, if one runs; ended trials are kept."""
         if self._process is not None:
             self._process.end()
 
@@ -215,7 +220,7 @@ class BackgroundExperiments:
             )
 
     def _follow(self, process: ExperimentProcess, state: RunState) -> None:
-        """Read what the process tells until it ends. Its own thread."""
+        """Read the reports of the process until it ends. Its own thread."""
         end = None
         for told in process.lines():
             if "end" in told:
@@ -240,4 +245,5 @@ class BackgroundExperiments:
 
 def spare_processors() -> int:
     """Return the processors a station may lend: all but one, at least one."""
+    # One is left to the control thread.
     return max(1, len(os.sched_getaffinity(0)) - 1)

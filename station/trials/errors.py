@@ -47,7 +47,7 @@ class ExperimentNotFoundError(ExperimentError, KeyError):
 
 
 class ExperimentRunningError(ExperimentError, RuntimeError):
-    """Something is not possible while an experiment runs, or while it does not."""
+    """The present state of an experiment, running or not, does not allow a request."""
 
     code = "experiment_running"
 

@@ -80,6 +80,8 @@ def schroeder_phases(count: int) -> Sequence[float]:
 
 def _envelope(t: Array, length: float) -> Array:
     """Return a weight of 0 to 1 that begins and ends at rest, shape (k,)."""
+    # Never longer than a quarter, so that half of a short signal has its full
+    # amplitude.
     fade = max(min(_LONGEST_FADE, 0.25 * length), 1e-9)
     inside = np.clip(np.minimum(t, length - t) / fade, 0.0, 1.0)
     return least_jerk(inside)
@@ -108,6 +110,8 @@ def _through(times: Sequence[float], values: Sequence[float], at: Array) -> Arra
     knots, heights = np.array(times), np.array(values)
     if len(knots) == 1:
         return np.where(at >= knots[0], heights[0], 0.0)
+    # Cubic Hermite pieces with central differences: the velocity does not jump at a
+    # knot.
     slopes = np.gradient(heights, knots)
     left = np.clip(np.searchsorted(knots, at, side="right") - 1, 0, len(knots) - 2)
     width = knots[left + 1] - knots[left]

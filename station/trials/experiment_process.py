@@ -1,4 +1,4 @@
-"""A process that runs one experiment: what it is told, and what it tells."""
+"""A process that runs one experiment: its order and its reports."""
 
 import contextlib
 import json
@@ -27,11 +27,11 @@ class ExperimentProcess:
 
     Args:
         command: The program and its arguments.
-        order: What to do.
+        order: Request, setup and gains of the experiment.
 
     Raises:
         StationError: The process refuses it, and why.
-        ExperimentError: It cannot be started, or ended before it began.
+        ExperimentError: The process cannot be started, or ended before it began.
     """
 
     def __init__(self, command: Sequence[str], order: Mapping[str, object]) -> None:
@@ -65,12 +65,13 @@ class ExperimentProcess:
             raise
 
     def _begin(self, order: Mapping[str, object]) -> None:
-        """Hand over what to do, and wait until it is checked.
+        """Hand the order over, and wait until it is checked.
 
         Raises:
             StationError: The process refuses it.
-            ExperimentError: It ended before it began.
+            ExperimentError: The process ended before it began.
         """
+        # Reading a pipe has no time limit; the end of the process closes it.
         guard = threading.Timer(_BEGIN_TIMEOUT, self._process.kill)
         guard.daemon = True
         guard.start()
@@ -103,8 +104,9 @@ class ExperimentProcess:
         self._process.send_signal(signal.SIGINT)
 
     def end(self) -> None:
-        """End it and its workers now; what has ended is kept."""
+        """End the process and its workers now; ended trials are kept."""
         with contextlib.suppress(BrokenPipeError):  # it may have ended already
+            # A worker that reads its orders ends when they do.
             self._orders.close()
         try:
             self._process.wait(_END_TIMEOUT)
@@ -136,6 +138,7 @@ def _check(begun: Mapping[str, Any]) -> None:
     kinds: list[type[StationError]] = [StationError]
     for kind in kinds:
         kinds.extend(kind.__subclasses__())
+    # Base classes last: of two classes with one code the more general one is raised.
     known = {kind.code: kind for kind in reversed(kinds)}
     found = known.get(refused["code"], ExperimentError)
     raise found(

@@ -9,6 +9,8 @@ from station.trials.errors import ExperimentError, ImpossibleRangeError
 from station.trials.metrics import LARGER_IS_BETTER, check_metric
 from station.trials.trial import TrialResult
 
+# Far above `_VIOLATED`, and that above any cost of a good trial: a search prefers a
+# slow trial to a violation, and that to a failure.
 _FAILED = 1e6
 """Cost of a trial that failed."""
 _VIOLATED = 1e3
@@ -49,7 +51,7 @@ class Bound:
             )
 
     def excess(self, metrics: Mapping[str, float], first: Mapping[str, float]) -> float:
-        """Return by which share the bound is exceeded; 0 when it is kept."""
+        """Return the excess over the bound, as a share of it; 0 when it is kept."""
         limit = self.limit
         if self.is_relative:
             limit *= first[self.metric]
@@ -67,7 +69,7 @@ class Goal:
     Args:
         weights: Weight of each metric in the cost, > 0. Metrics count relative to those
             of the first trial, so that the cost of the first trial is 1.
-        bounds: What must hold besides.
+        bounds: Constraints on other metrics.
 
     Raises:
         UnknownParameterError: There is no such metric.
@@ -95,7 +97,7 @@ class Goal:
         """Return the cost of a trial: 1 for the first one, lower is better.
 
         Args:
-            result: What came out of it.
+            result: Result of the trial.
             first: The metrics of the first trial.
 
         Raises:
@@ -113,9 +115,9 @@ class Goal:
         """Return the cost of a trial for which a bound is no cliff.
 
         Args:
-            result: What came out of it.
+            result: Result of the trial.
             first: The metrics of the first trial, none of the goal missing.
-            strictness: What an excess of a bound by all of its limit costs, >= 0.
+            strictness: Cost of an excess as large as the bound's limit, >= 0.
         """
         if result.state == "failed":
             return _FAILED
@@ -123,7 +125,7 @@ class Goal:
         return self._total(result, first) + strictness * excess
 
     def excess(self, result: TrialResult, first: Mapping[str, float]) -> float:
-        """Return by which shares a trial exceeds the bounds; 0 when it keeps all."""
+        """Return the sum of a trial's excesses over the bounds; 0 when it keeps all."""
         return sum(bound.excess(result.metrics, first) for bound in self.bounds)
 
     def _check(self, first: Mapping[str, float]) -> None:

@@ -80,7 +80,7 @@ class LiveBench:
 
         Args:
             controller: The controller, which runs and takes positions.
-            request: What to do.
+            request: Joint, excitation and duration.
             admit: Is called before every set-point; raises when the caller may not
                 move the robot any more.
 
@@ -126,6 +126,8 @@ class LiveBench:
         deadline = self._now() + _PATIENCE + _SLOWEST * request.duration
         cycle, due = 0, -1
         try:
+            # Control is asked for again before each set-point: its holder may change at
+            # any time.
             while cycle < cycles:
                 if cycle > due:
                     admit()
@@ -136,6 +138,7 @@ class LiveBench:
                 cycle = self._station.loop.cycle - first
                 self._check_speeds(fastest)
                 self._check_on_the_way(joint, start, allowed, deadline)
+        # The joint is brought back before the reason is told: nobody else would do it.
         except BenchRefusedError:
             self._brake(controller, begin, admit)
             self._go_back(controller, begin, admit)
@@ -149,8 +152,8 @@ class LiveBench:
 
         Raises:
             ControllerStateError: The controller does not run.
-            UnknownParameterError: It commands no such joint.
-            BenchRefusedError: It has no set-point yet, or a joint moves.
+            UnknownParameterError: The controller commands no such joint.
+            BenchRefusedError: The controller has no set-point yet, or a joint moves.
             StationError: The excitation is not possible, and why.
         """
         station, excitation = self._station, request.excitation
@@ -185,7 +188,7 @@ class LiveBench:
         """Return the commanded elements of a controller, which are joint positions.
 
         Raises:
-            InvalidCommandError: It commands something else.
+            InvalidCommandError: The controller does not command positions of joints.
         """
         found = self._station.manager.get_controller(controller)
         if found.trajectories is not None:
@@ -220,7 +223,7 @@ class LiveBench:
         """Refuse an excitation that is too large, too fast or too near a limit.
 
         Raises:
-            ImpossibleRangeError: It is.
+            ImpossibleRangeError: The excitation leaves the envelope.
         """
         excitation, unit = request.excitation, element.unit
         period = self._station.loop.period
@@ -283,7 +286,7 @@ class LiveBench:
         """End a measurement in which a joint comes near its velocity limit.
 
         Raises:
-            BenchRefusedError: It does.
+            BenchRefusedError: The joint leaves its envelope.
         """
         station = self._station
         speeds = station.latest().velocity

@@ -73,10 +73,10 @@ def measure(
     a step that does not rise or settle has no such time.
 
     Args:
-        trace: What happened.
-        script: What was asked for.
+        trace: Recorded motion.
+        script: Commanded motion.
         limits: Limits of the robot's joints; `violations` counts cycles beyond them.
-        counts: What is counted besides.
+        counts: Other counts of the trial.
     """
     counts = counts or Counts()
     error = trace.error[np.isfinite(trace.error).all(axis=1)]
@@ -147,7 +147,7 @@ def _limit_margin(trace: Trace, limits: Sequence[JointLimitsReport]) -> float:
 
 
 def _beyond_limits(trace: Trace, limits: Sequence[JointLimitsReport]) -> int:
-    """Return in how many cycles a joint was faster or stronger than its limit."""
+    """Return the number of cycles in which a joint was beyond a limit."""
     beyond = np.zeros(len(trace.time), bool)
     for report in limits:
         if report.joint not in trace.joints:

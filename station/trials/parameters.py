@@ -33,7 +33,7 @@ _OF_GAINS = ("gains", "scale")
 
 @dataclass(slots=True)
 class Overrides:
-    """The parameters of a trial by what they change.
+    """The parameters of a trial, sorted by the part that they change.
 
     Attributes:
         gains: Values by controller and gain.
@@ -62,7 +62,7 @@ def is_whole(name: str) -> bool:
 
 
 def sort_out(parameters: Mapping[str, float]) -> Overrides:
-    """Return the parameters of a trial by what they change.
+    """Return the parameters of a trial, sorted by the part that they change.
 
     Raises:
         UnknownParameterError: There is no such parameter.
@@ -149,8 +149,8 @@ def gains_under(
     """Return the gains of all controllers with the changes of a trial.
 
     Args:
-        wanted: What changes.
-        gains: The gains without it, by controller and name.
+        wanted: Changed gains, and factors of gains.
+        gains: The gains without the trial, by controller and name.
 
     Raises:
         UnknownParameterError: No gain has that name or suffix.

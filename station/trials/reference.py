@@ -1,4 +1,4 @@
-"""Gives a controller what a script asks of its joints, cycle by cycle."""
+"""Gives a controller the commands of a script, cycle by cycle."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
@@ -31,7 +31,7 @@ class Reference(ABC):
 
     @abstractmethod
     def command(self, cycle: int) -> None:
-        """Give the controller what is due before a cycle.
+        """Give the controller the command that is due before a cycle.
 
         Args:
             cycle: Number of the cycle in the trial, from 0, increasing.
@@ -174,14 +174,14 @@ def make_reference(
 
     Args:
         facade: The station.
-        script: What to do.
+        script: Commands of the trial.
         begin: The set-point that the script's offsets are added to; where the joints
             are when None. Trajectories begin at the desired state.
 
     Raises:
         ExperimentError: The controller cannot do what the script asks for.
         UnknownParameterError: The controller has no such joint.
-        InvalidCommandError: It takes neither set-points nor trajectories.
+        InvalidCommandError: The controller takes neither set-points nor trajectories.
     """
     if not script.motions:
         return _Hold()

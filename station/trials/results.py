@@ -56,7 +56,7 @@ class Row:
         number: Its number in the order of ending, from 1.
         parameters: Its parameters.
         seed: Its seed.
-        result: What came out.
+        result: Result of the trial.
     """
 
     number: int
@@ -119,9 +119,9 @@ class Results:
 
     Attributes:
         path: The file.
-        kind: What the experiment is: `sweep`, `robustness`, `tune` …
+        kind: Kind of experiment: `sweep`, `robustness`, `tune` …
         setup: The configuration that all trials share.
-        plan: What else the experiment was started with, as plain data.
+        plan: Other settings that the experiment was started with, as plain data.
     """
 
     def __init__(self, path: Path, connection: sqlite3.Connection) -> None:
@@ -140,9 +140,9 @@ class Results:
 
         Args:
             path: The file.
-            kind: What the experiment is.
+            kind: Kind of experiment.
             setup: The configuration that all trials share.
-            plan: What else it is started with, as plain data.
+            plan: Other settings of the experiment, as plain data.
 
         Raises:
             ExperimentError: The file holds another experiment, or cannot be written.
@@ -187,7 +187,7 @@ class Results:
 
         Raises:
             ExperimentNotFoundError: There is no such file.
-            ExperimentError: It is no file of an experiment.
+            ExperimentError: The file is no file of an experiment.
         """
         if not path.is_file():
             raise ExperimentNotFoundError(
@@ -260,7 +260,7 @@ class Results:
             os.close(lock)
 
     def add(self, trial: Trial, result: TrialResult) -> bool:
-        """Keep what came out of a trial; return whether it was not there before.
+        """Keep the result of a trial; return whether the trial is new.
 
         Raises:
             ExperimentError: The file cannot be written; what it has stays whole.
@@ -268,7 +268,7 @@ class Results:
         return self.add_all([(trial, result)])[0]
 
     def add_all(self, ended: Iterable[tuple[Trial, TrialResult]]) -> list[bool]:
-        """Keep what came out of several trials, all or none of it.
+        """Keep the results of several trials, all or none.
 
         Returns:
             Whether each was not there before.
@@ -321,7 +321,7 @@ class Results:
 
     @contextmanager
     def _writing(self) -> Iterator[None]:
-        """Make what is written one transaction.
+        """Make the writes of the body one transaction.
 
         Raises:
             ExperimentError: The file cannot be written.

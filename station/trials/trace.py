@@ -1,4 +1,4 @@
-"""The trace of a trial, cycle by cycle, and what collects it."""
+"""The trace of a trial, cycle by cycle, and its recorder."""
 
 import io
 from dataclasses import dataclass, fields, replace
@@ -29,7 +29,7 @@ class Trace:
         desired: Set-points of the controller [its unit], shape (k, n); NaN in cycles in
             which it did not run.
         error: Differences from them, as the controller computes them, shape (k, n).
-        output: What it commanded [unit of its interface], shape (k, n).
+        output: Its commands [unit of its interface], shape (k, n).
     """
 
     joints: tuple[str, ...]
@@ -92,7 +92,7 @@ _REFLEX = "reflex"
 
 
 class TraceRecorder:
-    """Collects what a controller and its joints do, beginning with the next cycle.
+    """Collects the samples of a controller and its joints from the next cycle on.
 
     Args:
         facade: The station.

@@ -43,7 +43,7 @@ class Script(BaseModel):
     Attributes:
         controller: The controller that is started and commanded.
         duration: Length of the trial [s], > 0.
-        commands: What happens; nothing but the controller's hold without commands.
+        commands: Motions of joints; without any, the controller holds.
         begin: Where joints begin [rad or m], by name; others at the world's start.
         settling_band: Half-width of the band of the settling time, as a share of the
             step's amplitude, 0 to 1.
@@ -72,8 +72,8 @@ def parse_script(data: object, source: str = "script") -> Script:
     """Return a script from plain data.
 
     Args:
-        data: What a file holds.
-        source: What the error names.
+        data: Content of a file.
+        source: Name of the file in an error.
 
     Raises:
         ExperimentError: The data are no script, and every reason why.
@@ -201,8 +201,8 @@ class Trial:
 
     Args:
         setup: The configuration.
-        script: What happens.
-        parameters: What differs from the configuration, by the names that
+        script: Commands of the trial.
+        parameters: Differences from the configuration, by the names that
             `station.trials.parameters` explains; all finite.
         seed: Seed of the measurement noise, >= 0.
 

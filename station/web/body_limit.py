@@ -18,9 +18,9 @@ def limited(receive: Receive, most: int, too_large: Exception) -> Receive:
     """Return a `receive` that raises when a body without a length grows too large.
 
     Args:
-        receive: What the server hands to the application.
+        receive: Channel by which the server hands the body over.
         most: Largest body [bytes].
-        too_large: What to raise.
+        too_large: Error of a body that is too large.
     """
     size = 0
 

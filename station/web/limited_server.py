@@ -72,7 +72,7 @@ class LimitedProtocol(H11Protocol):
     Attributes:
         most: Most connections of the server at a time.
         extra: How many more are taken when all of those are at work.
-        phase: What the connection is busy with, as far as it has been looked at.
+        phase: State of the connection when it was last looked at.
         since: When that phase began [s, clock of the event loop].
     """
 

@@ -21,7 +21,7 @@ class TokenRequest(RequestModel):
     """Make a token for a person or a program.
 
     Attributes:
-        name: Whose token it is: 1 to 100 letters, digits, or one of . _ @ + - inside.
+        name: Owner of the token: 1 to 100 letters, digits, or one of . _ @ + - inside.
         role: `viewer`: read everything and stop the robot; `operator`: everything.
         expires: How long it is valid [s], 1 or more; null until it is revoked.
 
@@ -38,8 +38,8 @@ class Token(ResponseModel):
     """A named token, without the token itself.
 
     Attributes:
-        name: Whose token it is.
-        role: What it may do.
+        name: Owner of the token.
+        role: Role, which decides on its rights.
         created: Wall time when it was made [s since 1970].
         expires_at: Wall time when it ends [s since 1970]; null when it does not.
     """
@@ -51,7 +51,7 @@ class Token(ResponseModel):
 
 
 class NewToken(Token):
-    """A named token that was just made; nobody can learn the token again.
+    """A named token that was just made; the token cannot be read again.
 
     Attributes:
         token: The token, for `Authorization: Bearer …`.
@@ -74,7 +74,7 @@ class ControlRequest(RequestModel):
     """Take control, or keep it.
 
     Attributes:
-        owner: Who takes control, 1 to 100 characters; others see this name. The
+        owner: Name of the new holder, 1 to 100 characters; others see it. The
             name of the token when left out.
         ttl: How long the lease lasts without a heartbeat [s], 0.5 to 3600.
         force: Take control from whoever holds it; everybody is told.
@@ -116,7 +116,7 @@ class ControlState(ResponseModel):
         ttl: How long the lease lasts without a heartbeat [s]; null without an owner.
         expires_in: How long the lease still lasts [s], 0 or more; null without an
             owner.
-        hand_over_to: Who may take control without force; null without an offer.
+        hand_over_to: Name that may take control without force; null without an offer.
         mine: Whether the caller holds control.
         lease: Only in answers to the owner: goes into the header `X-Control-Lease` of
             the owner's requests; null in others.

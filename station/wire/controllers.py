@@ -57,12 +57,12 @@ class ControllerState(ResponseModel):
         name: Its name.
         type: Its plugin type.
         state: Where it is in its life.
-        claimed_resources: What it claims, per interface.
+        claimed_resources: Claims, per interface.
         fault: Why the station stopped it; null if it did not.
         traceback: Traceback that belongs to `fault`; null if there is none.
         fallback: Names of the controllers that take over when it fails.
         time: How long its update takes [s].
-        notes: What its user may not expect, such as a parameter that has no effect.
+        notes: Surprises for its user, such as a parameter that has no effect.
     """
 
     name: str
@@ -95,7 +95,7 @@ class LoadRequest(RequestModel):
         params: Its parameters as in a ros_control YAML; may be left out when the
             configuration has them.
         timeout: How long its import, constructor and init may take [s of wall time].
-        unknown_params: What becomes of a parameter in `params` that its type does not
+        unknown_params: Treatment of a parameter in `params` that its type does not
             know: `refuse`, or `tell` in the notes of the controller, for parameters
             written for ROS.
 
@@ -205,7 +205,7 @@ class Gains(ResponseModel):
         values: Present values by name.
         tunables: Unit and range of each; called `schema` on the wire.
         revision: Counts the changes; the ETag follows it.
-        etag: What to send as If-Match; the same as the ETag header.
+        etag: Value for If-Match; the same as the ETag header.
     """
 
     values: dict[str, float]
@@ -297,7 +297,7 @@ class ControllerSample(ResponseModel):
 
     Attributes:
         stamp: Station time [s].
-        name: What the numbers belong to, usually joints.
+        name: Owner of the numbers, usually a joint.
         desired: Set-point.
         actual: Measured value, same unit.
         error: Their difference as the control law sees it.
@@ -351,10 +351,10 @@ class DeclaredParameter(ResponseModel):
         name: Path below the controller's namespace, so the place in `params` of the
             load request; `/` separates namespaces, and `<joint>` stands for the name of
             each joint.
-        type: What the value is: `number`, `boolean`, `string`, `numbers` and `strings`
+        type: Type of the value: `number`, `boolean`, `string`, `numbers` and `strings`
             (lists), `number_or_numbers` (one for all, or a list with one for each),
             `mappings` (a list of objects).
-        description: What it is for.
+        description: Purpose.
         unit: Unit of the numbers, where joints are concerned that of rotating joints;
             empty for what has no unit.
         required: Whether loading is refused when it is absent.
@@ -366,7 +366,7 @@ class DeclaredParameter(ResponseModel):
         maximum: Largest number allowed; null for no bound.
         choices: The strings allowed; empty when any is.
         size: Length that a list must have; null when any is allowed.
-        names: What the strings are names of: a `joint`, an `arm`, a `controller`; empty
+        names: Kind of things that they name: `joint`, `arm`, `controller`; empty
             for other strings.
     """
 
@@ -402,7 +402,7 @@ class ControllerType(ResponseModel):
     Attributes:
         type: Its type, `package/Class`.
         base_class: Class of plugins that it belongs to.
-        description: What it does; empty where it does not say.
+        description: Purpose; empty where the type has no text.
         parameters: The parameters that it declares, after those of every controller;
             a type that somebody else wrote may read more than it declares.
         error: Why its code cannot be imported; empty when it can.
@@ -498,7 +498,7 @@ class GoalResult(ResponseModel):
 
 
 class Goal(ResponseModel):
-    """A goal and how far it is.
+    """A goal and its progress.
 
     Attributes:
         id: Its name within the controller.

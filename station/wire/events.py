@@ -1,4 +1,4 @@
-"""Wire models of events: who did what, and alarms: what asks for a person."""
+"""Wire models of events and alarms."""
 
 from typing import Annotated, Literal
 
@@ -60,15 +60,15 @@ class EventLogState(ResponseModel):
 
 
 class Alarm(ResponseModel):
-    """Something that asks for a person, or did until a person has seen it.
+    """Condition that asks for a person, or did until a person has seen it.
 
     Attributes:
         id: Number of the alarm, 1 or more; a cause that returns gets a new one.
-        subject: What is in trouble: `stop`, `loop`, `events`, `robot <arm_id>` or
+        subject: Part in trouble: `stop`, `loop`, `events`, `robot <arm_id>` or
             `controller <name>`.
         severity: `warning`: as somebody wanted, such as a stop; `error`: a failure.
-        text: What is wrong, with its cause.
-        remedy: What to do about it.
+        text: The problem, with its cause.
+        remedy: Advice to the user.
         raised_at: When it was noticed, as wall time [s since 1970, UTC].
         cleared_at: When the cause was gone, as wall time [s since 1970]; null before.
         acknowledged_by: Name of who has seen it; empty before.

@@ -19,7 +19,7 @@ class _Tagged(RequestModel):
 
     @override
     def model_post_init(self, context: object, /) -> None:
-        """Count the kind among what was set: a client sends nothing else."""
+        """Count the kind among the set fields: a client sends no others."""
         self.model_fields_set.add("kind")
 
 
@@ -147,7 +147,7 @@ class Waypoints(_Tagged):
         """Refuse times that do not increase or do not fit the values.
 
         Raises:
-            ValueError: They do not.
+            ValueError: The times do not increase, or do not fit the values.
         """
         ordered = all(
             a < b for a, b in zip((0.0, *self.times), self.times, strict=False)
@@ -160,7 +160,7 @@ class Waypoints(_Tagged):
 
 
 class Recorded(_Tagged):
-    """Offsets that somebody recorded, e.g. before an incident.
+    """Recorded offsets, e.g. of the time before an incident.
 
     Attributes:
         kind: Which excitation it is.
@@ -184,7 +184,7 @@ class Recorded(_Tagged):
         """Refuse times that do not increase or do not fit the values.
 
         Raises:
-            ValueError: They do not.
+            ValueError: The times do not increase, or do not fit the values.
         """
         ordered = all(a < b for a, b in zip(self.times, self.times[1:], strict=False))
         if len(self.times) != len(self.values) or not ordered:
@@ -225,7 +225,7 @@ class BenchRequest(RequestModel):
     """An excitation of one joint through the set-points of a running controller.
 
     Attributes:
-        excitation: What the joint is asked to do, from where it is.
+        excitation: Motion of the joint, from where it is.
         duration: How long the response is measured [s], above 0, at most 10.
         settling_band: Half-width of the band of the settling time, as a share of the
             step, above 0 and below 1.
@@ -253,7 +253,7 @@ class BenchResponse(ResponseModel):
         position: Measured position [rad or m], shape (k,).
         velocity: Measured velocity [rad/s or m/s], shape (k,).
         effort: Measured effort [Nm or N], shape (k,).
-        output: What the controller commanded [unit of its interface], shape (k,).
+        output: Commands of the controller [unit of its interface], shape (k,).
         metrics: Metrics of this joint over all cycles, by name; one that does not
             apply is left out.
         units: The unit of each metric, by its name.

@@ -47,11 +47,11 @@ class ExperimentRequest(RequestModel):
         kind: `tune` searches for better gains, `sweep` runs a trial for each of many
             values of parameters, `robustness` under chance ones.
         controller: Which controller the trials run.
-        name: What to call it; empty for its kind and the time. A request that repeats
+        name: Its name; empty for its kind and the time. A request that repeats
             that of an unfinished experiment goes on with it.
         joints: The joints whose gains a search changes, and which the script moves
             when `commands` is left out; all of the controller when null.
-        commands: What happens in each trial; small motions of the joints when null.
+        commands: Motions in each trial; small motions of the joints when null.
         duration: Length of a trial [s], above 0, at most 3600; only with `commands`.
         begin: Where joints begin [rad or m], by name; others at the world's start.
         settling_band: Half-width of the band of the settling time, as a share of the
@@ -63,7 +63,7 @@ class ExperimentRequest(RequestModel):
         gains: Which gains a search changes: what their names end in.
         weights: Weight of each metric that a search makes small, above 0; the metrics
             count relative to those of the first trial.
-        bounds: What a search must keep; null for no more effort than at first, neither
+        bounds: Constraints of a search; null for no more effort than at first, neither
             peak nor RMS, and no violation of a limit.
         is_live: Whether the trials have the gains that are in force now instead of
             those of the configuration.
@@ -140,11 +140,11 @@ class ExperimentTrials(ResponseModel):
 
 
 class ExperimentSummary(ResponseModel):
-    """An experiment, and how far it is.
+    """An experiment, and its progress.
 
     Attributes:
         name: Its name.
-        kind: What it is; `tune`, `sweep` and `robustness` can be started here.
+        kind: Kind of experiment; `tune`, `sweep` and `robustness` can be started here.
         controller: The controller of its trials; empty when nothing says which.
         state: `running` here and now; `done`; `cancelled`; `failed`, see `reason`; or
             `unfinished`: begun, and this station does not run it.

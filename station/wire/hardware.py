@@ -82,7 +82,7 @@ class Clamp(ResponseModel):
             the brakes of a simulated joint have held its velocity.
         count: Number of cycles since the station started.
         asked: The last command that was cut off, in the unit of the interface.
-        given: What the joint got instead.
+        given: Command that the joint got instead.
         reason: The limit that was active.
     """
 
@@ -95,14 +95,14 @@ class Clamp(ResponseModel):
 
 
 class HardwareRepair(ResponseModel):
-    """In what the simulated robot differs from its description.
+    """A difference of the simulated robot from its description.
 
     Attributes:
-        kind: What was changed.
+        kind: Kind of the changed element.
         element: The element of the description.
-        problem: What is wrong with it.
+        problem: Fault of the element.
         old: The value in the description; empty if there is none.
-        new: What is used instead.
+        new: Value that is used instead.
     """
 
     kind: RepairKindName
@@ -113,7 +113,7 @@ class HardwareRepair(ResponseModel):
 
 
 class Hardware(ResponseModel):
-    """The robot: what controllers can claim, and what limits them.
+    """The robot: the resources that controllers can claim, and their limits.
 
     Attributes:
         interfaces: Hardware interfaces with their resources.

@@ -27,11 +27,11 @@ PROBLEM_MEDIA_TYPE = "application/problem+json"
 
 
 class FieldError(ResponseModel):
-    """One thing that is wrong with a request.
+    """One fault of a request.
 
     Attributes:
         field: Where, e.g. `body/values/panda_joint1/p`.
-        message: What is wrong and what is allowed.
+        message: The problem, and the allowed values.
         value: The value refused, as text.
     """
 
@@ -49,7 +49,7 @@ class Problem(ResponseModel):
         status: The HTTP status.
         detail: Which thing, its value, what is allowed.
         code: Stable machine-readable name of the kind.
-        remedy: What to do about it.
+        remedy: Advice to the user.
         errors: Every single thing that is wrong, when there are several or fields.
         details: The facts of `detail` as data, e.g. who holds the joints.
 
@@ -86,7 +86,7 @@ class StreamFrame(ResponseModel):
     """One message of a stream.
 
     Attributes:
-        topic: What it is about; `hello` for the first one.
+        topic: Topic; `hello` for the first message.
         seq: Counts the frames of the stream. A gap is frames this client was too slow
             for. With `rate=full` it is the number of the newest cycle in the batch.
         epoch: Epoch of the data.
@@ -123,7 +123,7 @@ class CommandError(ResponseModel):
     Attributes:
         code: Stable machine-readable name.
         detail: Which thing, its value, what is allowed.
-        remedy: What to do.
+        remedy: Advice to the user.
     """
 
     code: str

@@ -24,8 +24,8 @@ class Recording(ResponseModel):
 
     Attributes:
         identifier: Its name among the recordings.
-        name: What the user calls it; empty without a name.
-        note: What the user says about it.
+        name: Name that the user gave; empty without a name.
+        note: Note of the user.
         state: `recording` now; `stopped`; `failed` before its end, `error` says why;
             `recovered` after the station was killed.
         error: Why it failed, or what a recovery cut off; empty if nothing went wrong.
@@ -74,7 +74,7 @@ class RecordingRequest(RequestModel):
     """Begin to record with the next cycle.
 
     Attributes:
-        name: What to call it: up to 80 letters, digits, `_`, `.` and `-`; it becomes a
+        name: Its name: up to 80 letters, digits, `_`, `.` and `-`; it becomes a
             part of the file's name.
         note: For the record.
 

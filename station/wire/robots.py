@@ -53,8 +53,8 @@ class ArmError(ResponseModel):
     Attributes:
         name: libfranka's name.
         where: Joint, axis or quantity; empty if none is concerned.
-        value: What was seen.
-        limit: What is allowed.
+        value: Measured value.
+        limit: Allowed value.
         unit: Unit of both.
         cycle: Number of the arm's cycle.
         description: One sentence.
@@ -74,10 +74,10 @@ class ArmReport(ResponseModel):
 
     Attributes:
         arm_id: Its name.
-        robot_mode: What it is doing.
+        robot_mode: Mode of the arm.
         connected: Whether the station is connected to the arm.
-        errors: What its present errors, or else the last motion's, came from.
-        remedy: What to do so that it can move; empty when it can.
+        errors: Present errors, or else those that ended the last motion.
+        remedy: Step needed before the arm can move; empty when it can.
         caution: Which estimates of external forces are near a collision's threshold,
             and what to do; empty when none is.
     """
@@ -97,7 +97,7 @@ class ServiceInfo(ResponseModel):
         name: Its name.
         method: HTTP method of its route.
         path: Last part of its route: `/robots/{arm_id}/{path}`.
-        description: What it does.
+        description: Effect.
         parameters: Names of its parameters, the keys of the request's body.
     """
 
@@ -550,11 +550,11 @@ _Positive = Annotated[float, Field(gt=0.0)]
 
 
 class GripperCommand(ResponseModel):
-    """One homing, move or grasp, and how far it is.
+    """One homing, move or grasp, and its progress.
 
     Attributes:
         id: Its number in this run of the station.
-        action: What was asked for.
+        action: Commanded action.
         status: `active`, and finally `succeeded`, `aborted` (it did not reach its aim)
             or `preempted` (another command or a stop ended it).
         message: Why it did not succeed; empty when it did.
@@ -582,9 +582,9 @@ class Gripper(ResponseModel):
         is_grasped: Something of the expected width is held.
         temperature: Of the gripper [degree Celsius].
         time: Of the gripper [s]; never goes back.
-        activity: What the fingers are doing. `holding`: they press with the force of
+        activity: Activity of the fingers. `holding`: they press with the force of
             the last grasp. `controlled`: a controller claims their joints.
-        force: What each finger presses with, > 0 outwards [N].
+        force: Force of each finger, > 0 outwards [N].
         command: The command that is active; null when there is none.
         last: The last command that ended; null when there is none.
     """
@@ -633,7 +633,7 @@ class GripperGraspRequest(RequestModel):
 
     Attributes:
         width: Expected width of the object, less than the largest one [m].
-        force: What each finger presses it with, 0.1 to 140 [N].
+        force: Force of each finger, 0.1 to 140 [N].
         speed: How fast the width changes, at most 0.4 [m/s].
         epsilon: Tolerance of the width.
 

@@ -8,7 +8,7 @@ from station.wire.base import Items, Measurements, RequestModel, ResponseModel
 
 
 class SimulationPatch(RequestModel):
-    """Pause, resume, or change the pace; what is left out stays.
+    """Pause, resume, or change the pace; a field left out keeps its value.
 
     Attributes:
         paused: Whether station time is to stand still.
@@ -60,7 +60,7 @@ class SceneObject(ResponseModel):
 
     Attributes:
         name: Its name.
-        type: What it is; a table is a box.
+        type: Kind of object; a table is a box.
         size: Edges of a box or table; radius of a sphere; radius and height of a
             cylinder [m]; empty for a mesh.
         position: Of its middle, in the world [m], shape (3,).
@@ -120,7 +120,7 @@ class Contact(ResponseModel):
 
 
 class Scene(ResponseModel):
-    """All things in the world besides robots, and what touches what.
+    """All objects in the world besides robots, and the contacts.
 
     Attributes:
         objects: The things; empty where there are none, and around a real robot.

@@ -60,7 +60,7 @@ class CommandViolations(ResponseModel):
 
     Attributes:
         count: How many there were.
-        last: Who wrote what last; empty without one.
+        last: Last write by a foreign controller; empty without one.
     """
 
     count: int = 0

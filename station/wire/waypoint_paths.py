@@ -30,7 +30,7 @@ class WaypointRequest(RequestModel):
     """A place that joints pass.
 
     Attributes:
-        name: What people call it.
+        name: Name.
         duration: Time to it from the waypoint before, at the speed 1 [s], above 0 and
             at most 600.
         positions: Positions [rad or m] by joint; joints without one keep theirs.
@@ -106,7 +106,7 @@ class PlayRequest(RequestModel):
 
 
 class PlaybackPatch(RequestModel):
-    """Change the path that plays; what is null or left out stays.
+    """Change the path that plays; a field that is null or left out keeps its value.
 
     Attributes:
         paused: True lets the robot hold where it is; false goes on.

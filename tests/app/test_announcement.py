@@ -25,7 +25,7 @@ def test_api_and_token_have_a_line_each():
 def test_user_is_told_which_kernel_runs_and_why():
     *_, kernel = ANNOUNCEMENT.lines()
 
-    assert kernel.split(maxsplit=1) == ["Kernel", ANNOUNCEMENT.kernel]
+    assert kernel.split(maxsplit=1) == ["Cycle", ANNOUNCEMENT.kernel]
     assert ANNOUNCEMENT.as_json()["kernel"] == ANNOUNCEMENT.kernel
 
 

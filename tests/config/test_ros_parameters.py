@@ -47,6 +47,27 @@ def test_name_in_two_namespaces_is_refused():
         split_ros_parameters({"left": {"arm": ARM}, "right": {"arm": ARM}}, "f.yaml")
 
 
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ({"joint_limit": {"j1": {}}}, "/joint_limit has no effect. .*'joint_limits'"),
+        ({"panda": {"arm": ARM, "sceen": {}}}, "/panda/sceen .*'scene'"),
+        ({"arm": {"typ": ARM["type"], "joints": ["j1"]}}, "/arm/typ .*'type'"),
+        ({"arm": {"Type": ARM["type"], "joints": ["j1"]}}, "/arm/Type .*'type'"),
+    ],
+)
+def test_a_misspelt_key_is_refused_with_the_nearest_name(values, said):
+    with pytest.raises(ConfigError, match=said):
+        split_ros_parameters(values, "f.yaml")
+
+
+@pytest.mark.parametrize(
+    "key", ["robot_description_planning", "robot_description_semantic", "use_sim_time"]
+)
+def test_a_key_of_another_program_is_kept(key):
+    assert split_ros_parameters({key: 1}, "f.yaml").others == {key: 1}
+
+
 def test_file_of_ros_2_is_refused():
     values = {"controller_manager": {"ros__parameters": {"arm": {"type": "a/B"}}}}
 

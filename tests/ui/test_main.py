@@ -64,6 +64,7 @@ def test_the_address_can_be_opened(host, url):
 @pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_ends_it_at_once_and_cleanly(fake_station, number):
+    launched = time.monotonic()
     with subprocess.Popen(
         [sys.executable, "-W", "error", "-c", PROGRAM, fake_station.url],
         stdout=subprocess.PIPE,
@@ -73,11 +74,12 @@ def test_a_signal_ends_it_at_once_and_cleanly(fake_station, number):
         assert process.stdout.readline().startswith("http://127.0.0.1:")
         began = time.monotonic()
         process.send_signal(number)
-        _, errors = process.communicate(timeout=10)
+        _, errors = process.communicate(timeout=60)
     assert process.returncode == 0
     assert "Traceback" not in errors
-    # One second is promised; a busy machine gets a little more.
-    assert time.monotonic() - began < 2.5
+    # One second is promised. The start computes much and waits for nothing: it tells
+    # how much longer work takes on this machine now.
+    assert time.monotonic() - began < 1.0 + (began - launched)
 
 
 @pytest.mark.slow

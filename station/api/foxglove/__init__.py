@@ -1,1 +1,1 @@
-"""The channels of a recording, live, for Foxglove and whoever speaks its protocol."""
+"""The channels of a recording, live, for Foxglove and other clients of its protocol."""

@@ -45,7 +45,7 @@ class FoxgloveChanges:
 
     Args:
         websocket: Its connection.
-        access: What it may do.
+        access: Rights of the client.
         lease: The lease of control that it names; None without one.
     """
 
@@ -99,8 +99,8 @@ class FoxgloveChanges:
             payload: JSON with lists of names, `start` and `stop`.
 
         Raises:
-            StationError: It is refused.
-            InvalidCommandError: It did not succeed; the same runs as before.
+            StationError: The change is refused.
+            InvalidCommandError: The switch failed; the same controllers run as before.
             ValueError: The payload is no JSON.
             RecursionError: The payload is too deeply nested.
         """
@@ -191,7 +191,7 @@ def _names(asked: object, key: str) -> list[str]:
     """Return a list of names of a request.
 
     Raises:
-        InvalidCommandError: It is none.
+        InvalidCommandError: The names are no list of strings.
     """
     names = asked.get(key, []) if isinstance(asked, dict) else None
     if isinstance(names, list) and all(isinstance(one, str) for one in names):

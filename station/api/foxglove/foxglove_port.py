@@ -54,7 +54,7 @@ class FoxglovePort:
 
     Args:
         app: The application of the API, whose station, tokens and lease it shares.
-        channels: What there is to see.
+        channels: Channels that a client can subscribe to.
         host: Address to listen at.
         port: TCP port; 0 for any free one.
         policy: Which hosts and origins are allowed.
@@ -86,7 +86,7 @@ class FoxglovePort:
         await self._guarded(scope, receive, send)
 
     async def tick(self) -> None:
-        """Offer the newest cycle to those who want it."""
+        """Offer the newest cycle to the subscribers."""
         wanted = {topic for session in self._sessions for topic in session.topics}
         messages = self._channels.newest(wanted)
         for session in self._sessions:

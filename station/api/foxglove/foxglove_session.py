@@ -1,4 +1,4 @@
-"""One Foxglove client: what it subscribes to, asks for and changes.
+"""One Foxglove client: its subscriptions, requests and changes.
 
 Source: https://github.com/foxglove/ws-protocol, docs/spec.md; differs: clients publish
 nothing, and there are no assets and no connection graph.
@@ -38,8 +38,8 @@ class FoxgloveSession:
 
     Args:
         websocket: Its connection, accepted.
-        channels: What there is to see.
-        changes: What it may change.
+        channels: Channels that a client can subscribe to.
+        changes: Carries out the changes that the client asks for.
         numbers: Numbers of the channels by topic, shared by all clients; grows.
     """
 
@@ -90,7 +90,7 @@ class FoxgloveSession:
         await self._send({"op": "advertiseServices", "services": [_service()]})
 
     async def feed(self, slow_after: float) -> None:
-        """Send what is offered; return when the client takes nothing for too long.
+        """Send the offered frames; return when the client takes none for too long.
 
         Args:
             slow_after: So long [s].
@@ -105,7 +105,7 @@ class FoxgloveSession:
                 return
 
     async def listen(self) -> None:
-        """Answer what the client asks; return when it is gone."""
+        """Answer the client's requests; return when the client is gone."""
         while True:
             message = await self._websocket.receive()
             if message["type"] == "websocket.disconnect":
@@ -122,7 +122,7 @@ class FoxgloveSession:
                 await self._tell(_ERROR, f"That is no message of Foxglove: {error!r}.")
 
     async def watch_parameters(self) -> None:
-        """Send the gains that changed since the last call to who has subscribed."""
+        """Send the gains that changed since the last call to subscribers."""
         if not self._watched:
             return
         found = await anyio.to_thread.run_sync(self._changes.gains, [*self._watched])

@@ -1,4 +1,4 @@
-"""The newest cycle as the channels of a recording, for those who want them."""
+"""The newest cycle as the channels of a recording, for subscribers."""
 
 import time
 from collections.abc import Collection, Iterator, Mapping

@@ -51,6 +51,7 @@ def _set_cookie(
         path="/",
         httponly=True,
         samesite="strict",
+        # Browsers do not send a secure cookie back over plain HTTP.
         secure=request.url.scheme == "https",
     )
 

@@ -1,4 +1,4 @@
-"""Alarms: what asks for a person, and who has seen it."""
+"""Alarms: conditions that ask for a person, and their acknowledgement."""
 
 from typing import Annotated
 
@@ -21,7 +21,7 @@ Number = Annotated[
 
 @router.get("", responses=problems())
 def list_alarms(services: ServicesDep) -> Alarms:
-    """List what asks for a person, newest first.
+    """List the alarms, newest first.
 
     An alarm leaves the list once its cause is gone and somebody has acknowledged it, in
     either order.

@@ -68,7 +68,7 @@ def renew_control(
     services: ServicesDep,
     key: LeaseKey = None,
 ) -> ControlState:
-    """Send a heartbeat, or offer control to somebody who may then take it."""
+    """Send a heartbeat, or offer control to another client."""
     lease = services.control.renew(
         access, key, request.ttl, request.hand_over_to, origin_of(connection)
     )
@@ -79,7 +79,7 @@ def renew_control(
 def release_control(
     connection: Request, access: AccessDep, services: ServicesDep, key: LeaseKey = None
 ) -> ControlState:
-    """Give control back; what moves goes on."""
+    """Give control back; motions go on."""
     services.control.release(access, key, origin_of(connection))
     return control_state(services.control, access, None)
 
@@ -91,7 +91,7 @@ def control_state(
 
     Args:
         control: The lease.
-        access: What the caller may do; None for nobody in particular.
+        access: Rights of the caller; None for an unknown caller.
         key: The lease that the caller names.
     """
     lease = control.present()

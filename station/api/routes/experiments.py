@@ -31,7 +31,7 @@ async def get_background(services: ServicesDep) -> BackgroundExperiments:
     """Return the runner of the station's experiments.
 
     Raises:
-        ExperimentError: This station runs none.
+        ExperimentError: This station runs no experiments.
     """
     if services.experiments is None:
         raise ExperimentError(
@@ -115,7 +115,7 @@ def get_experiment(name: Name, background: BackgroundDep) -> Experiment:
 
 @router.delete("/{name}", dependencies=[Operator], responses=problems(404, 409, 422))
 def delete_experiment(name: Name, background: BackgroundDep) -> Experiment:
-    """Delete an experiment that does not run; return what it was."""
+    """Delete an experiment that does not run; return its last state."""
     found = _experiment(name, background)
     background.delete(name)
     return found
@@ -204,8 +204,8 @@ def apply_experiment(
 ) -> GainsChanges:
     """Put the gains of a trial into force, those of all controllers in the same cycle.
 
-    They are saved as a gain set named like the experiment. Taking back the last change
-    of gains takes all of it back.
+    The gains are saved as a gain set named like the experiment. `undo` takes back
+    all of them.
     """
     asked = request or ExperimentApplyRequest()
     with Results.open(file_of(name)) as results:

@@ -52,7 +52,7 @@ def save_gain_set(
 
 @router.delete("/{name}", dependencies=[Operator], responses=problems(404, 422))
 def delete_gain_set(name: Name, services: ServicesDep) -> GainSet:
-    """Delete a set; return what it was."""
+    """Delete a set; return its last content."""
     found = _gain_set(services, services.gain_sets.get(name))
     services.gain_sets.delete(name)
     return found

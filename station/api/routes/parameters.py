@@ -44,7 +44,7 @@ def set_parameter(
     "/{path:path}", dependencies=[Operator], responses=problems(404, 409, 422)
 )
 def delete_parameter(path: str, station: StationDep) -> Parameter:
-    """Delete a parameter or a namespace; return what it was."""
+    """Delete a parameter or a namespace; return its last value."""
     return _parameter(path, station.parameter_server.delete(path))
 
 

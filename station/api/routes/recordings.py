@@ -156,7 +156,7 @@ def stop_recording(identifier: Id, recorder: RecorderDep) -> Recording:
     responses=problems(404, 409, 422),
 )
 def delete_recording(identifier: Id, recorder: RecorderDep) -> Recording:
-    """Delete a recording that does not run; return what it was."""
+    """Delete a recording that does not run; return its description."""
     return Recording.model_validate(recorder.store.delete(identifier))
 
 
@@ -300,7 +300,7 @@ def _ended(store: RecordStore, identifier: str) -> RecordingInfo:
     """Return a recording that has ended, and whose file is there.
 
     Raises:
-        RecordingRefusedError: It is being recorded, or its file is gone.
+        RecordingRefusedError: The recording is not finished, or its file is gone.
     """
     info = store.info(identifier)
     if info.state == RECORDING:

@@ -25,7 +25,7 @@ def _report(arms: Arms, arm_id: str) -> wire.ArmReport:
 
 @router.get("", responses=problems())
 def list_robots(station: StationDep) -> wire.Arms:
-    """List the arms with their modes and errors, and what to do about the errors."""
+    """List the arms with their modes, errors and remedies."""
     return wire.Arms(robots=answers.arms(station))
 
 
@@ -72,7 +72,7 @@ def get_arm_model(
 
 @router.get("/{arm_id}/errors", responses=_READ)
 def get_arm_errors(arm_id: str, arms: ArmsDep) -> wire.ArmReport:
-    """Return the arm's mode and errors, and what to do."""
+    """Return the arm's mode, errors and remedy."""
     return _report(arms, arm_id)
 
 

@@ -44,7 +44,7 @@ def reset(station: StationDep, request: ResetRequest | None = None) -> Simulatio
 
 @router.get("/scene", responses=problems(503))
 def scene(station: StationDep) -> Scene:
-    """Return the things around the robots, what touches what, and moving bases."""
+    """Return the objects around the robots, contacts and moving bases."""
     return Scene.model_validate({
         "objects": station.scene(),
         "contacts": station.contacts(),

@@ -108,7 +108,7 @@ def _short(reason: str) -> str:
 
 
 async def accepted_access(websocket: WebSocket) -> Access | None:
-    """Accept a WebSocket and return what it may do; close it when it proves nothing."""
+    """Accept a WebSocket and return its rights; close it when it proves none."""
     services = services_of(websocket)
     await websocket.accept()
     access = access_of(websocket)

@@ -1,4 +1,4 @@
-"""Named tokens: made, listed and revoked by who has the station's own token."""
+"""Named tokens: made, listed and revoked by the bearer of the station's token."""
 
 from typing import Annotated
 
@@ -87,7 +87,7 @@ def _check_own(access: Access) -> None:
     """Refuse the bearer of a named token.
 
     Raises:
-        ProblemError: It is one.
+        ProblemError: The caller bears a named token.
     """
     if access.token is not None:
         raise ProblemError(

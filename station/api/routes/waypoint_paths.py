@@ -56,7 +56,7 @@ def save_waypoint_path(
     "/waypoint-paths/{name}", dependencies=[Operator], responses=problems(404, 422)
 )
 def delete_waypoint_path(name: Name, services: ServicesDep) -> WaypointPath:
-    """Delete a path; return what it was."""
+    """Delete a path; return its last content."""
     return services.waypoint_paths.delete(name)
 
 

@@ -90,10 +90,12 @@ class Broadcaster:
             return "the station shuts down"
         if len(present) >= most:
             return f"there are {most} streams already"
+        # Viewers leave a quarter free, so that an operator can always look.
         share = most - most // 4
         viewers = sum(one.role is Role.VIEWER for one in present)
         if access.role is Role.VIEWER and viewers >= share:
             return f"viewers have {share} streams already"
+        # One page that opens streams again and again shuts nobody else out.
         share = max(1, most // 4)
         same = sum(one.session is access.session for one in present)
         if access.session is not None and same >= share:
@@ -160,6 +162,7 @@ class Broadcaster:
             snapshot = station.latest()
             states = answers.joint_states(snapshot, station.joint_names)
             data["joint_states"] = states.model_dump()
+        # A client may connect to a station whose loop has ended, to learn why.
         except StationError:
             _log.info("a client connects while the loop does not run")
         loop = station.loop
@@ -179,8 +182,8 @@ async def first_end(
     """Wait for the first of some ends of a connection; the others are cancelled.
 
     Args:
-        ends: What returns when the connection is to end, and how to close it then.
-        what: What fails when one of them raises, for the log.
+        ends: Coroutines that return when the connection must end; code and reason.
+        what: Name of the connection in the log, if one of them raises.
 
     Returns:
         How to close: (0, "") when the client is gone already.
@@ -191,6 +194,8 @@ async def first_end(
     finally:
         for task in tasks:
             task.cancel()
+        # Waits for the cancelled ones as well: what they hold is let go before the next
+        # step.
         outcomes = await asyncio.gather(*tasks, return_exceptions=True)
     for outcome, (_, code, reason) in zip(outcomes, ends, strict=True):
         if outcome is None:
@@ -204,7 +209,7 @@ async def first_end(
 
 
 async def _drain(websocket: WebSocket) -> None:
-    """Read and forget what the client says; return when it is gone."""
+    """Read and drop the client's messages; return when the client is gone."""
     while True:
         message = await websocket.receive()
         if message["type"] == "websocket.disconnect":

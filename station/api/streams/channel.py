@@ -26,7 +26,7 @@ class ChannelClient(Protocol):
     """Client that takes the frames of a channel."""
 
     def ticked(self) -> None:
-        """Take what there is; called after every tick."""
+        """Take the waiting frames; called after every tick."""
 
     def failed(self, error: BaseException) -> None:
         """Give up: there will be no more frames."""
@@ -36,7 +36,7 @@ class Channel(ABC):
     """Ticks at a rate and hands out frames. For one event loop.
 
     Args:
-        request: What its clients ask for.
+        request: Request that its clients have in common.
         right_of_way: Tells when to wait for the control thread.
         period: Time between two ticks [s].
     """
@@ -76,7 +76,7 @@ class Channel(ABC):
 
     @abstractmethod
     async def tick(self) -> None:
-        """Make what there is to take."""
+        """Make the frames of this tick."""
 
     def join(self, client: ChannelClient) -> None:
         """Tell `client` of every tick from now on."""
@@ -112,6 +112,7 @@ class Channel(ABC):
                 for client in tuple(self._clients):
                     self._right_of_way.give()
                     client.ticked()
+                # A late tick is not made up for: clients take the newest only.
                 deadline = max(deadline + self._period, loop.time())
                 await asyncio.sleep(deadline - loop.time())
         except Exception as error:  # noqa: BLE001 - kept; every client gets it
@@ -124,7 +125,7 @@ class StateChannel(Channel):
     """The newest state at a rate.
 
     Args:
-        request: What its clients ask for.
+        request: Request that its clients have in common.
         right_of_way: Tells when to wait for the control thread.
         topic: Where the state comes from.
         rate: Frames per second [Hz].
@@ -151,6 +152,7 @@ class StateChannel(Channel):
     @property
     @override
     def beginning(self) -> int:
+        # One before the newest: a new client gets the present state without waiting.
         return max(0, self._frame.seq - 1)
 
     @override
@@ -163,6 +165,7 @@ class StateChannel(Channel):
         now = asyncio.get_running_loop().time()
         if payload is None:
             return
+        # A paused station makes no cycles; the heartbeat shows that the link lives.
         if payload.cycle == self._cycle and now - self._made_at < HEARTBEAT:
             return
         self._cycle = payload.cycle
@@ -181,7 +184,7 @@ class FullChannel(Channel):
     """Every cycle, in batches; a frame's number is that of its last cycle.
 
     Args:
-        request: What its clients ask for.
+        request: Request that its clients have in common.
         right_of_way: Tells when to wait for the control thread.
         topic: Where the samples come from.
     """
@@ -249,7 +252,7 @@ class EventChannel(Channel):
     """Every event, one a frame; a frame's number is that of its event.
 
     Args:
-        request: What its clients ask for.
+        request: Request that its clients have in common.
         right_of_way: Tells when to wait for the control thread.
         topic: Where the events come from.
         rate: How often it looks for events [Hz].
@@ -289,6 +292,7 @@ class EventChannel(Channel):
         frame = self._frames.get(after + 1)
         if frame is not None:
             return frame
+        # An event must not be left out silently; the client reads what it missed.
         if not self._topic.log.is_in_memory(after):
             raise FramesLostError
         found = self._topic.log.recent(after)

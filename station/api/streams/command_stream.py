@@ -95,8 +95,8 @@ class CommandStream:
     Args:
         station: The station.
         control: The lease of control.
-        access: What the client may do.
-        request: What the client asks for.
+        access: Rights of the client.
+        request: Request of the client.
     """
 
     def __init__(
@@ -211,6 +211,8 @@ class CommandStream:
             if message is None:
                 continue
             self._settle()
+            # Before the message is parsed: control that is lost ends the stream,
+            # whatever it says.
             self._control.check(self._access, self._request.lease)
             try:
                 self._apply(message)
@@ -227,7 +229,7 @@ class CommandStream:
 
         Raises:
             ControlHeldError: Somebody else holds control.
-            ValueError: It is malformed, or asks to be valid for too long.
+            ValueError: The message is malformed, or asks to be valid for too long.
         """
         motion, request = self._station.motion, self._request
         command = _read(message, request.format)
@@ -260,6 +262,7 @@ class CommandStream:
         while True:
             await asyncio.sleep(REPORT_PERIOD)
             found = self.counts()
+            # The cycle changes always, and alone is no news.
             if {**found, "cycle": 0} != {**told, "cycle": 0}:
                 told = found
                 await _send(websocket, self._request.format, found)
@@ -271,6 +274,7 @@ class CommandStream:
 
 
 def _set_from_anywhere(loop: asyncio.AbstractEventLoop, event: asyncio.Event) -> None:
+    # A listener may be called once more while the server shuts down.
     if not loop.is_closed():
         loop.call_soon_threadsafe(event.set)
 
@@ -288,7 +292,8 @@ def _read(message: bytes | str, form: StreamFormat) -> CommandRequest:
     """Return the set-point in a message.
 
     Raises:
-        ValueError: It is none; pydantic's and both decoders' errors are ValueErrors.
+        ValueError: The message has no set-point; errors of pydantic and of both
+            decoders are ValueErrors.
     """
     if form == "json":
         values = orjson.loads(message)

@@ -92,7 +92,7 @@ class CycleSamples(ABC):
 
 
 class RingSamples(CycleSamples):
-    """Samples of what every cycle leaves in the ring of snapshots.
+    """Samples of the snapshots in the ring.
 
     Args:
         station: The station.
@@ -117,6 +117,7 @@ class RingSamples(CycleSamples):
     @override
     def since(self, cycle: int, newest: int) -> Payload | None:
         snapshots, lost = self._station.snapshots.read_since(cycle)
+        # Up to the cycle of this tick, so that clients that keep up share one batch.
         snapshots = snapshots[: min(self._limit, newest - cycle)]
         if not snapshots:
             return None

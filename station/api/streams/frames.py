@@ -41,7 +41,7 @@ def encode(
 
     Args:
         topic: Name of the topic, or `hello`.
-        payload: What it says; numbers that are not finite become null in JSON.
+        payload: Content; numbers that are not finite become null in JSON.
         seq: Its number in its stream.
         format: How to write it.
         fields: Only these keys of the data, or of each sample of a batch; all when

@@ -42,7 +42,7 @@ _ARM_BATCH = 25
 
 
 class Topic(ABC):
-    """Something that can be streamed. Used from the event loop only.
+    """Topic that can be streamed. Used from the event loop only.
 
     Attributes:
         name: Name in the URL.
@@ -132,7 +132,7 @@ class ControllerStateTopic(CycleTopic):
         controller: Its name; it must be loaded.
 
     Raises:
-        ControllerNotFoundError: It is not loaded.
+        ControllerNotFoundError: The controller is not loaded.
     """
 
     fields = sample_fields = ("stamp", "name", *ControllerSample._fields[1:])
@@ -263,7 +263,7 @@ class LoopTopic(ReportTopic):
 
 
 class SceneTopic(ReportTopic):
-    """The things around a simulated robot, what touches what, and moving bases."""
+    """The objects around a simulated robot, contacts and moving bases."""
 
     name = "scene"
     default_rate = 10.0

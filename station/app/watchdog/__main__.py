@@ -95,7 +95,7 @@ class _StationPipe:
         return lines
 
     def lines(self) -> list[bytes]:
-        """Read what there is, at least a byte or the end; return the complete lines."""
+        """Read at least a byte or the end; return the complete lines."""
         data = os.read(self.descriptor, 65_536)
         self.has_ended = not data
         *lines, self._rest = (self._rest + data).split(b"\n")

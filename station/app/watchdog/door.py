@@ -34,7 +34,7 @@ _REASONS = {
 
 
 class _Connection:
-    """One client: what it has sent, and until when it has time."""
+    """One client: the bytes that it has sent, and its deadline."""
 
     def __init__(self, peer: socket.socket, deadline: float) -> None:
         self.peer = peer
@@ -70,7 +70,7 @@ class Door:
 
         Args:
             digest: SHA-256 of the token, hexadecimal.
-            role: What it may do; empty for a token that has ended.
+            role: Role of a token; empty for a token that has ended.
             expires: Wall time when it ends [s since 1970]; None when it does not.
         """
         if role:
@@ -94,7 +94,7 @@ class Door:
         return [one for one in ready if one in others]
 
     def serve(self, now: float) -> None:
-        """Take new connections, read what has come, and answer what is complete.
+        """Accept connections, read their bytes, and answer complete requests.
 
         Args:
             now: Monotonic time [s].

@@ -62,7 +62,7 @@ class Watch:
 
     Args:
         heartbeat: The page shared with the station.
-        settings: Whom to watch, and the limits.
+        settings: Process to watch, and the limits.
         tell: Takes a line for the station's user.
         send: Sends the station a signal.
         forget_stacks: Removes what the station has written on earlier stack signals.
@@ -115,7 +115,7 @@ class Watch:
         return None
 
     def look(self, now: float) -> None:
-        """Look at the heartbeat once, and do what is due.
+        """Look at the heartbeat once, and react if a limit is passed.
 
         Args:
             now: Monotonic time [s].
@@ -136,7 +136,7 @@ class Watch:
         self._holds.commands = settings.hold_commands
 
     def take_status(self, status: Mapping[str, object]) -> None:
-        """Keep what the station has published last about itself."""
+        """Keep the state that the station has published last."""
         self.status = status
 
     def hold(self, now: float) -> None:
@@ -321,7 +321,7 @@ class Incident:
     Args:
         directory: Where the file goes.
         pid: The station's process.
-        facts: What is known at the beginning; more is added with `add`.
+        facts: Facts at the beginning; more are added with `add`.
 
     Attributes:
         path: The file.

@@ -14,7 +14,7 @@ class Verb:
     Attributes:
         module: Its module below `station.cli.verbs`.
         name: The verb.
-        summary: What it does, in the imperative.
+        summary: Effect, in the imperative.
         aliases: Other names.
         is_client: Whether it talks to a running station.
     """

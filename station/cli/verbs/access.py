@@ -1,4 +1,4 @@
-"""Verbs about who may do what: `control` of the station and named tokens."""
+"""Verbs about rights: `control` of the station and named tokens."""
 
 import sys
 import time
@@ -43,7 +43,7 @@ def add_token(parser: "Parser") -> None:
 
 
 def control(options: Namespace) -> int:
-    """Show who holds control, take it until Ctrl-C, or give it back."""
+    """Show the holder of control, take control until Ctrl-C, or give it back."""
     with open_client(options) as client:
         if options.action == "take":
             _take(client, options)

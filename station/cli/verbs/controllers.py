@@ -1,4 +1,4 @@
-"""Verbs that list, load and unload controllers, and list what they can claim."""
+"""Verbs that list, load and unload controllers, and list the resources."""
 
 import json
 from argparse import Namespace
@@ -201,8 +201,9 @@ def _parameters_of(name: str, path: Path) -> dict[str, Any]:
     """Return the parameters that a file written for ROS has for a controller.
 
     Raises:
-        UsageError: It has none for that name.
+        UsageError: The file has no parameters for that name.
     """
+    # Imported late: other verbs need no reader of configurations.
     from station.config.ros_parameters import split_ros_parameters
     from station.core.yaml_reader import read_yaml
 
@@ -240,7 +241,7 @@ def reload_controller_libraries(options: Namespace) -> int:
 
 
 def list_hardware_interfaces(options: Namespace) -> int:
-    """Print what controllers can claim, and who claims it."""
+    """Print the resources that controllers can claim, and their owners."""
     with open_client(options) as client:
         hardware = client.hardware()
     if options.json:

@@ -21,7 +21,7 @@ def add_doctor(parser: "Parser") -> None:
 
 
 def doctor(options: Namespace) -> int:
-    """Print what was found and what to do; 1 when a station cannot run here."""
+    """Print findings and advice; return 1 when a station cannot run here."""
     if options.robot is not None:
         return _examine(options)
     findings = [check() for check in CHECKS]
@@ -39,7 +39,7 @@ def doctor(options: Namespace) -> int:
 
 
 def _examine(options: Namespace) -> int:
-    """Print in what a simulated robot differs from its description.
+    """Print the differences of a simulated robot from its description.
 
     Raises:
         RobotDescriptionError: The robot is unknown or cannot be simulated.

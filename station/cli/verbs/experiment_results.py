@@ -1,4 +1,4 @@
-"""Verb `experiments`: what experiments have found, and what follows from it."""
+"""Verb `experiments`: results of experiments, and their use."""
 
 from argparse import Namespace
 from collections import Counter
@@ -274,7 +274,7 @@ def _apply(options: Namespace) -> int:
 
 
 def _watch(options: Namespace) -> int:
-    """Show how far an experiment of the running station is, until it ends."""
+    """Show the progress of an experiment of the running station, until its end."""
     with open_client(options) as client:
         found = client.experiments.wait(options.name, _say_progress)
     if options.json:

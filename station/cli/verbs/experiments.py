@@ -59,7 +59,7 @@ def add_robustness(parser: "Parser") -> None:
 
 
 def _add_ranges(parser: "Parser", count: str, default: str, *, trials: int) -> None:
-    """Add what is varied, in how many trials, and what is looked at."""
+    """Add the arguments for varied parameters, number of trials and metrics."""
     parser.add_argument("controller", metavar="CONTROLLER")
     parser.add_argument(
         "ranges",
@@ -106,7 +106,7 @@ def add_tune(parser: "Parser") -> None:
 
 
 def _add_running(parser: "Parser") -> None:
-    """Add what the trials are, where they run and where their results go."""
+    """Add the arguments for the trials, their workers and the results."""
     add_setup(parser)
     parser.add_argument("--name", help="name of the experiment; without it: a new one")
     parser.add_argument(
@@ -319,7 +319,7 @@ def _bound(word: str) -> "ExperimentBound":
 def _running(
     options: Namespace, experiment: "Experiment"
 ) -> "Iterator[tuple[Results, Progress]]":
-    """Run an experiment to its end; yields what it has found, and how far it came.
+    """Run an experiment to its end; yields its results and its progress.
 
     Raises:
         KeyboardInterrupt: Ctrl-C came a second time, or before the first trial.

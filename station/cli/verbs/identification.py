@@ -43,7 +43,7 @@ def add_identify(parser: "Parser") -> None:
 
 
 def add_setup(parser: "Parser") -> None:
-    """Add which station trials have, and what happens in them."""
+    """Add the arguments for the trials' station and motions."""
     parser.add_argument(
         "--config", type=Path, metavar="CONFIG.yaml", help="a station's configuration"
     )
@@ -85,7 +85,7 @@ def read_parameters(options: Namespace) -> dict[str, float]:
     """Return the parameters of every trial, of the option `--with`.
 
     Raises:
-        UsageError: One is not NAME=VALUE.
+        UsageError: A word is not NAME=VALUE.
         ExperimentError: There is no such parameter, or its value is impossible.
     """
     from station.trials.parameters import check

@@ -144,7 +144,7 @@ def gripper(options: Namespace) -> int:
 
 
 def _parse_words(words: "Sequence[str]") -> tuple[str, str, list[float]]:
-    """Return the arm, empty for the only one, what to do, and the numbers for it.
+    """Return the arm, empty for the only one, the action, and its numbers.
 
     Raises:
         UsageError: The words have another form.

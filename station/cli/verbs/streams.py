@@ -1,4 +1,4 @@
-"""Verbs `echo` and `events`: print what a topic says, and what happened."""
+"""Verbs `echo` and `events`: print the messages of a topic, and events."""
 
 import itertools
 import sys
@@ -67,7 +67,7 @@ def _rate(text: str | None) -> float | Literal["full"] | None:
     """Return the rate of the option `--rate`.
 
     Raises:
-        UsageError: It is neither a positive number nor `full`.
+        UsageError: The rate is neither a positive number nor `full`.
     """
     if text is None:
         return None

@@ -77,7 +77,7 @@ class EndEffectorUpdate:
         steer: See `CartesianMotionController.steer`.
         generator: Generates the poses.
         lookahead: Says whether the joints can follow them.
-        sample: What is kept of a cycle.
+        sample: Sample of the last cycle.
         command: The robot's storage of the commanded pose, 16 numbers.
 
     Attributes:
@@ -85,7 +85,7 @@ class EndEffectorUpdate:
             nothing is moved then, as long as the set-point in force stays.
         steered: The set-point that is the generator's target and need not be made that
             again; None if there is none.
-        obstacle: What is published as the obstacle.
+        obstacle: Published reason why the motion does not go on.
         joint: Name of its joint; None if there is none.
     """
 
@@ -165,7 +165,7 @@ class EndEffectorUpdate:
             generator.advance(period)
 
     def note(self, obstacle: Obstacle, joint: str | None, time: float) -> None:
-        """Note what is in the way at a time [s], and publish it for a while."""
+        """Note the obstacle found at a time [s], and publish it for a while."""
         if obstacle is not _NONE:
             self.obstacle, self.joint = obstacle, joint
             self.until = time + _PUBLISHED_FOR

@@ -1,4 +1,4 @@
-"""Keep what a controller of an end effector did in a cycle: a pose, or a twist."""
+"""Keep the sample of an end effector's controller: a pose, or a twist."""
 
 from station.core.control.sample_columns import SampleColumns
 from station.core.franka.model_sources import ModelSource
@@ -19,8 +19,8 @@ class EndEffectorSample:
         size: How many numbers each of them has.
 
     Attributes:
-        desired: What is desired, shape (size,).
-        actual: What is measured, shape (size,).
+        desired: Desired values, shape (size,).
+        actual: Measured values, shape (size,).
         errors: The difference, shape (size,).
         sampled: The columns.
     """
@@ -38,7 +38,7 @@ class EndEffectorSample:
         ))
 
     def measure(self) -> None:
-        """Write what is desired, and what is measured."""
+        """Write the desired and the measured values."""
         raise NotImplementedError
 
     def keep(self, time: float) -> None:

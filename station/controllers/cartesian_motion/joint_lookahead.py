@@ -211,7 +211,7 @@ class JointLookahead:
         settings: Margins that the motion keeps.
 
     Attributes:
-        obstacle: What prevents the step that was checked last.
+        obstacle: Reason that prevents the step that was checked last.
         joint: Name of the joint that is at its limit; None when no joint is.
     """
 

@@ -19,7 +19,7 @@ def resting_ways(
     jerks: Doubles,
     ways: Doubles,
 ) -> None:
-    """Write how far each axis goes until it rests.
+    """Write the stopping distance of each axis.
 
     Args:
         velocities: Present velocities, shape (n,).

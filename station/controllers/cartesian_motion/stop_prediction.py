@@ -78,10 +78,10 @@ class StopPrediction:
         self.accept()
 
     def passes(self, motion: PoseMotion) -> bool:
-        """Allow a step that is allowed beyond doubt; return whether it was.
+        """Return whether a step is certainly allowed; if so, accept it.
 
-        That is a step within all limits, near the configurations that are known. Of any
-        other step nothing is decided.
+        Such a step is within all limits, near the configurations that are known. Any
+        other step has to be examined.
 
         Args:
             motion: The motion of the end effector after the step.

@@ -81,7 +81,7 @@ class Odometry:
         self.linear = self.angular = 0.0
 
     def follow_wheels(self, left: float, right: float, time: float) -> None:
-        """Take in how far the wheels have turned.
+        """Take in the angles by which the wheels have turned.
 
         Args:
             left: Mean position of the left wheels [rad].
@@ -487,7 +487,7 @@ def _names(params: Parameters, side: DeclaredParameter) -> list[str]:
     """Return the wheels of one side, from a list or one name.
 
     Raises:
-        ParameterError: They are missing, not names, or there are none.
+        ParameterError: The names are missing, not strings, or there are none.
     """
     if isinstance(params.get(side.name), str):
         return [params.get_str(side.name)]

@@ -48,10 +48,10 @@ class PoseSpring:
             column-major.
         coriolis: Coriolis torques [Nm], shape (n,).
         equilibrium: Position [m], then unit quaternion x y z w, shape (7,).
-        target: What the equilibrium approaches, shape (7,).
+        target: Pose that the equilibrium approaches, shape (7,).
         stiffness: Against translations [N/m] and rotations [Nm/rad], and of the joints
             in the null space [Nm/rad], shape (3,), >= 0.
-        wanted: What the stiffnesses approach, shape (3,), >= 0.
+        wanted: Values that the stiffnesses approach, shape (3,), >= 0.
         torques: The torques [Nm], shape (n,).
     """
 

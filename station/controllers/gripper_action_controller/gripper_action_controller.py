@@ -141,7 +141,7 @@ class GripperActionController(Controller[CommandInterfaceT]):
     def command_joint(
         self, handle: JointHandle, target: GripperTarget, period: float
     ) -> float:
-        """Command the joint towards `target`; return what was commanded.
+        """Command the joint towards `target`; return the command.
 
         Args:
             handle: The joint.

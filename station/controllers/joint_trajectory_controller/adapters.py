@@ -54,7 +54,7 @@ class HardwareInterfaceAdapter:
     Args:
         tracking: Desired and measured states of the joints.
         law: Commands the joints towards the desired states.
-        output: What a sample shows as output, shape (n,), always the same memory; None
+        output: Output in a sample, shape (n,), always the same memory; None
             for the commands of `tracking`.
         pids: The PIDs of the law; None if it has none.
 

@@ -160,7 +160,7 @@ class JointTrajectoryController(Controller[InterfaceT]):
     def make_adapter(
         self, interface: InterfaceT, params: Parameters
     ) -> HardwareInterfaceAdapter:
-        """Claim the joints and return what commands them; override for new interfaces.
+        """Claim the joints and return their adapter; override for new interfaces.
 
         Args:
             interface: The robot's interface.

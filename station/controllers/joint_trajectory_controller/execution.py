@@ -418,7 +418,7 @@ class TrajectoryExecution:
 
     Attributes:
         tracking: As given.
-        requests: What waits to be taken up, oldest first.
+        requests: Requests that wait for a cycle, oldest first.
         trajectory: The trajectory that is executed.
         retired: Replaced trajectories; the planner frees them.
         moment: Station time [s], time since the cycle before [s], and trajectory time
@@ -671,7 +671,7 @@ class TrajectoryUpdate:
     Args:
         execution: The trajectory.
         law: Computes the commands from the desired states and the errors.
-        output: What a sample shows as output, shape (n,).
+        output: Output in a sample, shape (n,).
 
     Attributes:
         sampled: The sample of each cycle: its four columns, then desired velocities and

@@ -111,7 +111,8 @@ class FollowJointTrajectoryPort(GoalPort):
         """Refuse tolerances that would have no effect.
 
         Raises:
-            InvalidTrajectoryError: One is for a joint that the controller does not
+            InvalidTrajectoryError: A tolerance is for a joint that the controller does
+                not
                 have, or bounds an acceleration.
         """
         for tolerance in tolerances:

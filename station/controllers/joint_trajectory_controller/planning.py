@@ -64,7 +64,7 @@ class _Present:
         time: Station time of the last cycle [s].
         period: Its time since the cycle before [s].
         uptime: Trajectory time of the cycle [ns].
-        trajectory: What is executed after all queued requests.
+        trajectory: Trajectory that is executed after all queued requests.
         places: Where each joint is by name: commanded and measured [rad or m].
         rests: Whether no joint is to move and no request waits.
     """

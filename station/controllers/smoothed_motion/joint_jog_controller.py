@@ -63,7 +63,7 @@ class JointJogController(SmoothedMotionController[CommandInterfaceT]):
             self.generator.go_at(self._allowed(set_point, period))
 
     def _is_far(self, duration: float) -> bool:
-        """Return whether no joint can come near its limits, whatever it does.
+        """Return whether no joint can come near its limits by any command.
 
         Args:
             duration: Time within which it may do it, and brake afterwards [s].

@@ -1,4 +1,4 @@
-"""The gate between whatever wrote a command and the robot.
+"""The gate between the writers of commands and the robot.
 
 Before every `write` each command of the robot is a real finite float that its one owner
 has written, or the rest command of a resource that nobody owns:
@@ -112,7 +112,7 @@ class DoublesBlock(CommandBlock):
 
 
 class ListBlock(CommandBlock):
-    """Commands in a list, which may hold anything that somebody writes into it.
+    """Commands in a list, which may hold any object.
 
     Args:
         storage: The list.
@@ -150,7 +150,7 @@ class ListBlock(CommandBlock):
 
 
 def make_blocks(slots: Iterable[Slot]) -> list[CommandBlock]:
-    """Return the commands in some slots, with a copy of what they are now."""
+    """Return the commands in some slots, with a copy of the present ones."""
     return [_make_block(run) for run in side_by_side(slots)]
 
 
@@ -212,7 +212,7 @@ class CommandGate:
         ]
 
     def put_back(self, remembered: Remembered) -> str | None:
-        """Undo what was written to commands since they were remembered.
+        """Undo all writes to commands since they were remembered.
 
         Returns:
             The first resource whose command had changed; None if none had.
@@ -257,7 +257,7 @@ class CommandGate:
             each.write_copy()
 
     def restore_commands(self) -> None:
-        """Compare all commands with what they ought to be, and write them anew.
+        """Compare all commands with the accepted ones, and write those anew.
 
         Also before a switch, after which the owners are others, and at the beginning of
         a traced cycle, so that what was written between two cycles is not charged to
@@ -301,7 +301,7 @@ class CommandGate:
         return None
 
     def note_owners(self, loaded: "Iterable[LoadedController]") -> None:
-        """Find out which commands nobody owns, let them rest, and write all anew.
+        """Find the commands without an owner, let them rest, and write all anew.
 
         A resource that had no owner before keeps its rest command: resting anew where
         it is measured would let a joint under load creep a little at every switch. One
@@ -357,7 +357,7 @@ class CommandGate:
         return "an unknown resource"
 
     def _report(self, block: CommandBlock) -> None:
-        """Note that somebody has written commands that are not theirs, and trace."""
+        """Note a write to the commands of another owner, and trace the writer."""
         self.violations += 1
         self.last_violation = (
             "Somebody without a claim has written the command of "
@@ -367,7 +367,7 @@ class CommandGate:
 
 
 def _count_owners(loaded: "Iterable[LoadedController]") -> Counter[SlotId]:
-    """Count the owners of every command, and note who shares commands."""
+    """Count the owners of every command, and note controllers that share commands."""
     running = [one for one in loaded if one.controller.state is _RUNNING]
     owned = Counter(
         (id(storage), index) for one in running for storage, index in one.commands.slots

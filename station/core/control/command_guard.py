@@ -61,7 +61,7 @@ class CommandGuard:
                 storage[index] = self._last[position]
 
     def remember(self) -> bool:
-        """Take rest, motion and commands of now as what a jump is measured from.
+        """Take the present rest, motion and commands as the origin of a jump.
 
         Returns:
             Whether rest is known, that is, finite.
@@ -167,7 +167,7 @@ def find_guards(
 
     Args:
         hw: The robot.
-        claims: What a controller claims.
+        claims: Claims of a controller.
     """
     guards: list[CommandGuard] = []
     for claim in claims:

@@ -99,7 +99,7 @@ class ControllerSample:
 
     @property
     def error(self) -> list[float]:
-        """Difference of both, as the control law computes it."""
+        """Difference of desired and actual, as the control law computes it."""
         return self.columns[2]
 
     @property

@@ -56,10 +56,10 @@ class ControllerCommands:
         return [storage[index] for storage, index in self.slots]
 
     def put_back(self, values: list[float]) -> str | None:
-        """Undo what a call has written; return which command it changed.
+        """Undo the writes of a call; return the command that it changed.
 
         Args:
-            values: What `values` returned before the call.
+            values: Commands before the call, from `values`.
 
         Returns:
             The first resource that was changed and its new command; None if the call

@@ -116,7 +116,8 @@ class ControllerFactory:
             ParameterError: Its type or a parameter is missing or impossible (CM-23), or
                 unknown.
             ControllerTypeNotFoundError: No loader knows its type (CM-24).
-            ControllerLoadError: It cannot be created or initialised (CM-25 … CM-29).
+            ControllerLoadError: The controller cannot be created or initialised (CM-25
+                … CM-29).
         """
         if not _NAME.fullmatch(name):
             raise ControllerLoadError(
@@ -201,7 +202,7 @@ def _unknown_parameters(
 
 
 def _hindrances(controller: ControllerBase) -> tuple[str, ...]:
-    """Return a sentence about what in the code of `update` holds the loop up."""
+    """Return a sentence about the code in `update` that holds the loop up."""
     code = getattr(type(controller).update, "__code__", None)
     # A warning only: `print` may be the name of something harmless.
     if code is None or "print" not in code.co_names:

@@ -119,7 +119,7 @@ class ControllerLifecycle:
     def _call_starting(
         self, one: LoadedController, time: float, jump: dict[str, float]
     ) -> tuple[str | None, str | None]:
-        """Call `starting`; return what is wrong with it, and its traceback."""
+        """Call `starting`; return its fault, if any, and its traceback."""
         problem, trace = self._call(one, "starting", one.controller.start_request, time)
         if problem is not None:
             return problem, trace
@@ -136,7 +136,7 @@ class ControllerLifecycle:
         callback: Callable[[float], object],
         time: float,
     ) -> tuple[str | None, str | None]:
-        """Call a controller; return what is wrong with the call, and its traceback.
+        """Call a controller; return the fault of the call, if any, and its traceback.
 
         What the call writes over the commands of others, and over those of nobody, is
         put back at once: their owners do not write them again in this cycle.
@@ -191,7 +191,7 @@ class ControllerLifecycle:
             self.fall_back(one, time)
 
     def stop(self, one: LoadedController, time: float) -> None:
-        """Stop one controller; what its `stopping` does wrong is kept as its fault.
+        """Stop one controller; an error of its `stopping` is kept as its fault.
 
         Commands that `stopping` writes are the last word of their owner, for a brake,
         say: a successor in the same cycle goes on from them. A command that is not a
@@ -210,7 +210,7 @@ class ControllerLifecycle:
             one.commands.write_rest()
 
     def wait(self, one: LoadedController, time: float) -> str | None:
-        """Call `waiting` while the hardware switches; return what failed."""
+        """Call `waiting` while the hardware switches; return the failures."""
         self.gate.is_stale = True
         before = one.commands.values()
         problem, trace = self._call(one, "waiting", one.controller.wait_request, time)
@@ -258,7 +258,7 @@ class ControllerLifecycle:
         self.release([one])
 
     def release(self, stopped: Sequence[LoadedController]) -> str | None:
-        """Take stopped controllers off the hardware; return what went wrong.
+        """Take stopped controllers off the hardware; return the failure, if any.
 
         When the robot cannot be told, the controllers are marked as not released:
         they can be stopped again, and are not unloaded before that has succeeded.
@@ -271,7 +271,7 @@ class ControllerLifecycle:
         return problem
 
     def fall_back(self, failed: LoadedController, time: float) -> None:
-        """Start what shall take over from `failed`, in this cycle; else it rests."""
+        """Start the fallback of `failed` in this cycle; without one its joints rest."""
         replacements = self._replacements(failed)
         if not replacements:
             return
@@ -328,7 +328,7 @@ class ControllerLifecycle:
         start: Sequence[ControllerInfo],
         stop: Sequence[ControllerInfo],
     ) -> str | None:
-        """Tell the hardware of a switch; return what went wrong."""
+        """Pass a switch to the hardware; return the failure, if any."""
         # The robot may seed its command buffers, and owners change. Those that run on
         # do not write their commands again in this cycle.
         self.gate.is_stale = True

@@ -61,7 +61,7 @@ class PluginModules:
         return module
 
     def forget(self) -> None:
-        """Forget every module that was loaded, and what is inside of it."""
+        """Forget every module that was loaded, and its submodules."""
         inside = {
             one
             for one in sys.modules
@@ -144,7 +144,7 @@ class ControllerLoader(ABC):
     """Creates controllers of the types it knows. Used outside of the control thread.
 
     Attributes:
-        name: What `list_controller_types` shows as base class.
+        name: Base class that `list_controller_types` shows.
     """
 
     def __init__(self, name: str = BASE_CLASS) -> None:
@@ -189,12 +189,12 @@ class ControllerLoader(ABC):
 
 
 class TableLoader(ControllerLoader):
-    """Creates what a table lists; a module is imported when it is first needed.
+    """Creates the types of a table; imports a module when it is first needed.
 
     Args:
         table: Type to `module:Class` or to the class itself; a mapping or pairs. Of
             equal types the last one counts (CM-31).
-        name: What `list_controller_types` shows as base class.
+        name: Base class that `list_controller_types` shows.
     """
 
     def __init__(
@@ -228,7 +228,7 @@ class TableLoader(ControllerLoader):
 
 
 class EntryPointLoader(ControllerLoader):
-    """Creates what installed packages offer in an entry point group.
+    """Creates the types that installed packages offer in an entry point group.
 
     Args:
         group: The group; each entry is named by its type.
@@ -301,7 +301,7 @@ class ClassLoader(ControllerLoader):
         """Refuse a module that is not on the list.
 
         Raises:
-            ControllerModuleRefusedError: It is not.
+            ControllerModuleRefusedError: The module is not allowed.
         """
         if self._allowed is None or not self._allowed.isdisjoint(_with_parents(module)):
             return

@@ -209,7 +209,7 @@ class ControllerManager:
             ControllerExistsError: That name is loaded already (CM-22), or being loaded.
             ParameterError: Its type or a parameter is missing or impossible (CM-23).
             ControllerTypeNotFoundError: No loader knows its type (CM-24).
-            ControllerLoadError: It cannot be created or initialised (CM-25 … CM-29),
+            ControllerLoadError: The controller cannot be made (CM-25 … CM-29),
                 or not in time, or the loading was cancelled.
         """
         self._refuse_control_thread("load")
@@ -248,7 +248,8 @@ class ControllerManager:
 
         Raises:
             ControllerNotFoundError: None of that name is loaded.
-            ControllerStateError: It is running, or about to be, or the robot has not
+            ControllerStateError: The controller runs, or is about to, or the robot has
+                not
                 been told that it has stopped.
         """
         self._refuse_control_thread("unload")
@@ -298,7 +299,7 @@ class ControllerManager:
         return [one.condition() for one in self._lifecycle.loaded]
 
     def running(self) -> list[ControllerInfo]:
-        """Return the controllers that run, with what they claim, in load order."""
+        """Return the running controllers with their claims, in load order."""
         loaded = self._lifecycle.loaded
         return [one.info for one in loaded if one.controller.is_running()]
 
@@ -342,7 +343,7 @@ class ControllerManager:
         Raises:
             ControllerStateError: Controllers are loaded and `force_kill` is false.
             SwitchRefusedError: The hardware does not let them be stopped.
-            SwitchTimeoutError: They could not be stopped in time.
+            SwitchTimeoutError: The controllers could not be stopped in time.
         """
         self._refuse_control_thread("reload", waits=True)
         with self._switches.one_at_a_time(SWITCH_BOUND):
@@ -384,12 +385,13 @@ class ControllerManager:
         done, and the hardware is not asked to prepare.
 
         Args:
-            request: What to start and to stop.
+            request: Controllers to start and to stop.
 
         Raises:
             ResourceConflictError: Two controllers would own the same resource
                 (CM-52); `details` says who holds it.
-            SwitchRefusedError: It is not possible; controllers and hardware are as
+            SwitchRefusedError: The switch is not possible; controllers and hardware are
+                as
                 before. Also a strict switch in which a controller did not start.
             SwitchTimeoutError: No cycle came in time and it was withdrawn, or the
                 loop stood still in the middle of it.

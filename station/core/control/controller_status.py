@@ -15,12 +15,12 @@ class ControllerStatus:
         name: Name under which it is loaded.
         type: Its type as the parameters have it.
         state: Where it is in its life.
-        claimed_resources: What it claims, one entry per hardware interface (CM-85).
+        claimed_resources: Claims, one entry per hardware interface (CM-85).
         fault: Why it was stopped by the manager; None if it was not.
         traceback: Traceback that belongs to `fault`; None if there is none.
         fallback: Names of the controllers that take over when it fails.
         time: How long its update takes [s].
-        notes: What its user may not expect, such as a parameter that has no effect; one
+        notes: Surprises for its user, such as a parameter that has no effect; one
             sentence or more each.
     """
 

@@ -40,7 +40,7 @@ STALL_MEMORY = 10.0
 
 
 class StateChanges:
-    """Marks when the control thread changes who runs, for readers in other threads.
+    """Marks changes of the set of running controllers, for readers in other threads.
 
     Nobody waits for a lock: a reader looks whether a change has begun or ended while it
     read, and reads again. Entered for a change, also within one.
@@ -179,7 +179,7 @@ class ControllerUpdate:
     def update_controller(
         self, one: LoadedController, time: float, period: float
     ) -> None:
-        """Update one controller, and look at what it has commanded."""
+        """Update one controller, and check its commands."""
         stopwatch = self.stopwatch
         begin = wall_time() if stopwatch is None else stopwatch()
         try:

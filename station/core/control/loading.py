@@ -1,4 +1,4 @@
-"""Loading controllers in threads of their own, so that nobody waits for foreign code.
+"""Loading controllers in threads of their own, beside everything else.
 
 Importing a plug-in, its constructor and its `init` are code that the station did not
 write: they may take seconds, hang, or call the manager themselves. They run in a thread
@@ -45,7 +45,7 @@ class Loading:
             timeout: How long to wait for it [s wall time], > 0.
 
         Raises:
-            ControllerLoadError: It took too long, or the loading was cancelled. Its
+            ControllerLoadError: The loading took too long, or was cancelled. Its
                 thread cannot be ended; whatever it returns later is thrown away.
             BaseException: Whatever building it raised.
         """

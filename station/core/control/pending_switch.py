@@ -26,7 +26,7 @@ class SwitchProgress(Enum):
 
 
 class PendingSwitch:
-    """One planned switch and how far it is.
+    """One planned switch and its progress.
 
     It belongs to whoever gets `claim`: the control thread when it begins, or the
     caller who withdraws it. So a switch is carried out for hardware and controllers
@@ -34,8 +34,8 @@ class PendingSwitch:
     `done`, which the control thread releases.
 
     Args:
-        request: What was asked for.
-        plan: What it means.
+        request: Request as it was made.
+        plan: Plan that follows from the request.
         start: Controllers to start, in the order of the request.
         stop: Controllers to stop, in the order of the request.
         time: Station time at the request [s]; None when no cycle has run yet.
@@ -117,7 +117,7 @@ class PendingSwitch:
         """Return the result of the finished switch.
 
         Raises:
-            StationError: It was refused in the control thread.
+            StationError: The control thread refused the switch.
         """
         if self.error is not None:
             raise self._with_outcome(self.error)

@@ -29,7 +29,7 @@ class SampleColumns:
             then whatever the controller adds.
 
     Attributes:
-        row: What was packed last, shape (width,): station time [s], which is NaN before
+        row: Numbers packed last, shape (width,): station time [s], which is NaN before
             the first time, then the columns.
     """
 

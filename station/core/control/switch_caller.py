@@ -105,7 +105,7 @@ class SwitchCaller:
         """Carry a switch out; within `one_at_a_time`.
 
         Args:
-            request: What to start and to stop.
+            request: Controllers to start and to stop.
 
         Raises:
             StationError: As for `ControllerManager.switch_controller`.
@@ -168,7 +168,7 @@ class SwitchCaller:
         """Wait until the control thread has finished `pending`.
 
         Raises:
-            SwitchTimeoutError: It has not, at the deadline.
+            SwitchTimeoutError: The switch has not ended at the deadline.
         """
         bound = _bound_of(pending.request)
         clock, update = self._clock, self._update
@@ -219,7 +219,7 @@ def _bound_of(request: SwitchRequest) -> float:
 
 @contextmanager
 def _foreign(hook: str) -> Iterator[None]:
-    """Report whatever a hook of the robot raises as a refusal of the switch.
+    """Report every error of a robot's hook as a refusal of the switch.
 
     Raises:
         StationError: The hook refuses.

@@ -69,7 +69,7 @@ class SwitchTransaction:
         self._begun: set[str] = set()  # names started as soon as possible
 
     def advance(self, time: float) -> bool:
-        """Do what one cycle can do; return whether the switch is finished.
+        """Advance the switch by a cycle; return whether it is finished.
 
         Args:
             time: Station time [s].
@@ -274,7 +274,7 @@ class SwitchTransaction:
         return [info for info in self._pending.plan.stop if info.name in ran]
 
     def _roll_back(self, begun: list[LoadedController], time: float) -> bool:
-        """Stop what was started, and begin to start again what was stopped."""
+        """Stop the started controllers, and begin to restart the stopped ones."""
         plan = self._pending.plan
         for one in begun:
             if one.controller.state is _RUNNING:
@@ -311,7 +311,7 @@ class SwitchTransaction:
         return True
 
     def _end_rolled_back(self) -> None:
-        """Say that all is as before, but for who had failed before the switch began."""
+        """Report that all is as before, but for controllers that failed earlier."""
         pending = self._pending
         pending.outcome = SwitchOutcome.ROLLED_BACK
         for one in _once(pending.stop):
@@ -339,7 +339,7 @@ class SwitchTransaction:
     def _ask(
         self, question: Callable[[], SwitchState], name: str
     ) -> tuple[bool, str | None]:
-        """Ask the hardware how far it is; return whether it is done, or a problem."""
+        """Ask the hardware for its progress; return whether it is done, or why not."""
         try:
             if question() is SwitchState.DONE:
                 return True, None

@@ -59,7 +59,7 @@ class SwitchRequest:
     Attributes:
         start: Names to start; started in this order.
         stop: Names to stop; stopped in this order.
-        strictness: What happens when only a part is possible.
+        strictness: Treatment of a request of which only a part is possible.
         start_asap: Start each controller as soon as the hardware is ready for it,
             instead of all when it is ready for all.
         timeout: How long the hardware may take [s station time], >= 0; 0 for as long
@@ -173,7 +173,7 @@ def plan_switch(loaded: Sequence[Candidate], request: SwitchRequest) -> SwitchPl
 
     Args:
         loaded: All loaded controllers, in load order.
-        request: What is wanted.
+        request: Request of the caller.
 
     Raises:
         SwitchRefusedError: Strict, and a part is impossible (CM-40 … CM-43, CM-50); or
@@ -249,7 +249,7 @@ def _plan_controller(
 def conflict_error(
     conflicts: Sequence[ResourceConflict], running: Iterable[str]
 ) -> ResourceConflictError:
-    """Return the error that tells who disputes which resources.
+    """Return the error that names the controllers and the disputed resources.
 
     `details["conflicts"]` has one entry per resource: `resource`, `reason`,
     `claimed_by` (controller and hardware interface of each), `held_by` (the running
@@ -257,7 +257,7 @@ def conflict_error(
     all running controllers that are in the way.
 
     Args:
-        conflicts: What the hardware objects to, at least one.
+        conflicts: Objections of the hardware, at least one.
         running: Names of the controllers that run now.
     """
     now = set(running)

@@ -22,12 +22,12 @@ RepairKind = Literal[
 
 @dataclass(frozen=True, slots=True)
 class Repair:
-    """One thing in which the simulated robot differs from its description.
+    """One difference of the simulated robot from its description.
 
     Attributes:
-        kind: What was changed.
+        kind: Kind of the changed element.
         element: The element of the description, e.g. `link 'wrist'`.
-        problem: What is wrong with it, without a full stop.
+        problem: Fault of the element, without a full stop.
         old: The value in the description; empty if there is none.
         new: The value that is used instead.
     """
@@ -40,7 +40,7 @@ class Repair:
 
     @property
     def is_addition(self) -> bool:
-        """Return whether nothing is wrong: a URDF cannot state what was added."""
+        """Return whether the URDF has no fault: it cannot state the added element."""
         return self.kind in {"armature", "gravity"}
 
     def sentence(self) -> str:

@@ -32,7 +32,7 @@ def repair_urdf(
 
     Args:
         xml: The document.
-        zero_range: What becomes of a joint whose range is 0 to 0.
+        zero_range: Treatment of a joint whose range is 0 to 0.
         base: How the root link is held: `fixed`, `floating` or `planar`.
 
     Returns:

@@ -128,9 +128,10 @@ class GainTuning:
 
         Raises:
             ControllerNotFoundError: No controller of that name is loaded.
-            GainsChangedError: It is not.
+            GainsChangedError: The gains have another revision now.
         """
         self._manager.get_controller(name)
+        # After the name was looked up: an unknown one would be at revision 0 as well.
         present = self._revisions.get(name, 0)
         if revision != present:
             raise GainsChangedError(
@@ -174,6 +175,7 @@ class GainTuning:
     ) -> dict[str, GainsChange]:
         found = {name: self._manager.get_controller(name).tunables for name in changes}
         before = {name: tunables.values for name, tunables in found.items()}
+        # All are checked before the first one changes.
         wanted = {name: found[name].checked(changes[name]) for name in changes}
 
         def apply() -> int:

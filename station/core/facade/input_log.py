@@ -18,10 +18,10 @@ CAPACITY = 10_000
 
 @dataclass(frozen=True, slots=True)
 class Input:
-    """Something that was asked of the station.
+    """One request that changed the station.
 
     Attributes:
-        kind: What; `operation` for what a re-run cannot ask again.
+        kind: Kind of input; `operation` if a re-run cannot repeat it.
         arguments: How, as JSON has it.
         after: Returns the last cycle before it took effect; None while none has taken
             it up.
@@ -56,7 +56,7 @@ class InputLog:
         self._add(kind, arguments, lambda: cycle)
 
     def note_in_cycle(self, kind: str, **arguments: object) -> None:
-        """Note what an operation does; called by the operation."""
+        """Note the effect of an operation; called by the operation."""
         # The thread has counted the cycle already when it carries operations out.
         running = self._loop.state is LoopState.RUNNING
         cycle = self._loop.cycle - (1 if running else 0)
@@ -105,6 +105,7 @@ class InputLog:
         after: Callable[[], int | None],
         until: Callable[[], int | None] = lambda: None,
     ) -> None:
+        # The oldest input drops out: a recording must not claim that it can be re-run.
         if len(self._inputs) >= CAPACITY:
             self.is_complete = False
         self._inputs.append(Input(kind, arguments, after, until))

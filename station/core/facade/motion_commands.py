@@ -58,7 +58,7 @@ class MotionCommands:
 
         Raises:
             ControllerNotFoundError: None of that name is loaded.
-            InvalidCommandError: It takes no set-points.
+            InvalidCommandError: The controller takes no set-points.
         """
         port = self._set_point_port(name)
         last, size = port.last, len(port.elements)
@@ -76,6 +76,7 @@ class MotionCommands:
         the place of this one.
         """
         loop = self.loop
+        # A loop that stands or is stepped picks nothing up while somebody waits for it.
         if loop.state is LoopState.RUNNING and not loop.pace.paused:
             deadline = loop.clock.now() + max(_PICK_UP, 4.0 * loop.period)
             loop.clock.wait_for(receipt.done, deadline)
@@ -107,8 +108,9 @@ class MotionCommands:
 
         Raises:
             ControllerNotFoundError: None of that name is loaded.
-            ControllerStateError: It is not running.
-            InvalidCommandError: It takes no set-points or no rates, or they are
+            ControllerStateError: The controller is not running.
+            InvalidCommandError: The controller takes no set-points or no rates, or they
+                are
                 malformed.
             StaleEpochError: `epoch` is not the present epoch.
             StoppedError: The station is stopped.
@@ -138,12 +140,12 @@ class MotionCommands:
     def _whole(
         self, name: str, port: SetPointPort, values: Sequence[float | None]
     ) -> list[float]:
-        """Return a set-point with what is in force for each None.
+        """Return a set-point in which the values in force replace each None.
 
         Raises:
             ControllerNotFoundError: None of that name is loaded.
-            ControllerStateError: It is not running.
-            InvalidCommandError: What is in force is not known.
+            ControllerStateError: The controller is not running.
+            InvalidCommandError: The set-point in force is not known.
             StoppedError: The station is stopped.
             LoopError: The loop died.
         """
@@ -170,7 +172,7 @@ class MotionCommands:
         ]
 
     def let_go(self, names: Iterable[str], reason: str) -> None:
-        """End what controllers were commanded: their commander has lost control.
+        """End the motions of controllers whose commander has lost control.
 
         Set-points expire now, as if nobody had renewed them: what a controller then
         does is what its `command_timeout` parameters say, it holds or it stops. A
@@ -185,6 +187,7 @@ class MotionCommands:
         for name in names:
             try:
                 controller = self.manager.get_controller(name)
+            # Unloaded meanwhile: it has nothing left to end.
             except ControllerNotFoundError:
                 continue
             if controller.set_points is not None:
@@ -199,7 +202,7 @@ class MotionCommands:
 
         Raises:
             ControllerNotFoundError: None of that name is loaded.
-            InvalidCommandError: It takes no trajectories.
+            InvalidCommandError: The controller takes no trajectories.
         """
         receipt = self.receipt()
         self._trajectory_port(name).hold(receipt)
@@ -225,13 +228,14 @@ class MotionCommands:
 
         Raises:
             ControllerNotFoundError: None of that name is loaded.
-            ControllerStateError: It is not running.
-            InvalidCommandError: It takes no goals, or `request` is malformed.
+            ControllerStateError: The controller is not running.
+            InvalidCommandError: The controller takes no goals, or `request` is
+                malformed.
             InvalidTrajectoryError: `request` cannot be followed.
             StaleEpochError: `epoch` is not the present epoch.
             StoppedError: The station is stopped.
             LoopError: The loop died.
-            StationError: One of these came true meanwhile; nothing moves.
+            StationError: One of these conditions came true meanwhile; nothing moves.
         """
         port = self._goal_port(name)
         admit()
@@ -240,6 +244,8 @@ class MotionCommands:
         goal = port.submit(request, receipt)
         self._inputs.note_command("goal", receipt, name=name, request=request)
         try:
+            # Asked again: control may have changed hands, or a stop may have come,
+            # since the goal was admitted.
             admit()
             self._check_may_move(name, present)
         except StationError as error:
@@ -252,7 +258,7 @@ class MotionCommands:
 
         Raises:
             ControllerNotFoundError: None of that name is loaded.
-            InvalidCommandError: It takes no goals.
+            InvalidCommandError: The controller takes no goals.
         """
         return self._goal_port(name).goals()
 
@@ -261,8 +267,8 @@ class MotionCommands:
 
         Raises:
             ControllerNotFoundError: None of that name is loaded.
-            GoalNotFoundError: It knows no such goal.
-            InvalidCommandError: It takes no goals.
+            GoalNotFoundError: The controller knows no such goal.
+            InvalidCommandError: The controller takes no goals.
         """
         return self._goal_port(name).get(identifier)
 
@@ -274,8 +280,8 @@ class MotionCommands:
 
         Raises:
             ControllerNotFoundError: None of that name is loaded.
-            GoalNotFoundError: It knows no such goal.
-            InvalidCommandError: It takes no goals.
+            GoalNotFoundError: The controller knows no such goal.
+            InvalidCommandError: The controller takes no goals.
         """
         port = self._goal_port(name)
         goal = port.get(identifier)
@@ -319,13 +325,13 @@ class MotionCommands:
 
         Raises:
             ControllerNotFoundError: None of that name is loaded.
-            ControllerStateError: It is not running.
+            ControllerStateError: The controller is not running.
             InvalidTrajectoryError: `request` cannot be followed.
-            InvalidCommandError: It takes no trajectories.
+            InvalidCommandError: The controller takes no trajectories.
             StaleEpochError: `epoch` is not the present epoch.
             StoppedError: The station is stopped.
             LoopError: The loop died.
-            StationError: One of these came true meanwhile; nothing moves.
+            StationError: One of these conditions came true meanwhile; nothing moves.
         """
         port = self._trajectory_port(name)
         admit()
@@ -350,12 +356,13 @@ class MotionCommands:
 
         Raises:
             ControllerNotFoundError: None of that name is loaded.
-            ControllerStateError: It is not running.
-            InvalidCommandError: It takes no trajectories.
+            ControllerStateError: The controller is not running.
+            InvalidCommandError: The controller takes no trajectories.
             InvalidTrajectoryError: `time` is before its trajectory, or not finite.
         """
         port = self._trajectory_port(name)
         when = self.loop.time if time is None else time
+        # True of infinities and NaN alone.
         if when - when != 0.0:
             raise InvalidTrajectoryError(
                 f"The time asked for is {when}.", remedy="Give a finite time."
@@ -388,7 +395,7 @@ class MotionCommands:
         """Refuse commands of a controller that does not run.
 
         Raises:
-            ControllerStateError: It is not running.
+            ControllerStateError: The controller is not running.
         """
         if not controller.is_running():
             raise ControllerStateError(

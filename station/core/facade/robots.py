@@ -210,6 +210,7 @@ class Robots:
             self._loop.stop_latch.check()
 
         def clear() -> bool:
+            # All of them first: either all recover or none does.
             for robot in robots:
                 robot.check_recovery()
             recovered = [robot.name for robot in robots if robot.error_recovery()]
@@ -245,6 +246,7 @@ class Robots:
         for _ in range(_LONGEST_RECOVERY):
             if not robot.is_recovering() or self._loop.pace.paused:
                 return
+            # Without a control thread the caller itself makes the cycles.
             if self._manager.pump is not None:
                 self._manager.pump()
             else:

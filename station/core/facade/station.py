@@ -69,9 +69,9 @@ class StationStatus:
         loop: How the loop is doing.
         kernel: Whether the arithmetic of the cycle runs interpreted or compiled.
         simulation: The simulation at a glance; None for a real robot.
-        clamps: What limits have cut off.
+        clamps: Commands that limits have cut off.
         command_violations: How often somebody wrote a command without a claim.
-        last_command_violation: Who wrote what last; None without one.
+        last_command_violation: Last write by a foreign controller; None without one.
     """
 
     boot_id: str
@@ -105,13 +105,13 @@ def label_robot(hw: RobotHW) -> str:
 
 @dataclass(frozen=True, slots=True)
 class HardwareReport:
-    """Everything about the robot that changes rarely.
+    """The facts about the robot that change rarely.
 
     Attributes:
-        interfaces: What controllers can ask for.
+        interfaces: Interfaces that controllers can ask for.
         limits: The joints' limits.
-        transmissions: What is between actuators and joints.
-        clamps: What was cut off by limits.
+        transmissions: Transmissions between actuators and joints.
+        clamps: Commands that limits have cut off.
         repairs: In what the robot differs from its description.
     """
 
@@ -176,8 +176,8 @@ class Station:
         loop: The loop.
         manager: Its controller manager.
         boot_id: Random name of this run.
-        inputs: What was asked of the station since its first cycle, for re-runs.
-        motion: What makes the robot move: set-points, trajectories and goals.
+        inputs: Inputs of the station since its first cycle, for re-runs.
+        motion: Commands of motion: set-points, trajectories and goals.
         robots: The robots, their services and recovery.
         tuning: Gains of several controllers at once, and the last change taken back.
         parameter_server: The tree of parameters, read and changed.
@@ -350,7 +350,7 @@ class Station:
         Raises:
             ControllerStateError: Controllers are loaded and `force_kill` is false.
             SwitchRefusedError: The hardware does not let them be stopped.
-            SwitchTimeoutError: They could not be stopped in time.
+            SwitchTimeoutError: The controllers could not be stopped in time.
         """
         return self.manager.reload_controller_libraries(force_kill=force_kill)
 
@@ -382,7 +382,8 @@ class Station:
             ControllerExistsError: Something else is loaded under that name, or a
                 controller of that name is being loaded.
             ControllerTypeNotFoundError: There is no such type.
-            ControllerLoadError: It cannot be initialised, or not in time, or its
+            ControllerLoadError: The controller cannot be initialised, or not in time,
+                or its
                 loading was cancelled; nothing stays loaded.
             ParameterError: A parameter is missing or impossible.
         """
@@ -425,7 +426,7 @@ class Station:
 
         Raises:
             ControllerNotFoundError: There is no controller of that name.
-            ControllerStateError: It is running.
+            ControllerStateError: The controller is running.
         """
         with self._change_lock:
             self.manager.unload_controller(name)

@@ -31,8 +31,9 @@ class ArmReport:
         robot_mode: Mode of the arm.
         is_connected: Whether the arm is connected.
         errors: The present errors, or else the errors that ended the last motion.
-        remedy: What to do before the arm can move; None when it can move.
-        caution: What is about to end a motion, and what to do; None when nothing is.
+        remedy: Step needed before the arm can move; None when it can move.
+        caution: Error that is about to be raised, and a remedy; None when there is
+            none.
     """
 
     arm_id: str
@@ -141,6 +142,8 @@ class Arms:
 
         def press() -> None:
             simulation.set_user_stop(pressed=pressed)
+            # A person at the arm has ended the motion; a later recovery must not bring
+            # it back.
             if not pressed:
                 self._robots.forget_interrupted()
 

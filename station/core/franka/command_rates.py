@@ -63,6 +63,7 @@ def limited(
         change = -jerk
     wanted = last_acceleration + change * period
     slope = jerk / acceleration
+    # The acceleration from which the jerk limit still leads to 0 at the velocity limit.
     highest = slope * (highest_velocity - last_velocity)
     if acceleration < highest:
         highest = acceleration
@@ -251,6 +252,7 @@ class CommandRates:
                 goal = upper[i]
             if goal < lower[i]:
                 goal = lower[i]
+            # The first goal has none before it: it counts as at rest.
             last_goal = last_goals[i] if has_goals else goal
             last_goals[i] = goal
             position, velocity, last_acceleration = result[i], dq_d[i], ddq_d[i]

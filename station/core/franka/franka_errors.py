@@ -61,8 +61,8 @@ class ArmError:
     Attributes:
         name: One of `ERROR_NAMES`.
         where: Joint, axis or quantity concerned, e.g. `joint4`; empty if none is.
-        value: What was seen, in `unit`.
-        limit: What is allowed, in `unit`.
+        value: Measured value, in `unit`.
+        limit: Allowed value, in `unit`.
         unit: Unit of both; empty if the arm tells neither.
         cycle: Number of the arm's cycle in which it was raised.
     """

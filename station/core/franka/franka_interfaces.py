@@ -120,6 +120,7 @@ class FrankaCartesianHandle(FrankaStateHandle):
 
     @override
     def command_slots(self) -> list[tuple[Storage, int]]:
+        # Not the elbow: its rest, zeros, is no command of a position.
         return [(self._command, index) for index in range(len(self._command))]
 
 

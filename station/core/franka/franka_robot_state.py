@@ -157,7 +157,7 @@ class RobotState:
         cartesian_collision: As `joint_collision`, for `K_F_ext_hat_K`, shape (6,).
         current_errors: Flags in the order of `ERROR_NAMES`, shape (41,).
         last_motion_errors: Those that ended the last motion; empty flags if none did.
-        robot_mode: What the arm is doing.
+        robot_mode: Mode of the arm.
         time: Since the arm was started [s]; strictly increasing.
         control_command_success_rate: Share of the last 100 commands that arrived, 0 to
             1; 0 while no motion runs.

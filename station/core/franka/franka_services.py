@@ -39,7 +39,7 @@ class FaultKind(Enum):
     STUCK_JOINT = "stuck_joint"
     """A joint does not move."""
     COLLISION = "collision"
-    """Something hits the hand."""
+    """An object hits the hand."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,7 +179,7 @@ class FrankaServices(RecoverableRobot):
 
     @abstractmethod
     def near_errors(self) -> list[ArmError]:
-        """Return the errors that are raised if what acts on the arm grows a little."""
+        """Return the errors that a slightly larger force on the arm would raise."""
 
     @abstractmethod
     def log(self) -> list[ArmRecord]:
@@ -315,7 +315,7 @@ class FrankaServices(RecoverableRobot):
         The collision thresholds are the configured ones again.
 
         Raises:
-            ArmCommandError: It is connected already.
+            ArmCommandError: The arm is connected already.
         """
 
     @service()

@@ -161,7 +161,7 @@ class GripperServices(InterruptibleServices):
         """Close or open until an object blocks the fingers, and press it from then on.
 
         Args:
-            request: What to grasp.
+            request: Width, force and tolerances of the grasp.
 
         Raises:
             GripperCommandError: A controller claims the fingers; nothing changed.

@@ -27,13 +27,13 @@ class ModelSource:
 
 
 class ToolPoseSource(ModelSource):
-    """Writes the pose of what is fixed to the flange of an arm, 16 numbers.
+    """Writes the pose of a body fixed to the flange of an arm, 16 numbers.
 
     Args:
         dynamics: The arm.
         q: Its joint positions [rad], shape (n,).
         links: Poses of the links, and of the flange, that `dynamics` places.
-        tool: What is fixed, in the frame of the flange, 16 numbers.
+        tool: Pose of the body in the frame of the flange, 16 numbers.
     """
 
     def __init__(
@@ -55,7 +55,7 @@ class ToolPoseSource(ModelSource):
 
 
 class ToolJacobianSource(ModelSource):
-    """Writes the Jacobian of what is fixed to the flange, in the axes of the base.
+    """Writes the Jacobian of a body fixed to the flange, in the axes of the base.
 
     Args:
         pose: Writes the pose of what is fixed.

@@ -31,7 +31,7 @@ from station.reports import HardwareTransmission
 
 
 class CombinedWorld(SimulatedWorld):
-    """Passes on what is asked to the worlds of simulated robots, in their order.
+    """Passes requests on to the worlds of simulated robots, in their order.
 
     Args:
         worlds: Each robot with its world; at least one.
@@ -124,6 +124,7 @@ class CombinedRobotHW(RobotHW):
             robot = self._create(params.get_str("type"))
             try:
                 robot.init(root_params, params)
+            # It names its cause and a remedy already.
             except StationError:
                 raise
             except Exception as error:
@@ -180,6 +181,7 @@ class CombinedRobotHW(RobotHW):
         Returns:
             The conflicts of all robots, each once.
         """
+        # Robots may find the same conflict; a dict keeps one of each, in their order.
         conflicts: dict[ResourceConflict, None] = {}
         for robot in self.robots.values():
             for conflict in robot.check_for_conflict(_part_of(robot, controllers)):
@@ -223,6 +225,8 @@ class CombinedRobotHW(RobotHW):
             try:
                 robot.do_switch(_part_of(robot, start), _part_of(robot, stop))
             except Exception as error:  # noqa: BLE001 - raised again below
+                # Every robot switches: one left in its old mode would get commands of
+                # the new one.
                 failure = failure or error
         if failure is not None:
             raise failure
@@ -273,6 +277,7 @@ class CombinedRobotHW(RobotHW):
         """Return the worlds of all robots as one; None if a robot is real."""
         worlds = [(one, one.simulated_world()) for one in self.robots.values()]
         simulated = [(one, world) for one, world in worlds if world is not None]
+        # A pause or a reset of some robots would leave the real ones moving.
         if not worlds or len(simulated) < len(worlds):
             return None
         return CombinedWorld(simulated)
@@ -313,6 +318,7 @@ def _part_of(
             resources = tuple(r for r in claim.resources if r in owned)
             if resources:
                 claims.append(InterfaceResources(claim.hardware_interface, resources))
+        # A controller without claims concerns every robot, as upstream.
         if claims or not controller.claimed_resources:
             parts.append(
                 ControllerInfo(controller.name, controller.type, tuple(claims))

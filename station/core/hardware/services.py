@@ -28,11 +28,11 @@ class ServiceKind(Enum):
     """The effect of calling a service."""
 
     QUERY = "query"
-    """It answers a question and changes nothing; it has no parameters."""
+    """The service answers a question and changes nothing; it has no parameters."""
     SETTING = "setting"
-    """It sets something; doing it twice is the same as doing it once."""
+    """The service sets a value; a second call with it changes nothing."""
     ACTION = "action"
-    """It does something."""
+    """The service acts; every call acts again."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +41,7 @@ class Service:
 
     Attributes:
         name: Name of the method.
-        kind: What a call does.
+        kind: Effect of a call.
         moves: Whether a call can move the robot and is refused while the station is
             stopped.
         description: The method's docstring without its sections.
@@ -73,7 +73,7 @@ def service(
     None, lists and dictionaries of these.
 
     Args:
-        kind: What a call does.
+        kind: Effect of a call.
         moves: Whether a call can move the robot.
     """
 
@@ -95,6 +95,7 @@ class RobotServices(ResourceHandle):
     def services(cls) -> dict[str, Service]:
         """Return the declared services by name."""
         found: dict[str, Service] = {}
+        # Base classes first, so that a class replaces a service of its base.
         for kind in reversed(cls.__mro__):
             for name, member in vars(kind).items():
                 if hasattr(member, _DECLARED):
@@ -133,7 +134,7 @@ class InterruptibleServices(RobotServices, ABC):
 
 
 class RecoverableRobot(RobotServices, ABC):
-    """Services of a robot whose errors stop it until somebody recovers it."""
+    """Services of a robot whose errors stop it until it is recovered."""
 
     @abstractmethod
     def remedy(self) -> str | None:
@@ -148,7 +149,8 @@ class RecoverableRobot(RobotServices, ABC):
         """Refuse when the robot cannot recover now; a robot without errors can.
 
         Raises:
-            ArmCommandError: It cannot: the user stop is pressed, say.
+            ArmCommandError: The robot cannot recover, e.g. because the user stop is
+                pressed.
         """
 
     @abstractmethod
@@ -165,6 +167,7 @@ class RecoverableRobot(RobotServices, ABC):
 
 def _describe(name: str, method: Callable[..., Any]) -> Service:
     kind, moves = getattr(method, _DECLARED)
+    # The API builds models from the types; annotations may be strings.
     signature = inspect.signature(method, eval_str=True)
     parameters = dict(signature.parameters)
     del parameters[next(iter(parameters))]  # self

@@ -88,7 +88,8 @@ class _Places:
 
 
 def _base(storage: Storage) -> _Place:
-    """Return the identity of what holds a storage, and where it begins there."""
+    """Return the identity of a storage's memory, and the storage's offset in it."""
+    # Only memory that may be written tells its address; any other has no neighbours.
     if isinstance(storage, list) or not isinstance(storage.obj, bytearray):
         return id(storage), 0
     return id(storage.obj), _place(storage)

@@ -1,4 +1,4 @@
-"""One cycle of the control loop: what waits between two cycles, read, update, write.
+"""One cycle of the control loop: waiting operations, read, update, write.
 
 The order of a cycle and of what happens while time stands still is here alone; the loop
 decides when a cycle begins.
@@ -34,7 +34,7 @@ class ControlCycle:
         manager: Its controllers.
         joints: The joints whose states every row of the snapshots has.
         snapshots: Where every cycle leaves a row.
-        operations: What other threads want done between two cycles.
+        operations: Operations of other threads between two cycles.
         stop_latch: The latched stop.
         heartbeat: Where a watchdog asks for a stop.
         times: Takes the durations of every cycle.
@@ -46,7 +46,7 @@ class ControlCycle:
         epoch: Number that commands must not be older than.
         longest_period: Longest period of a cycle [s].
         late_cycles: By how many periods the next cycle is to begin late.
-        taps: What samples every cycle at the moment; replaced as a whole.
+        taps: Taps that sample every cycle now; replaced as a whole.
     """
 
     def __init__(
@@ -140,7 +140,7 @@ class ControlCycle:
         self.leave_row(period)
 
     def run_standstill(self) -> None:
-        """Carry out what waits for the loop while time stands still, and show it.
+        """Carry out waiting requests while time stands still, and leave a snapshot.
 
         No controller is updated and nothing is written. The robot is read when
         something may have changed it.
@@ -217,7 +217,7 @@ class ControlCycle:
         return self.epoch
 
     def begin_anew(self) -> None:
-        """Void all commands and restart what runs in the next cycle, once.
+        """Void all commands and restart the running controllers in the next cycle.
 
         For a world that was put somewhere else; control thread or between cycles.
         """

@@ -160,7 +160,7 @@ class ControlLoop:
         """Run in a thread of its own until `stop`.
 
         Raises:
-            LoopError: It runs already.
+            LoopError: The loop runs already.
         """
         if self._thread is not None:
             raise LoopError("The control loop runs already.", remedy="Stop it first.")
@@ -262,7 +262,7 @@ class ControlLoop:
         """Refuse when the loop died; nothing moves any more.
 
         Raises:
-            LoopError: It did, and why.
+            LoopError: The loop has died; the message states the reason.
         """
         if self._state is LoopState.FAILED:
             raise self._death()
@@ -302,7 +302,7 @@ class ControlLoop:
         return self.clock.now() - self.heartbeat.beats[0]
 
     def failure_summary(self) -> str:
-        """Return the last line of what ended the thread; empty if nothing did."""
+        """Return the last line of the error that ended the thread, or ""."""
         return self._failure.strip().rpartition("\n")[2]
 
     def _run(self) -> None:
@@ -321,7 +321,7 @@ class ControlLoop:
             self.heartbeat.life = LoopLife.STOPPED
 
     def _end_what_ran(self) -> None:
-        """Stop the controllers of a loop that died and tell who waits for it."""
+        """Stop the controllers of a loop that died, and wake its waiting callers."""
         try:
             self.control_cycle.carry_out_stop(self.failure_summary())
         except CONTAINED:

@@ -1,4 +1,4 @@
-"""A sample of something in every cycle, for as long as somebody reads it."""
+"""A sample in every cycle, for as long as it has a reader."""
 
 import threading
 from collections.abc import Callable
@@ -25,7 +25,7 @@ class TappedCycle(NamedTuple, Generic[SampleT]):
         epoch: The station's epoch in that cycle.
         stamp: Station time [s].
         period: Time since the cycle before [s].
-        sample: What was sampled.
+        sample: Sampled object.
     """
 
     cycle: int
@@ -47,7 +47,8 @@ class CycleTap(Generic[SampleT]):
             what it returned.
 
     Attributes:
-        failure: What `sample` raised; no cycle is sampled after that. None if it did
+        failure: Error that `sample` raised; no cycle is sampled after it. None if it
+            did
             not raise.
     """
 

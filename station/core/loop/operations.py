@@ -15,14 +15,14 @@ OPERATIONS_PER_CYCLE = 4
 
 
 class Operation:
-    """Something to do between two cycles, and its outcome for who waits for it.
+    """An action between two cycles, and its outcome for the caller that waits.
 
     Args:
         action: Short, and must not wait for anything.
 
     Attributes:
-        result: What `action` returned.
-        error: What `action` raised, or why nobody will run it; None if neither.
+        result: Result of `action`.
+        error: Error of `action`, or why it will never run; None if neither.
         abandoned: Nobody waits for it any more: it will not be run.
         done: Released once `result` or `error` is there.
     """
@@ -37,7 +37,7 @@ class Operation:
         self.done.acquire()
 
     def run_operation(self) -> None:
-        """Do it, unless nobody waits for it any more."""
+        """Carry the operation out, unless its caller has given up."""
         if not self.abandoned:
             try:
                 self.result = self._action()
@@ -46,7 +46,7 @@ class Operation:
         self.done.release()
 
     def outcome(self, timeout: float, details: Mapping[str, object]) -> object:
-        """Wait until it was done; return what it returned, or raise what it raised.
+        """Wait for the end of the action; return its result, or raise its error.
 
         Args:
             timeout: How long to wait [s wall time].
@@ -68,7 +68,7 @@ class Operation:
         return self.result
 
     def give_up(self, error: LoopError) -> None:
-        """End the wait of the caller with an error: nobody will run the operation."""
+        """End the wait of the caller with an error: the operation will never run."""
         self.error = error
         self.done.release()
 
@@ -90,7 +90,7 @@ class Operations:
         return operation
 
     def run_operations(self) -> bool:
-        """Carry out what a cycle has time for; return whether there was anything."""
+        """Run as many operations as a cycle has time for; return whether any ran."""
         waiting = self.waiting
         if not waiting:
             return False
@@ -100,7 +100,7 @@ class Operations:
         return True
 
     def give_up(self, error: LoopError) -> None:
-        """End the wait of all callers with an error: nobody will run operations."""
+        """End the wait of all callers with an error: no operation will run."""
         while self.waiting:
             self.waiting.popleft().give_up(error)
 
@@ -112,7 +112,7 @@ def guarded(check: Callable[[], None], action: Callable[[], T]) -> Callable[[], 
 
     Args:
         check: Raises, or returns.
-        action: What is done after the check.
+        action: Operation that follows the check.
     """
 
     def act() -> T:

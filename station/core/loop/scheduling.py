@@ -56,7 +56,7 @@ def realtime_interpreter() -> Iterator[None]:
 
 
 def let_others_in() -> None:
-    """Hand the interpreter over soon; the control thread before it sleeps."""
+    """Let a waiting thread have the interpreter soon; called before a sleep."""
     sys.setswitchinterval(SWITCH_INTERVAL)
 
 
@@ -115,7 +115,7 @@ def _scheduling() -> tuple[int, int]:
 
 
 def request_realtime_priority() -> str:
-    """Ask for SCHED_FIFO for the calling thread; return what was granted, in words."""
+    """Ask for SCHED_FIFO for the calling thread; return the granted policy in words."""
     if not hasattr(os, "sched_setscheduler"):
         return "SCHED_OTHER (this system has no SCHED_FIFO)"
     try:

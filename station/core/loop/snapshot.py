@@ -45,7 +45,7 @@ class Snapshot(NamedTuple):
         position: Joint positions [rad or m], shape (n,), as `Station.joint_names`.
         velocity: Joint velocities [rad/s or m/s], shape (n,).
         effort: Joint efforts [Nm or N], shape (n,).
-        samples: What each running controller did last, by name.
+        samples: Last sample of each running controller, by name.
     """
 
     cycle: int
@@ -222,7 +222,7 @@ class SnapshotRing:
         mode: str,
         running: tuple[LoadedController, ...],
     ) -> None:
-        """Leave a row of a cycle: joints, and what each running controller did last.
+        """Leave a row of a cycle: joints, and the sample of each running controller.
 
         Control thread only, cycles without gaps.
 

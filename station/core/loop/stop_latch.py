@@ -92,7 +92,7 @@ class StopLatch:
         """Refuse motion unless the station is armed.
 
         Raises:
-            StoppedError: It is stopped, or released but not armed.
+            StoppedError: The station is stopped, or released but not armed.
         """
         if self.state is not StopState.ARMED:
             raise StoppedError(

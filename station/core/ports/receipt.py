@@ -1,4 +1,4 @@
-"""In which cycle a command was picked up, and what else a re-run must know of it."""
+"""The cycle that picked a command up, and further facts for a re-run."""
 
 import threading
 from collections.abc import Callable

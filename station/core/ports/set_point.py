@@ -331,7 +331,7 @@ class ActiveSetPoint:
 
     Args:
         port: Receives the set-points.
-        action: What happens when the newest set-point expires.
+        action: Reaction when the newest set-point expires.
         subject: Name of what is commanded, for messages.
         rest: Returns the set-point at which the robot rests, shape (n,).
 

@@ -171,6 +171,8 @@ def init_joint_trajectory(
             segments = _remaining(current, times)
             end_time = times.bridge_end(points[0])
             end = states[0]
+            # Without velocities at its end a bridge is a line, as upstream: a moving
+            # joint's velocity would make a step.
             if options.keeps_velocity and abs(start_state.velocity[0]) > _MOVING:
                 end = _with_velocity(states)
             segments.append(

@@ -15,6 +15,7 @@ from station.core.trajectory.quintic_spline_segment import (
 )
 from station.core.trajectory.tolerances import JointTolerances
 
+# Distances this near to half a turn [rad] have no shorter way but by rounding.
 _HALF_TURN_ROUNDING = 1e-9
 
 

@@ -145,6 +145,8 @@ def _coefficients(
 ) -> tuple[float, float, float, float, float, float]:
     p0, p1 = start.position[dimension], end.position[dimension]
     if not start.velocity or not end.velocity:
+        # A segment without duration is a jump: it has no slope, and no division by
+        # zero.
         slope = 0.0 if time == 0.0 else (p1 - p0) / time
         return p0, slope, 0.0, 0.0, 0.0, 0.0
     v0, v1 = start.velocity[dimension], end.velocity[dimension]

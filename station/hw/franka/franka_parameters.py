@@ -75,7 +75,7 @@ class FrankaParameters:
             a warning [rad], >= 0.
         initial_positions: Where the simulated arm starts [rad], shape (7,).
         base: The base's pose in the world.
-        limits: What this kind of arm (`arm_type`) can do.
+        limits: Limits of this kind of arm (`arm_type`).
         gravity: Acceleration of gravity in the axes of the world [m/s^2].
         most_lost_packets: As many cycles as the arm is made to miss when the loop is
             late (`realtime_config`): 20, which stops it, if `enforce`; 19 if `ignore`.
@@ -116,7 +116,7 @@ class FrankaParameters:
 
 
 def read_parameters(params: Parameters) -> FrankaParameters:
-    """Read what FrankaHW needs once.
+    """Read the parameters that FrankaHW needs once.
 
     Args:
         params: The robot's namespace.
@@ -165,7 +165,7 @@ def read_parameters(params: Parameters) -> FrankaParameters:
 
 
 def read_command_settings(params: Parameters) -> CommandSettings:
-    """Read what may change between two switches.
+    """Read the parameters that may change between two switches.
 
     Args:
         params: The robot's namespace.

@@ -47,7 +47,7 @@ class MockScript:
         failing: Names of controllers for which the hardware cannot switch.
         nan_sensors: Names of joints whose position and velocity read NaN.
         slow_cycles: How long the next cycles take in `read` [s], one number each.
-        read_error: What `read` raises; None for nothing.
+        read_error: Error that `read` raises; None for none.
         mode: The robot's mode, one word.
     """
 
@@ -67,7 +67,7 @@ class MockRobotHW(RobotHW):
     per joint), `inertia`, `damping`, `switch_cycles` (see `MockScript`).
 
     Attributes:
-        script: What shall go wrong; may be changed at any time between two cycles.
+        script: Faults to come; may be changed at any time between two cycles.
         switches: (started, stopped) names of every `do_switch`, oldest first.
         clock: Clock on which slow cycles take their time.
     """

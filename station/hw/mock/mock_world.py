@@ -25,7 +25,7 @@ IDLE = ""
 
 
 class MockJoints:
-    """Ideal joints: what is commanded happens.
+    """Ideal joints, which follow their commands at once.
 
     A joint under position control is where it is commanded, under velocity control it
     moves with that velocity, under effort control it accelerates with effort over

@@ -98,7 +98,7 @@ class RollingBase:
             their name and an axis across the root link.
 
     Raises:
-        RobotDescriptionError: It has no wheels on both sides, or a wheel's radius is
+        RobotDescriptionError: The robot lacks wheels on a side, or a wheel's radius is
             not known.
     """
 

@@ -38,7 +38,7 @@ class RepairedRobot:
     Attributes:
         description: Its files, with the text of the repaired URDF.
         urdf: The same, parsed, with the inertias that are simulated.
-        repairs: What was changed.
+        repairs: Repairs of the description.
     """
 
     description: RobotFiles
@@ -59,7 +59,7 @@ def repair_robot(
     Args:
         files: The robot's files.
         strict: Whether nothing may be changed.
-        zero_range: What becomes of a joint whose range is 0 to 0.
+        zero_range: Treatment of a joint whose range is 0 to 0.
         base: How the root link is held.
         find_effort: Returns the effort limit of a joint that takes the place of the
             URDF's, >= 0 [Nm or N]; None where the URDF's counts.
@@ -93,7 +93,7 @@ def repair_robot(
 
 
 def _refuse_repairs(files: RobotFiles, repairs: Sequence[Repair]) -> None:
-    """Refuse what is wrong in a description that must be right.
+    """Refuse a description with faults, if it must have none.
 
     Raises:
         RobotDescriptionError: Something would have to be repaired.
@@ -123,7 +123,7 @@ def log_repairs(files: RobotFiles, repairs: Sequence[Repair]) -> None:
 
     Args:
         files: The robot's files.
-        repairs: What was changed.
+        repairs: Repairs of the description.
     """
     for repair in repairs:
         # Links that never touch are no surprise; a changed robot may be one.

@@ -25,7 +25,7 @@ _LEAST = 1e-15
 
 
 def repair_inertias(urdf: Urdf) -> tuple[Urdf, tuple[Repair, ...]]:
-    """Return the robot with links that can move, and what was changed.
+    """Return the robot with links that can move, and the changes.
 
     Args:
         urdf: The robot; the same is returned when there is nothing to repair.

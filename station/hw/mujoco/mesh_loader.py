@@ -94,7 +94,7 @@ def _check_obj(path: Path) -> None:
     """Refuse an OBJ file that is cut, which MuJoCo does not notice or cannot name.
 
     Raises:
-        RobotDescriptionError: It has no triangles, or a triangle without its corners.
+        RobotDescriptionError: The mesh has no triangles, or one without its corners.
     """
     corners = faces = highest = 0
     with path.open("rb") as file:

@@ -226,7 +226,8 @@ class MujocoRobotHW(RobotHW):
             period: Nominal period of the loop [s], > 0.
 
         Raises:
-            HardwareInterfaceError: It is shorter than the simulation's time step.
+            HardwareInterfaceError: The period is shorter than the simulation's time
+                step.
         """
         timestep, rate = self.world.timestep, 1.0 / period
         steps = period / timestep

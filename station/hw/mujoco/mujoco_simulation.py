@@ -47,7 +47,7 @@ class SimulatedRobot:
     Attributes:
         world: The world, at the robot's start pose and at rest.
         base: The root link's pose at the start.
-        repairs: What the robot's contacts and its start pose needed.
+        repairs: Repairs of the robot's contacts and of its start pose.
     """
 
     world: World
@@ -125,7 +125,7 @@ class _Simulation:
         return SimulatedRobot(world, self._base, tuple(self._repairs))
 
     def _choose_integrator(self, world: World) -> None:
-        """Integrate by RK4 what is asked to be, or has no motors.
+        """Integrate a robot by RK4 if it is asked for, or if it has no motors.
 
         The error of one Euler step in the coupling of joints is of first order: a
         double pendulum loses 12 % of its energy in 5 s. Motors need the implicit
@@ -151,7 +151,7 @@ class _Simulation:
             )
 
     def _tell_additions(self) -> None:
-        """List among the repairs what the simulation adds to the description."""
+        """List the additions of the simulation among the repairs."""
         armature, moves = self._parameters.armature, self._start
         if armature > 0.0 and driven_joints(self._urdf):
             problem = "its URDF states no inertia of rotors and gears"

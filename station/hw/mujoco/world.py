@@ -103,7 +103,7 @@ class World:
         self.add_preparation(preparation)
 
     def add_preparation(self, preparation: Preparation) -> None:
-        """Prepare every step in this way, after what was added before it.
+        """Add a preparation of every step, after the earlier ones.
 
         Args:
             preparation: Prepares the coming step. Control thread.

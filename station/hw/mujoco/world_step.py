@@ -1,4 +1,4 @@
-"""One time step of a simulated world: MuJoCo's own step, and what is done around it."""
+"""One time step of a simulated world: MuJoCo's own step, and the actions around it."""
 
 from collections.abc import Callable
 from math import hypot
@@ -15,7 +15,7 @@ if not cython.compiled:
 
 
 class Preparation:
-    """Something that is done before every step of a world."""
+    """Action before every step of a world."""
 
     def prepare_step(self) -> None:
         """Prepare the coming step."""
@@ -80,7 +80,7 @@ class WorldStep:
 
     Attributes:
         count: Number of steps since the world exists.
-        preparations: What is done before each step, in order.
+        preparations: Actions before each step, in order.
         stands_still: Whether steps are only counted, because the simulation diverged.
         is_pushed: Whether something is pushed.
         is_braked: Whether a brake acted in the last step.
@@ -106,7 +106,7 @@ class WorldStep:
         self.is_braked = False
 
     def make_step(self) -> None:
-        """Prepare and make one step, and brake what is too fast."""
+        """Prepare and make one step, and brake joints that are too fast."""
         self.count += 1
         if self.stands_still:
             return

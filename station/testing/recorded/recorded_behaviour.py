@@ -27,7 +27,7 @@ with gzip.open(VECTORS) as _file:
 
 
 class Replay:
-    """Carries out recorded operations and compares what happens.
+    """Carries out recorded operations and compares the effects.
 
     Args:
         robot: The robot, which writes down its hooks.

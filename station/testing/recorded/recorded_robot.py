@@ -22,7 +22,7 @@ def _names(infos: Sequence[ControllerInfo]) -> str:
 
 
 class RecordedRobot(RobotHW):
-    """Writes down every hook; answers what the script says, else yes and DONE."""
+    """Writes every hook down; answers by the script, else yes and DONE."""
 
     def __init__(self) -> None:
         super().__init__()

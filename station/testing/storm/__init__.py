@@ -46,7 +46,7 @@ class StormReport:
         mischiefs: How often a controller did something wrong.
         cycles: How many cycles the observer has looked at.
         duration: How long the storm took [s wall time].
-        problems: What was wrong; empty when nothing was.
+        problems: Violated contracts; empty when all were kept.
     """
 
     seed: int
@@ -102,7 +102,7 @@ def storm(
     drift: float = 0.01,
     period: float = 0.001,
 ) -> StormReport:
-    """Let a storm loose on a robot and return what was found.
+    """Let a storm loose on a robot and return the findings.
 
     The loop runs in its thread, as in a station. The other threads load, unload and
     switch controllers, some of which raise, command what is no number, or command what
@@ -114,7 +114,7 @@ def storm(
         hw_factory: Returns the robot, initialised.
         operations: How many operations all threads carry out together.
         threads: How many threads there are.
-        seed: What the operations are drawn with.
+        seed: Seed of the random operations.
         faults: Returns what can go wrong in the robot besides its hooks.
         deadline: How long an operation may take [s wall time].
         drift: How far a joint without an owner may move [rad or m].
@@ -194,7 +194,7 @@ class _Stopped:
 
 
 class _Owners:
-    """The check that the robot receives exactly what an owner has written."""
+    """The check that the robot receives exactly the commands of an owner."""
 
     def __init__(self, manager: ControllerManager) -> None:
         self._manager = manager
@@ -215,7 +215,7 @@ class _Owners:
 def _run(
     workers: Sequence[StormWorker], operations: int, deadline: float, loop: ControlLoop
 ) -> list[str]:
-    """Let the workers work; return what hangs."""
+    """Let the workers work; return the calls that hang."""
     threads = [
         threading.Thread(
             target=worker.run, args=(operations,), name=f"storm {number}", daemon=True

@@ -127,7 +127,7 @@ class Mischief:
 
     Attributes:
         callback: In which callback, one of `CALLBACKS`.
-        command: What to command; None raises an error instead.
+        command: Number to command; None raises an error instead.
         intrudes: Command a resource of somebody else.
         place: Which command of its own, or of all, counted modulo their number.
     """
@@ -139,12 +139,12 @@ class Mischief:
 
 
 class StormController(ControllerBase):
-    """Claims what its parameters say and moves it to and fro by a little.
+    """Claims the resources in its parameters and moves them to and fro a little.
 
     Parameters: `interface`, the wire name of a hardware interface; `resources`, names.
 
     Attributes:
-        mischief: What it does wrong next; None for nothing. Any thread may set it.
+        mischief: Fault to commit next; None for none. Any thread may set it.
         mischiefs: How often it has done something wrong.
     """
 
@@ -189,7 +189,7 @@ class StormController(ControllerBase):
         return (InterfaceResources(interface, tuple(sorted(resources))),)
 
     def find_overwritten(self) -> str | None:
-        """Return a command that is not what it wrote; None if all are.
+        """Return a command that differs from the written one; None if none does.
 
         Control thread, while it runs.
         """
@@ -257,7 +257,7 @@ STOP_CYCLES = 3
 
 
 class Disturbances:
-    """Counts what may end what other threads have just done."""
+    """Counts actions that may undo those of other threads."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -288,13 +288,13 @@ class StormWorker:
         seed: Seed of its dice.
         station: The station.
         observer: Looks at every cycle.
-        claims: What controllers can claim.
-        hooks: What the robot's switching hooks answer.
-        faults: What goes wrong in the robot, or right again, between two cycles.
+        claims: Resources that controllers can claim.
+        hooks: Answers of the robot's switching hooks.
+        faults: Faults that begin or end in the robot between two cycles.
         disturbances: Those of all threads.
 
     Attributes:
-        problems: What was wrong.
+        problems: Violated contracts.
         operations: How often each operation was carried out.
         refusals: How often one was refused, by the code of the error.
         switches: How switches ended, by outcome.

@@ -14,7 +14,7 @@ _REASON = "stop button of the dashboard"
 
 
 class StopButton:
-    """Stops the robot, whatever state the station's interpreter is in.
+    """Stops the robot in any state of the station's interpreter.
 
     Args:
         api: The station.

@@ -13,7 +13,7 @@ async def until_first(*ends: "asyncio.Future[None]") -> None:
         ends: The possible ends of the socket; all are over when this returns.
 
     Raises:
-        BaseException: One of them raised it: an end that is expected returns.
+        BaseException: An end raised it: an end that is expected returns.
     """
     try:
         await asyncio.wait(ends, return_when=asyncio.FIRST_COMPLETED)
@@ -32,7 +32,7 @@ async def send_frame(browser: WebSocket, frame: str | bytes) -> bool:
 
     Args:
         browser: The browser's socket.
-        frame: What to send.
+        frame: Frame to send.
     """
     try:
         if isinstance(frame, bytes):

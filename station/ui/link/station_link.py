@@ -113,7 +113,7 @@ class StationLink:
             await asyncio.gather(*followers, return_exceptions=True)
 
     def wake(self) -> None:
-        """Ask the station at once for what would be asked for a moment later."""
+        """Ask the station at once, ahead of the next regular request."""
         self._wakes += 1
         self._woken.set()
         self._woken.clear()
@@ -186,7 +186,7 @@ class StationLink:
         self._scene_of = boot_id
 
     async def refresh_contacts(self) -> None:
-        """Request what touches what, while somebody wants to know."""
+        """Request the contacts while a layer shows them."""
         status = self._view.status
         simulated = status is not None and status.simulation is not None
         contacts: tuple[Contact, ...] = ()

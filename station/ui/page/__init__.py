@@ -1,1 +1,1 @@
-"""Requests of the page, and what its docks show."""
+"""Requests of the page, and the contents of its docks."""

@@ -55,7 +55,7 @@ class WorkspaceParts:
         access: The credentials of the sessions at the station.
         triangles: How many triangles the drawn robots have.
         not_drawn: Why no robot is drawn; empty when there is no such reason.
-        movers: Who moves which joint, shared by all that command joints.
+        movers: Commanders of joints, shared by all that command joints.
     """
 
     view: Callable[[], StationView]
@@ -69,7 +69,7 @@ class WorkspaceRoutes:
     """The routes below `/workspace`.
 
     Args:
-        parts: What they are made of.
+        parts: Parts of the dashboard that the docks need.
         sessions: The logged-in browsers.
         find: Returns the session of a connection.
     """
@@ -81,6 +81,7 @@ class WorkspaceRoutes:
         self._sessions = sessions
         self._find = find
         self._control = ControlRoutes(parts.access, find)
+        # One text at a time: parsing YAML holds the interpreter, and STOP shares it.
         self._one_text = anyio.CapacityLimiter(1)
 
     def routes(self) -> "list[BaseRoute]":

@@ -44,7 +44,7 @@ _UNPLACED = (3.0, 3.0, 3.0)
 
 
 class CollisionLayer(Layer):
-    """The collision geometry of all links, translucent over what they look like.
+    """The collision geometry of all links, translucent over their visual shapes.
 
     Args:
         client: The browser.
@@ -143,7 +143,7 @@ class SceneViews:
         )
 
     def joined(self, client: viser.ClientHandle) -> None:
-        """Show a browser that has just connected what its session has chosen."""
+        """Show a newly connected browser the choices of its session."""
         self._drawn[client.client_id] = _Drawn(client)
         if self._dark.get(self._key_of(client)):
             paint(client, is_dark=True)

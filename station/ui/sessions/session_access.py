@@ -122,8 +122,8 @@ class SessionAccess:
     def token_of(self, session: Session) -> str | None:
         """Return the token that a session's requests carry; None while there is none.
 
-        Never that of another role: a viewer is a viewer at the station, too. While
-        `is_lost`, no request gets a token of the station that has ended.
+        The token has the role of the session: a viewer is a viewer at the station,
+        too. While `is_lost`, a request gets no token of the station that has ended.
         """
         # Another program may answer at the address of a station that has ended.
         if self._is_lost:
@@ -141,7 +141,7 @@ class SessionAccess:
         made. That ends no session: this dashboard is about to hear of the new ones.
 
         Args:
-            session: Whose request was refused.
+            session: Session whose request was refused.
             token: The token of the request.
         """
         if token is None or token != self.token_of(session):
@@ -154,7 +154,7 @@ class SessionAccess:
         return lease.key if lease is not None and lease.session is session else None
 
     def headers_of(self, session: Session) -> dict[str, str]:
-        """Return the headers that prove at the station who acts, and under which lease.
+        """Return the headers that prove the caller and its lease to the station.
 
         Args:
             session: The browser's session.

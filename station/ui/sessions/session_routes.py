@@ -22,7 +22,7 @@ class RefusedError(Exception):
         status: HTTP status.
         code: The reason, for programs.
         detail: The reason, for people.
-        remedy: What to do; empty if nothing helps.
+        remedy: Advice to the user; empty if nothing helps.
     """
 
     def __init__(self, status: int, code: str, detail: str, remedy: str = "") -> None:

@@ -165,7 +165,7 @@ class HandTeleoperation:
         return self._pose.is_pursued
 
     def refresh(self, view: StationView) -> None:
-        """Note which controllers run; a new epoch ends what was asked for before."""
+        """Note the running controllers; a new epoch ends earlier requests."""
         jog = choose_for_hand(view, TWIST, JOG_KIND, self._arm)
         target = choose_for_hand(view, POSE, TARGET_KIND, self._arm)
         is_other = view.epoch != self._epoch

@@ -35,17 +35,17 @@ UNKNOWN_START = (
 
 
 class Movers:
-    """The person who moves each joint: of two, the one who asked last. Any thread."""
+    """The mover of each joint: of two, the one that asked last. Any thread."""
 
     def __init__(self) -> None:
         self._of: dict[str, object] = {}
 
     def take(self, joint: str, mover: object) -> None:
-        """Let `mover` move a joint from now on, and nobody else."""
+        """Let `mover` alone move a joint from now on."""
         self._of[joint] = mover
 
     def has_lost(self, joint: str, mover: object) -> bool:
-        """Return whether somebody else has taken a joint that `mover` took."""
+        """Return whether another mover has taken a joint that `mover` took."""
         return self._of.get(joint) is not mover
 
 
@@ -213,7 +213,7 @@ class JointTeleoperation:
         self._forget(set(self._last) | set(self._motions))
 
     def give_up_lost(self) -> list[str]:
-        """End the motion of the joints that somebody else has moved since.
+        """End the motion of the joints that another mover has moved since.
 
         Returns:
             Their names.
@@ -311,7 +311,7 @@ class JointTeleoperation:
                     known.pop(name, None)
 
     def _has_lost(self, name: str) -> bool:
-        """Return whether somebody else has moved a joint since it was touched."""
+        """Return whether another mover has moved a joint since it was touched."""
         return self._motions[name].is_confirmed and self._movers.has_lost(name, self)
 
     def _present(self, name: str) -> float:

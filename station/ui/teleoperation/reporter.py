@@ -19,7 +19,7 @@ _NOTIFICATION_SECONDS = 12.0
 
 
 class Reporter:
-    """Shows a refusal to the person who acted, and the last refusal in the status bar.
+    """Shows a refusal to its caller, and the last refusal in the status bar.
 
     Args:
         now: Monotonic clock [s].

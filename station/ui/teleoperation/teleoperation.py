@@ -25,7 +25,7 @@ class Refusal:
     Attributes:
         detail: The reason, for people.
         code: The reason, for programs.
-        remedy: What to do; empty if nothing helps.
+        remedy: Advice to the user; empty if nothing helps.
     """
 
     detail: str
@@ -138,7 +138,7 @@ class Teleoperation:
             self._barred_until = now + HELD_FOR
 
     def _give_up_lost(self) -> list[Refusal]:
-        """End the motion of the joints that somebody else has moved since."""
+        """End the motion of the joints that another mover has moved since."""
         lost = self.joints.give_up_lost()
         if not lost:
             return []

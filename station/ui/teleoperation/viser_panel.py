@@ -151,8 +151,8 @@ class JointSliders:
                     step=scale.step,
                     initial_value=scale.clamp(0.0),
                     disabled=True,
-                    hint=f"{element.name}: {scale.minimum:g} to {scale.maximum:g} "
-                    f"{element.unit}",
+                    hint=f"{element.name}: "
+                    f"{_range_text(scale.minimum, scale.maximum, element.unit)}.",
                 )
                 touched = partial(self._on_touch, element.name)
                 slider.on_update(self._reporter.guarded(touched))
@@ -399,7 +399,7 @@ def gain_label(name: str, unit: str) -> str:
 
 
 def set_value(widget: viser.GuiInputHandle[_Value], value: _Value) -> None:
-    """Set what an input shows, in all browsers."""
+    """Set the value that an input shows, in all browsers."""
     # Viser's setter is real, but mypy does not see it: a method stands in between.
     widget.value = value  # type: ignore[misc]
 
@@ -446,9 +446,14 @@ def _follow_gain(following: FollowingSlider, gains: Gains, name: str) -> None:
 
 def _allowed_text(name: str, gains: Gains) -> str:
     allowed = gains.tunables[name]
-    low = "-∞" if allowed.minimum is None else f"{allowed.minimum:g}"
-    high = "∞" if allowed.maximum is None else f"{allowed.maximum:g}"
-    return f"{allowed.description} Allowed: {low} to {high} {allowed.unit}".strip()
+    bounds = _range_text(allowed.minimum, allowed.maximum, allowed.unit)
+    return f"{allowed.description} Allowed: {bounds}.".strip()
+
+
+def _range_text(minimum: float | None, maximum: float | None, unit: str) -> str:
+    low = "-∞" if minimum is None else f"{minimum:g}"
+    high = "∞" if maximum is None else f"{maximum:g}"
+    return f"{low} to {high} {unit}".strip()
 
 
 def _short_name(name: str, elements: tuple[CommandElement, ...]) -> str:

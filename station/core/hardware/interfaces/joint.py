@@ -146,11 +146,12 @@ class CommandedJointHandle(JointStateHandle):
             command: The command.
 
         Raises:
-            InvalidCommandError: It is no number; a list as a storage takes anything,
+            InvalidCommandError: The command is no number; a list takes anything,
                 and the command is then refused before it reaches the robot.
         """
         try:
             storage[self.command_index] = command
+        # The slot refuses what is no float by itself: a check would cost every command.
         except TypeError:
             refuse_non_number(self.name, command)
 
@@ -186,7 +187,7 @@ class JointHandle(CommandedJointHandle):
         """Set the command, in the unit of the interface.
 
         Raises:
-            InvalidCommandError: It is no number.
+            InvalidCommandError: The command is no number.
         """
         try:
             self.command_storage[self.command_index] = command

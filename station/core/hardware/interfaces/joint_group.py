@@ -48,6 +48,7 @@ class _Column:
 
     def write(self, values: list[float]) -> None:
         if self.view is not None:
+            # An array refuses what is no number before any joint is commanded.
             self.view[:] = array("d", values)
         elif self._list is not None and self._slice is not None:
             self._list[self._slice] = values

@@ -268,5 +268,6 @@ class PositionVelocityTorqueGainsJointInterface(
     def rest_commands(self, name: str) -> list[float]:
         handle = self._handles[name]
         gains = (handle.get_command_kp(), handle.get_command_kd())
+        # The gains stay: without them a joint at rest would go limp.
         kept = [gain if math.isfinite(gain) else 0.0 for gain in gains]
         return [handle.get_position(), 0.0, 0.0, *kept]

@@ -59,7 +59,7 @@ class JointLimits:
             joint: Name of the joint, for the message.
 
         Raises:
-            JointLimitsError: One position bound is missing, the bounds are inverted, a
+            JointLimitsError: A position bound is missing, the bounds are inverted, a
                 magnitude is negative, or a value is not a number.
         """
         if (self.min_position is None) != (self.max_position is None):

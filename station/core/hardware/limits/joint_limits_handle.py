@@ -1,4 +1,4 @@
-"""Enforce the limits of joints by their handles, and count what these changed.
+"""Enforce the limits of joints by their handles, and count the changes.
 
 The equations are in `limited_joints` and `rate_limits`.
 
@@ -47,7 +47,7 @@ _OTHERS = ("position", "velocity", "command", "asked", "reason")
 
 
 class JointLimitsGroup:
-    """Joints whose limits are of one kind, and what is remembered of their commands.
+    """Joints whose limits are of one kind, and the memory of their commands.
 
     Joints that lie side by side in a robot's doubles are limited in place. Values of
     other joints are copied to and fro.
@@ -106,7 +106,7 @@ class JointLimitsGroup:
         return {name: self._views[name][slot] for name in MEMORY}
 
     def remember(self, slot: int, memory: Mapping[str, float]) -> None:
-        """Replace what is remembered of a joint.
+        """Replace the remembered command of a joint.
 
         Args:
             slot: The joint.
@@ -176,7 +176,7 @@ class JointLimitsHandle(ResourceHandle):
     Attributes:
         arithmetic: The compiled arithmetic; that of the base class limits nothing.
         required: The limits that the joint must have, such as "velocity".
-        unlimited: What stands for a limit that the joint does not have.
+        unlimited: Value of a limit that the joint does not have.
         first_previous: The command of the last cycle in the first one; NaN if the
             measured state takes its place.
         is_grouped: Whether an interface enforces the limits together with others.

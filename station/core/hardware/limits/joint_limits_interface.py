@@ -37,7 +37,7 @@ class JointLimitsInterface(ResourceManager[L]):
     joints lie side by side in the robot's doubles.
 
     Attributes:
-        enforced: What is enforced in every cycle.
+        enforced: Limits that are enforced in every cycle.
     """
 
     def __init__(self) -> None:

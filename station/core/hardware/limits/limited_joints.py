@@ -59,7 +59,7 @@ _INFINITY = float("inf")
 
 
 class LimitedJoints:
-    """The commands of n joints, their limits, and what is remembered of the last cycle.
+    """The commands of n joints, their limits, and the memory of the last cycle.
 
     Args:
         views: Numbers by name, shape (n,) each: `position`, `velocity` and `command` of

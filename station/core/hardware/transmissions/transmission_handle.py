@@ -124,7 +124,7 @@ class TransmissionHandle(ResourceHandle):
     and allocates only short lists of floats.
 
     Attributes:
-        maps: What is carried, one map per quantity.
+        maps: Maps of the quantities, one each.
     """
 
     def __init__(

@@ -162,6 +162,8 @@ class TransmissionInterfaceLoader:
                 problems.append(exc.message)
             else:
                 self.loaded.append(LoadedTransmission(info, name, transmission))
+        # As upstream, one interface that can be used is enough; the others are
+        # reported.
         if len(problems) == len(interfaces):
             raise TransmissionInterfaceError(
                 f"Failed to load transmission '{info.name}'. "

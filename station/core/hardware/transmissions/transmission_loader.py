@@ -122,6 +122,7 @@ def load_transmission(
     """
     known = {**TRANSMISSION_TYPES, **(types or {})}
     factory = known.get(info.type)
+    # Own types first: a package cannot exchange a type of ros_control.
     if factory is None:
         for entry in entry_points(group=ENTRY_POINT_GROUP, name=info.type):
             factory = entry.load()

@@ -13,7 +13,7 @@ def multiplied(value: float, reduction: float, offset: float) -> float:
     Args:
         value: The value before the reduction.
         reduction: Actuator turns per joint turn, not 0.
-        offset: What is subtracted before; 0 for velocities and efforts.
+        offset: Number subtracted before; 0 for velocities and efforts.
     """
     return (value - offset) * reduction
 
@@ -24,7 +24,7 @@ def divided(value: float, reduction: float, offset: float) -> float:
     Args:
         value: The value before the reduction.
         reduction: Actuator turns per joint turn, not 0.
-        offset: What is added afterwards; `NO_OFFSET` for velocities and efforts.
+        offset: Number added afterwards; `NO_OFFSET` for velocities and efforts.
     """
     return value / reduction + offset
 

@@ -1,1 +1,1 @@
-"""The seam: what FrankaHW asks of an arm, and what is true of every Franka arm."""
+"""The seam: the interface of FrankaHW to an arm, and the facts of every Franka arm."""

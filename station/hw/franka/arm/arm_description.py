@@ -46,18 +46,19 @@ def find_prefix(description: RobotFiles) -> str:
 def load_arm_description(reference: str, limits: ArmLimits) -> RobotFiles:
     """Find and read the URDF of an arm.
 
-    A Panda's URDF, by the names in it, gets the limits of the kind of arm that it is to
-    be. A URDF with other names keeps its limits.
+    A URDF with the names of a Panda gets the limits of the wanted kind of arm. A URDF
+    with other names keeps its limits.
 
     Args:
         reference: `example-robot-data:<robot>` or the path of a URDF file.
-        limits: What this kind of arm can do.
+        limits: Limits of this kind of arm.
 
     Raises:
-        RobotDescriptionError: It cannot be found or read, or is no Franka arm.
+        RobotDescriptionError: The URDF cannot be found or read, or is no Franka arm.
     """
     description = load_robot_files(reference)
     prefix = find_prefix(description)
+    # Any other URDF than the Panda's states the limits of its own arm.
     if limits.urdf is None or prefix != _PANDA:
         return description
     return _with_limits(description, limits.urdf)

@@ -66,7 +66,7 @@ class ArmLimits:
         limiter_elbow_velocity: Up to which libfranka's limiter lets the elbow go
             [rad/s].
         tolerated_losses: Lost packets for which the velocity limit leaves room.
-        urdf: What a URDF of the arm states instead; None: these limits.
+        urdf: Limits in a URDF of the arm, if they differ; None: these limits.
         curves: (a, b, upper, lower) per joint of limits that depend on the position,
             see `velocity_range`; empty where there are none. They end at rest, so that
             no position limit of commands is needed besides.
@@ -101,6 +101,8 @@ class ArmLimits:
         if not self.curves:
             return -highest, highest
         a, b, upper, lower = self.curves[joint]
+        # Beyond its limit, where the root has no real value, a joint may only come
+        # back.
         up = min(highest, max(0.0, sqrt(max(0.0, b * (upper - q))) - a))
         down = max(-highest, min(0.0, a - sqrt(max(0.0, b * (q - lower)))))
         return down, up

@@ -7,6 +7,7 @@ frame of its link [m] and the radius [m].
 from station.memory.doubles import Doubles, Indices, Storage, zeros
 from station.memory.functions import square_root
 
+# Below it the nearest points of two lines are lost in rounding: they count as parallel.
 _PARALLEL = 1e-12
 
 

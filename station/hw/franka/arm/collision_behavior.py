@@ -1,4 +1,4 @@
-"""The thresholds of contact and collision: defaults, check, and what is near them."""
+"""The thresholds of contact and collision: defaults, check, and near estimates."""
 
 from dataclasses import dataclass
 
@@ -23,7 +23,7 @@ class ThresholdProblem:
 
     Attributes:
         field: Name of the threshold in `CollisionBehavior`.
-        allowed: What the threshold must be, as a part of a sentence.
+        allowed: Allowed values, as a part of a sentence.
     """
 
     field: str
@@ -45,6 +45,8 @@ def collision_behavior_problem(behavior: CollisionBehavior) -> ThresholdProblem 
                 return ThresholdProblem(
                     name, f"{size} numbers for each of the {what} thresholds"
                 )
+            # With a threshold of 0 an arm at rest would be in contact with its own
+            # noise.
             if any(not 0.0 < a <= b for a, b in zip(lower, upper, strict=True)):
                 return ThresholdProblem(
                     name, f"above 0, no lower {what} threshold above its upper one"
@@ -68,7 +70,7 @@ def collision_error(signal: int, value: float, bound: float) -> ArmError:
 
 
 def near_collisions(state: RobotState, behavior: CollisionBehavior) -> list[ArmError]:
-    """Return the errors that are raised if what is estimated now grows a little.
+    """Return the errors that slightly larger estimates would raise.
 
     Args:
         state: State of the arm.

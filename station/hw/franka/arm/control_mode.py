@@ -77,6 +77,7 @@ def arm_id_of(resource: str) -> str | None:
     resource names no arm.
     """
     for marker in ("_joint", "_robot"):
+        # The last one: the name of an arm may itself contain `_joint`.
         arm_id, found, _ = resource.rpartition(marker)
         if found and arm_id:
             return arm_id

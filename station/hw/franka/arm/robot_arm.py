@@ -263,7 +263,7 @@ class RobotArm(ABC):
 
     @abstractmethod
     def set_load(self, load: Load) -> None:
-        """Set what the end effector holds; the arm carries its weight.
+        """Set the load that the end effector holds; the arm carries its weight.
 
         Args:
             load: The load.
@@ -318,7 +318,7 @@ class RobotArm(ABC):
         """Return the present errors, or else the errors that ended the last motion."""
 
     def failure(self) -> str:
-        """Return in the arm's own words why the last motion ended; empty if unknown."""
+        """Return the arm's own words on the end of its last motion; may be empty."""
         return ""
 
     @abstractmethod

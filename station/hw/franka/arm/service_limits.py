@@ -113,8 +113,8 @@ def field_error(
 
     Args:
         field: Name of the field.
-        message: What the field must be.
-        value: What the field is.
+        message: Allowed values, as a part of a sentence.
+        value: Value of the field.
     """
     error = {"field": f"body/{field}", "message": message, "value": str(value)}
     return {"errors": [error]}

@@ -204,6 +204,7 @@ class ArmServices(FrankaServices):
 
     @override
     def connect(self) -> None:
+        # A connection that broke is made anew by the recovery of a real arm.
         if self._is_connected and self._arm.is_lost():
             self._arm.automatic_error_recovery()
             return

@@ -69,6 +69,8 @@ class ArmReading:
             time: Station time of the cycle [s].
             period: Time since the last cycle [s], >= 0.
         """
+        # What is left over is kept, so that a loop whose period is no multiple of the
+        # arm's cycle keeps its pace.
         self.time_due += period
         share, count = self.time_due / self.cycle_time, 1
         # The usual cycle: one state, without the arithmetic of a late one.
@@ -97,6 +99,8 @@ class ArmReading:
         """
         cycles = round(self.time_due / self.cycle_time)
         self.time_due -= cycles * self.cycle_time
+        # A longer gap is not made up for: the arm's cycles would hold the late loop up
+        # further.
         late = min(cycles - self.nominal, self.most_lost)
         # libfranka extrapolates poses; a longer gap ends the motion on a real arm, too.
         bridged = self.sender.bridges_gaps and late < self.losses_that_end

@@ -22,7 +22,7 @@ _ROTATION_SHARE = 0.99
 
 
 class CartesianCommands:
-    """Cartesian command handles of one arm, and what sends its commands.
+    """Cartesian command handles of one arm, and the sender of its commands.
 
     Args:
         arm: The arm.

@@ -151,6 +151,7 @@ class PoseRates:
             displace(last, way, 1.0, sent)
         else:
             copy_into(sent, 0, pose, 16)
+        # In libfranka's order, filter first: the limits have the last word.
         if self.is_limiting:
             twist_between(last, sent, self.period, way)
             self.limit(way, self.pose_share)
@@ -305,5 +306,4 @@ class CartesianSender:
 
 def has_elbow(elbow: Doubles) -> bool:
     """Return whether an elbow, shape (2,), is commanded; zeros leave it to the arm."""
-    # Zeros leave the elbow to the arm.
     return elbow[0] != 0.0 or elbow[1] != 0.0

@@ -66,7 +66,7 @@ class CommandSender:
         """Take commands of the kinds in `mode` from now on, seeded with rest.
 
         Args:
-            mode: What is commanded.
+            mode: Kinds of commands.
             settings: How it is passed on.
         """
         self.refusal = None
@@ -104,6 +104,7 @@ class CommandSender:
                 self.refuse("a command is not finite")
                 return
         if self.has_positions:
+            # Before limits cut the commands: the arm brakes towards what was asked for.
             self.rates.note_goals()
         # In a standstill no time has passed that a rate could be computed from.
         if period > 0.0:
@@ -124,7 +125,7 @@ class CommandSender:
             self.send_all(False)  # noqa: FBT003 - positional in C
 
     def send_all(self, is_new: bool) -> None:  # noqa: FBT001 - positional in C
-        """Filter and send what is commanded, as it is now.
+        """Filter and send the present commands.
 
         Args:
             is_new: Whether controllers have updated since the last call.
@@ -152,6 +153,8 @@ class CommandSender:
         if self.update_ranges is not None:
             self.update_ranges()
         rates.filter_positions()
+        # The receiver takes the usual command without a call of Python; the method of
+        # the arm takes any other, or refuses it with a reason.
         if not self.receiver.receive_positions(rates.result):
             self.arm.command_joint_positions(rates.result)
 

@@ -36,10 +36,10 @@ class CommandSettings:
     def arm_modes(
         self, mode: ControlMode, impedance: ControllerMode
     ) -> tuple[ControllerMode, MotionGeneratorMode]:
-        """Return the modes in which the arm carries out what controllers command.
+        """Return the modes in which the arm carries out the commands of controllers.
 
         Args:
-            mode: What the controllers command; supported, and not NONE.
+            mode: Kinds of commands of the controllers; supported, and not NONE.
             impedance: The controller whose impedance was set last.
         """
         generator = GENERATOR_OF_MODE[mode & ~ControlMode.JOINT_TORQUE]

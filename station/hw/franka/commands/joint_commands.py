@@ -189,6 +189,8 @@ class JointCommands:
         put(self.positions, self._state.q_d)
         put(self.velocities, [0.0] * _DOF)
         put(self.efforts, [0.0] * _DOF)
+        # The last command of an earlier motion would bound the first one of this
+        # motion.
         self._position_limits.reset()
         self._velocity_limits.reset()
         self.has_positions = bool(mode & ControlMode.JOINT_POSITION)

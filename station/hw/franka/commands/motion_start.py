@@ -88,6 +88,8 @@ class MotionStart:
             started: The kinds of command that newly started controllers give.
         """
         arm = self._arm
+        # A Cartesian controller that starts begins a motion of its own, in the same
+        # mode too: its first pose is compared with the present one.
         if mode != self.mode or started & _CARTESIAN:
             arm.stop_motion()
         self.mode, self._settings = mode, settings
@@ -115,6 +117,8 @@ class MotionStart:
         is_ready = arm.is_at_rest() or not self.mode & _FROM_REST
         if (is_ready and not arm.is_stopping()) or self._waited > LONGEST_WAIT:
             self.is_waiting = False
+            # Once more: the arm has come to rest elsewhere than where it was at the
+            # switch.
             self._sender.begin_motion(self.mode, settings)
             try:
                 arm.start_motion(*modes)

@@ -84,6 +84,8 @@ class PoseBridge:
 
     def rest_at(self, pose: Sequence[float], elbow: Sequence[float]) -> None:
         """Rest at a pose, 16 numbers, and an elbow, 2 numbers."""
+        # As if the pose had been commanded three times: velocity and acceleration of
+        # the prediction are then 0.
         for self.cycle in (-3, -2, -1):
             self.note_next(doubles(pose), doubles(elbow))
         # First and second difference of the prediction per cycle.
@@ -117,7 +119,7 @@ class PoseBridge:
         return not differ(self.poses[start : start + _POSE], pose, _POSE)
 
     def pass_on(self, pose: Doubles, elbow: Doubles) -> None:
-        """Note a command, and compute what to send for it.
+        """Note a command, and compute the pose to send for it.
 
         Args:
             pose: The commanded pose, 16 numbers.
@@ -136,7 +138,7 @@ class PoseBridge:
         self._send(command)
 
     def predict(self) -> None:
-        """Compute what to send in an arm cycle without a command."""
+        """Compute the pose to send in an arm cycle without a command."""
         if self.cycle == self.last_cycle:
             self._estimate()
             # The prediction keeps its velocity; its acceleration decays in the offset.

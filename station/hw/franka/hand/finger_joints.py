@@ -109,6 +109,7 @@ class FingerJoints:
         is_position = kind == PositionJointInterface.type_name
         commands = self._position_commands if is_position else self._effort_commands
         claimed = [commands[self.names.index(name)] for name in self.claimed]
+        # The fingers move as one, so a command to each of them counts half.
         mean = sum(claimed) / len(claimed)
         if not isfinite(mean):
             return
@@ -116,6 +117,7 @@ class FingerJoints:
             lower, upper = self._gripper.limits
             self._hold(min(max(mean, lower), upper))
         else:
+            # A finger without an owner adds no force.
             limit, force = self._gripper.effort_limit, sum(claimed) / len(self.names)
             self._gripper.press(min(max(force, -limit), limit), is_damped=False)
 
@@ -153,6 +155,7 @@ class FingerJoints:
         for _, _, name in stopped:
             self.claimed.pop(name, None)
             self._owners.pop(name, None)
+        # A switch of other joints must not end what the hand does.
         if not stopped and not started:
             return
         size = len(self.names)

@@ -29,6 +29,7 @@ MOVE_FORCE = 70.0
 """Largest force of a finger during a move [N]. Source: continuous force in the
 datasheet of the Franka Hand."""
 HOMING_SPEED = 0.02
+# Share of the commanded speed: a slow motion may be below `REST_SPEED` all the way.
 _SLOWEST_PART = 0.25
 _RESTING = (GripperActivity.IDLE, GripperActivity.HOLDING)
 
@@ -201,6 +202,7 @@ class GripperMotion:
         self._settles = False
         self._target = width
         self._slow = min(REST_SPEED, _SLOWEST_PART * speed)
+        # Fingers that have not begun to move are slow as well: the time runs from now.
         self._still_since = self._motor.read_time()
         self._hold(width, speed, force)
 

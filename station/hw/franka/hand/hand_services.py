@@ -115,6 +115,7 @@ class HandServices(GripperServices):
     @override
     def stop(self) -> None:
         self._end(GoalStatus.PREEMPTED, "The gripper was told to stop.")
+        # A controller that owns the fingers goes on to command them.
         if self.owner is None:
             self._rest()
 

@@ -82,10 +82,13 @@ class ArmFrames:
     def refresh(self) -> bool:
         """Bring the derived fields up to date; return False when they were."""
         state = self._state
+        # Few cycles have a reader of poses: they are computed for the first one that
+        # asks.
         if self._refreshed_at == state.time:
             return False
         self._refreshed_at = state.time
         self._end_effector.refresh()
+        # In a Cartesian motion `CartesianStep` writes the commanded fields.
         if not self.is_cartesian:
             self._end_effector.command_desired()
         return True

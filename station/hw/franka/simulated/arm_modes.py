@@ -242,6 +242,7 @@ class ArmModes:
         """Go from AutomaticErrorRecovery to Idle if the arm is at rest in its range."""
         if not self._motion.is_at_rest():
             return
+        # Found once the arm rests: while it brakes, a joint may still pass its limit.
         if self._returns is None:
             self._returns = self._find_returns()
         if self._returns:
@@ -288,12 +289,13 @@ class ArmModes:
         return found
 
     def is_still(self) -> bool:
-        """Return whether no joint moves, whatever is desired."""
+        """Return whether no joint moves, without regard to the desired motion."""
         return max(map(abs, self._state.dtheta)) < REST_VELOCITY
 
     def set_user_stop(self, *, pressed: bool) -> None:
         """Press or release the user stop; releasing it clears the errors."""
         mode = self._state.robot_mode
+        # A diverged arm stays in Other: releasing the stop would make it Idle.
         if pressed and mode not in (RobotMode.OTHER, RobotMode.USER_STOPPED):
             self.end_motion(RobotMode.USER_STOPPED)
         elif not pressed and mode is RobotMode.USER_STOPPED:

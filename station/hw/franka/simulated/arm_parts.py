@@ -76,7 +76,7 @@ class ArmParts:
         thresholds: Thresholds that Franka does not publish.
         hand: Body that a simulated collision hits.
         gravity: Acceleration of gravity in the base frame [m/s^2], shape (3,).
-        realism: What disturbs the arm; None for an ideal arm.
+        realism: Disturbances of the arm; None for an ideal arm.
 
     Attributes:
         joint_names: As given.
@@ -88,7 +88,7 @@ class ArmParts:
         load: The configured load.
         frames: Frames and derived state.
         faults: The faults of the arm.
-        step: What happens before and after a step of the world.
+        step: Actions of the arm before and after a step of the world.
         supervisor: Finds and keeps the errors.
         sensors: Reads the joints.
         contact: External torques and the thresholds for them.

@@ -54,6 +54,8 @@ class ArmSensors:
             What `ArmStep.read_joints` has found.
         """
         step, state = self._step, self._state
+        # Before the joints are read: the state still has the velocities of the last
+        # step.
         if step.has_load:
             self._ddq = [
                 (new - old) / self._period

@@ -39,6 +39,7 @@ CONTACT = 1
 VIOLATION = 2
 """Result of `read_joints`: a reading violates a limit."""
 # Cycles of which the success rate tells the share that brought a command.
+# Source: libfranka@0.9.2 robot_state.h, control_command_success_rate.
 _WINDOW = 100
 # Joint damping while a person guides the arm [Nm s/rad].
 _GUIDING_DAMPING = (10.0, 10.0, 10.0, 10.0, 1.0, 1.0, 1.0)
@@ -76,7 +77,7 @@ class ArmStep(Preparation):
 
     Attributes:
         modes: The modes of the arm; set before the first step.
-        generator: What the motion commands.
+        generator: Kind of the commands of the motion.
         wants_torques: Whether the motion commands torques.
         has_load: Whether a load is configured.
         has_faults: Whether a simulated fault acts.
@@ -176,6 +177,7 @@ class ArmStep(Preparation):
             InvalidCommandError: `values` are not `size` finite numbers, or the elbow
                 is malformed.
         """
+        # First, so that a malformed elbow leaves the last command as it is.
         if elbow is not None:
             _check_elbow(elbow)
         if not self.receive_end_effector(_as_doubles(values), size):
@@ -210,6 +212,8 @@ class ArmStep(Preparation):
             Whether it certainly is that many finite numbers; if not, nothing has
             changed.
         """
+        # A NaN in the desired motion would stay: every cycle starts from the one
+        # before.
         if len(values) != size or not are_finite(values, size):
             return False
         copy_into(place, 0, values, size)
@@ -222,6 +226,7 @@ class ArmStep(Preparation):
         mode, motors = self.mode[0], self.motors
         if self.wants_torques and not motors.torques_act:
             self.wait_for_rest()
+        # Before any return: an arm that is guided or recovers carries its load, too.
         if self.has_load:
             self.actuators.carry(self.load.weight(list(self.memory.positions)))
         if self.has_faults:
@@ -233,6 +238,7 @@ class ArmStep(Preparation):
             self.modes.advance_recovery()
         elif mode != _MOVE:
             self.motion.hold()
+        # Torques act on a settled arm alone; what is commanded until then is void.
         elif self.wants_torques != motors.torques_act:
             self.ignore_command()
         elif self.follow_command():
@@ -253,12 +259,15 @@ class ArmStep(Preparation):
         """Let commanded torques act once the arm has come to rest."""
         if self.motion.is_at_rest():
             self.settling += 1
+            # An arm that trembles in a contact is never still; its client would wait
+            # for ever.
             if self.modes.is_still() or self.settling > LONGEST_SETTLING:
                 self.actuators.engage_torques()
 
     def apply_guiding(self) -> None:
         """Let a person move the arm against some damping."""
         memory = self.memory
+        # q_d goes with the hand, or the arm would jump back when it is let go.
         self.motion.seed(memory.positions, memory.dtheta)
         pairs = zip(_GUIDING_DAMPING, memory.dtheta, strict=True)
         self.actuators.apply_torques([-damping * rate for damping, rate in pairs])
@@ -267,6 +276,7 @@ class ArmStep(Preparation):
         """Discard this cycle's command and slow down to rest."""
         self.is_fresh = False
         self.motion.hold()
+        # Braking moves the joints alone; the next pose starts from where they are then.
         if self.generator == _CARTESIAN:
             self.cartesian.begin_motion()
 
@@ -278,6 +288,7 @@ class ArmStep(Preparation):
             arrived = False
         self.is_fresh = False
         violations.clear()
+        # Losses count from the first command on: a client may take its time to begin.
         if not arrived and not self.is_begun:
             self.motion.hold()
             return 0
@@ -293,6 +304,7 @@ class ArmStep(Preparation):
             and not self.cartesian.has_elbow
         )
         self.cycle += 1
+        # A motion without recent losses needs no bookkeeping.
         if not arrived or self.is_lossy:
             self.count_losses(arrived)
         if self.motors.torques_act and violations.count == 0:
@@ -300,6 +312,7 @@ class ArmStep(Preparation):
                 check.check_torques()
                 copy_into(memory.sent, 0, memory.torques, self.size)
             else:
+                # A lost packet: the motors keep the torques that arrived last.
                 copy_into(memory.torques, 0, memory.sent, self.size)
         if violations.count:
             return violations.count
@@ -369,6 +382,8 @@ class ArmStep(Preparation):
         result, mode = 0, self.mode[0]
         if any_of(self.simulator.constraint_forces, self.size):
             result = _CONTACT
+        # In the other modes an error is present, or a person holds the arm: there is no
+        # motion that another error could end.
         is_supervised = mode == _MOVE or mode == _IDLE or mode == _RECOVERY
         if is_supervised and self.watch.check_readings(self.is_following):
             result += _VIOLATION

@@ -76,6 +76,7 @@ class ArmSupervisor(AlertFlag):
         Returns:
             Errors of measured values that were out of range for too long.
         """
+        # After the last violation one more cycle is examined, which ends the count.
         self.is_alert = not is_quiet
         if is_quiet:
             self._bad_cycles = 0
@@ -86,6 +87,7 @@ class ArmSupervisor(AlertFlag):
         if is_recovering:
             self._accept()
             return []
+        # One reading beyond a limit may be noise; `debounce` of them in a row are not.
         found = self._new(self._watch.violations.errors())
         self._bad_cycles = self._bad_cycles + 1 if found else 0
         return found if self._bad_cycles >= self._thresholds.debounce else []
@@ -98,6 +100,7 @@ class ArmSupervisor(AlertFlag):
             cycle: Number of the arm's cycle.
         """
         state = self._state
+        # The cycles before the first error explain it; later ones show the arm braking.
         if not self.errors:
             self.log = [
                 ArmRecord(
@@ -144,7 +147,7 @@ class ArmSupervisor(AlertFlag):
         self.is_alert = True
 
     def _accept(self) -> None:
-        """Take what is out of range now for known."""
+        """Note the values that are out of range now as known."""
         found = self._watch.violations.errors()
         self._known = {(e.name, e.where): _excess(e) for e in found}
 

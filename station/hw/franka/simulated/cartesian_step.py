@@ -185,6 +185,7 @@ class CartesianStep:
         else:
             copy_into(self.next_pose, 0, command, 16)
             twist_between(state.pose_c, command, self.period, self.next_twist)
+            # Only a pose can be elsewhere: a twist starts where the end effector is.
             if is_first and self.check_start():
                 return check.violations.count
         if check.check_twist(self.next_twist, state.twist_c, state.rate_c):

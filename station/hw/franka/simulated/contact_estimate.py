@@ -40,6 +40,8 @@ SINGULAR = 0.05
 wrench is 0, because small torques would become arbitrarily large forces."""
 # Share of the acceleration limit above which the motion counts as accelerating.
 _ACCELERATING = 0.05
+# A smaller torque [Nm] is rounding of the simulation. The estimate becomes exactly 0,
+# and an arm that nothing touches is not examined.
 _NEGLIGIBLE = 1e-6
 # Excess of a collision that has not been forgotten yet.
 _FADING = 1e-12
@@ -143,10 +145,10 @@ class ContactEstimate(ContactFlag):
         """Take over the torques for the configured load; `update` asks for them."""
 
     def react_to(self, found: int) -> bool:
-        """Do what the observer cannot do by itself; there is none.
+        """Serve the requests of an observer; there is none here.
 
         Args:
-            found: What `FrictionAndObserver.sense` has returned, not 0.
+            found: Result of `FrictionAndObserver.sense`, not 0.
 
         Returns:
             Whether the next command is to be lost on its way.
@@ -242,6 +244,8 @@ class ContactEstimate(ContactFlag):
             self._known = [max(known, _FADING) for known in self._known]
         for i, bound in enumerate((*torques, *forces)):
             excess = max(0.0, abs(values[i]) - bound)
+            # The contact in which the arm recovered must grow by a whole threshold, or
+            # it would end every recovery at once.
             if excess > self._known[i] + (bound if self._known[i] else 0.0):
                 found.append(collision_error(i, values[i], bound))
                 if i < 7:

@@ -3,6 +3,7 @@
 from station.memory.doubles import Doubles, own_zeros, zeros
 from station.memory.vectors import copy_into
 
+# As many as libfranka keeps by default.
 CAPACITY = 50
 """Number of cycles kept."""
 COMMAND = 16

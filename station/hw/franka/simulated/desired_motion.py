@@ -64,6 +64,7 @@ class DesiredMotion:
         if self.rests:
             return
         dq_d, ddq_d = self.memory.dq_d, self.memory.ddq_d
+        # Both: the acceleration of the last braking step must become 0 as well.
         if not any_of(dq_d, self.size) and not any_of(ddq_d, self.size):
             self.rests = True
             return

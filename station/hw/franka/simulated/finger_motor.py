@@ -41,6 +41,8 @@ class FingerMotor(Preparation):
         if step < way:
             way = step
         place, position = self.place + way, simulator.positions[0]
+        # The lead bounds the force: a servo that ran on would press blocked fingers
+        # with ever more of it.
         if place < position - self.reach:
             place = position - self.reach
         if position + self.reach < place:
@@ -76,6 +78,7 @@ class FingerSensor:
         """Read the fingers."""
         simulator = self.simulator
         position, velocity = simulator.positions[0], simulator.velocities[0]
+        # One motor drives both fingers.
         force = simulator.motor_forces[0] / 2.0
         positions, velocities, efforts = self.positions, self.velocities, self.efforts
         for i in range(self.size):

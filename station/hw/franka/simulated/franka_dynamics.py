@@ -75,7 +75,7 @@ class FrankaDynamics:
 
         Args:
             q: Joint positions [rad], shape (7,).
-            load: What is fixed to the flange.
+            load: Body fixed to the flange.
         """
         self._set(q, load)
         if self.is_new(_MASS):
@@ -90,7 +90,7 @@ class FrankaDynamics:
         Args:
             q: Joint positions [rad], shape (7,).
             dq: Joint velocities [rad/s], shape (7,).
-            load: What is fixed to the flange.
+            load: Body fixed to the flange.
         """
         self._set(q, load)
         rates = viewed(dq)
@@ -108,7 +108,7 @@ class FrankaDynamics:
 
         Args:
             q: Joint positions [rad], shape (7,).
-            load: What is fixed to the flange.
+            load: Body fixed to the flange.
             gravity_earth: Acceleration of gravity in the base frame [m/s^2], (3,).
         """
         self._set(q, load)
@@ -131,7 +131,7 @@ class FrankaDynamics:
             q: Joint positions [rad], shape (7,).
             dq: Joint velocities [rad/s], shape (7,).
             ddq: Joint accelerations [rad/s^2], shape (7,).
-            load: What is fixed to the flange.
+            load: Body fixed to the flange.
             gravity_earth: Acceleration of gravity in the base frame [m/s^2], (3,).
         """
         mass = self.mass(q, load)
@@ -149,7 +149,7 @@ class FrankaDynamics:
 
         Args:
             what: A number for what is computed; those of the frames are for Jacobians.
-            arguments: What it depends on besides positions and load.
+            arguments: Further numbers that it depends on, as bytes.
         """
         wanted = (self._dynamics.version, arguments)
         if self._known.get(what) == wanted:
@@ -167,7 +167,7 @@ class FrankaDynamics:
 
         Args:
             q: Joint positions [rad], shape (7,); read in every cycle, as `tool`.
-            tool: What is fixed, in the frame of the flange, 16 numbers.
+            tool: Pose of the body in the frame of the flange, 16 numbers.
         """
         return ToolPoseSource(self._dynamics, q, self.links, tool)
 
@@ -176,7 +176,7 @@ class FrankaDynamics:
 
         Args:
             q: Joint positions [rad], shape (7,); read in every cycle, as `tool`.
-            tool: What is fixed, in the frame of the flange, 16 numbers.
+            tool: Pose of the body in the frame of the flange, 16 numbers.
         """
         return ToolJacobianSource(self.tool_pose_source(q, tool))
 
@@ -199,6 +199,7 @@ class FrankaDynamics:
 
     def _set(self, q: Sequence[float], load: Load) -> None:
         self._dynamics.move_to(q)
+        # The identity first: `ArmModel` passes the same object while nothing changes.
         if load is not self._load and load != self._load:
             self._load = load
             added = _moments_at_link7(load)
@@ -250,6 +251,8 @@ def _moments_at_link7(load: Load) -> list[float]:
     """Return mass and moments of a load in the frame of link 7, 10 numbers."""
     x, y, z = load.center_of_mass
     inertia = np.reshape(load.inertia, (3, 3))
+    # Six moments describe a symmetric tensor; rounding may leave it not quite
+    # symmetric.
     return _moments(load.mass, [x, y, z + FLANGE_OFFSET], (inertia + inertia.T) / 2.0)
 
 

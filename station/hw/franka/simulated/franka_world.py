@@ -69,7 +69,7 @@ class ArmPlacement:
         limits: Limits of this kind of arm.
         thresholds: Thresholds that Franka does not publish.
         service_limits: The largest pushes.
-        realism: What disturbs the arm; None for an ideal arm.
+        realism: Disturbances of the arm; None for an ideal arm.
     """
 
     arm_id: str
@@ -148,6 +148,8 @@ def simulate(
         )
         urdfs[placement.arm_id] = urdf
         for name in joint_names(placement.arm_id):
+            # The stops lie behind the limits: the arm finds the violation before the
+            # impact.
             low, high = spec.joint(name).range
             spec.joint(name).range = [low - STOP_DISTANCE, high + STOP_DISTANCE]
         limits |= _velocity_limits(placement, urdf)
@@ -238,6 +240,7 @@ def _make_arm(
     arm.frames.set_end_effector(
         end_effector_of(urdf, prefix, OPEN_WIDTH), nominal_frame_of(urdf, prefix)
     )
+    # After the frames: the observer's Jacobian is the one of the stiffness frame.
     arm.contact.renew()
     return arm
 
@@ -330,6 +333,8 @@ def combine_descriptions(placements: Sequence[ArmPlacement]) -> str:
         for element in ET.fromstring(description.xml):
             name = element.get("name", "")
             if element.tag == "material":
+                # Arms of one kind bring the same materials; a URDF defines each name
+                # once.
                 if name in materials:
                     continue
                 materials.add(name)

@@ -44,7 +44,7 @@ _LOST = LOST
 
 
 class FrictionAndObserver(Preparation):
-    """Disturbs n joints, and estimates what acts on them from outside.
+    """Disturbs n joints, and estimates the external torques on them.
 
     Args:
         memory: State of the joints; the velocities and torques are disturbed.
@@ -68,7 +68,7 @@ class FrictionAndObserver(Preparation):
         bristle: How far each joint bends before it slides, as a share of `presliding`.
         compliance: Turn of the motor against the link [rad/Nm], shape (n,).
         torque_noise: Standard deviation of the torque sensors [Nm], shape (n,).
-        torque_bias: What the torque sensors add [Nm], shape (n,).
+        torque_bias: Constant error of the torque sensors [Nm], shape (n,).
         velocity_noise: Standard deviation of the velocities [rad/s], shape (n,).
         model_error: By which share the bias forces of the observer's model are too
             large, shape (n,).
@@ -203,6 +203,7 @@ class FrictionAndObserver(Preparation):
         is_reliable = self.has_wrench and equation.factorise(
             jacobian, -reliable * reliable
         )
+        # Last, because the equation solves with the factors that it computed last.
         if self.has_wrench:
             self.has_wrench = equation.factorise(jacobian, 0.0)
         for i in range(self.size):
@@ -293,7 +294,7 @@ class FrictionAndObserver(Preparation):
             theta[i] = positions[i] + compliance[i] * tau[i]
 
     def observe(self) -> None:
-        """Move the estimate towards what the measured motion does not explain."""
+        """Move the estimate towards the torques that the motion does not explain."""
         simulator, momentum, change = self.simulator, self.momentum, self.change
         inertia, diagonal = simulator.inertia, simulator.diagonal
         bias, armature = simulator.bias, simulator.armature
@@ -348,7 +349,7 @@ class FrictionAndObserver(Preparation):
             turned[axis + 3] = x * a + y * b + z * c
 
     def doubt_wrench(self) -> None:
-        """Leave out of the wrench what lasts and errors of the torques explain."""
+        """Subtract the lasting part of the wrench that torque errors explain."""
         wrench, directions, doubt = self.wrench, self.directions, self.doubt
         shares, lasting, size = self.shares, self.lasting, self.size
         for j in range(self.weak):

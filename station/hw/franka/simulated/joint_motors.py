@@ -67,7 +67,7 @@ class JointMotors:
         self.late_ddq = own(none)
 
     def engage(self, stiffness: Sequence[float], damping: Sequence[float]) -> None:
-        """Let an impedance act from the next step on, and forget what was wanted.
+        """Let an impedance act from the next step on, and forget the noted motion.
 
         Args:
             stiffness: Stiffness of the joints [Nm/rad], shape (n,).
@@ -113,6 +113,7 @@ class JointMotors:
         q_d, dq_d, ddq_d = memory.q_d, memory.dq_d, memory.ddq_d
         is_late = self.is_late
         if is_late:
+            # What was noted belongs to another motion: the motors would jump there.
             if self.is_new:
                 self.note_motion()
             q_d, dq_d, ddq_d = self.late_q, self.late_dq, self.late_ddq
@@ -170,6 +171,7 @@ class JointMotors:
             before, damper = dtheta[i], damping[i]
             torque = force + brake_forces[i] + compensation[i]
             torque += rotor[i] * before - drag[i] * velocity
+            # A motor at its limit does not damp: its force has been cut off.
             if damper != 0.0 and -limits[i] < force < limits[i]:
                 torque -= damper * (velocity - before)
             tau[i] = torque

@@ -47,7 +47,7 @@ class JointWatch:
         has_hand: Whether a hand is mounted.
 
     Attributes:
-        violations: What was found in the last cycle.
+        violations: Violations in the last cycle.
         room: How far a point of the arm may still move until a distance may have become
             too short [m].
     """
@@ -79,6 +79,8 @@ class JointWatch:
         self.lower = own([value - tolerance for value in limits.lower])
         self.upper = own([value + tolerance for value in limits.upper])
         factor = thresholds.velocity_factor
+        # Taken from the largest velocity: a limit that depends on the position goes to
+        # 0, where a share of it would leave no room for noise.
         self.slack = own([value * factor - value for value in limits.velocity])
         self.slowest, self.fastest = own_zeros(self.size), own_zeros(self.size)
         self.bend_velocity_limits()
@@ -123,6 +125,7 @@ class JointWatch:
             self.bend_velocity_limits()
         for i in range(self.size):
             position, velocity, torque = q[i], dq[i], tau[i]
+            # Written with `not`, so that NaN violates the limit.
             if not lower[i] <= position <= upper[i]:
                 bound = min(self.limits.upper[i], upper[i])
                 if position < lower[i]:
@@ -150,6 +153,8 @@ class JointWatch:
             or away > self.elbow
         )
         # Distances take long to compute: only when they may have become too short.
+        # No distance shrinks faster than if all joints together turned the longest
+        # reach.
         self.room -= total * reach
         if not self.room > 0.0:
             self.check_distances()

@@ -55,7 +55,7 @@ class MomentumObserver(ContactEstimate):
         state: The arm's state.
         limits: The arm's limits.
         load_torques: As for `ContactEstimate`.
-        realism: What disturbs the arm.
+        realism: Disturbances of the arm.
         memory: State of the joints.
         simulator: The simulator's memory of the joints.
 
@@ -114,6 +114,8 @@ class MomentumObserver(ContactEstimate):
             *behavior.lower_torque_thresholds_acceleration,
             *behavior.lower_force_thresholds_acceleration,
         )
+        # The smaller one: the observer only asks for `update`, which knows whether the
+        # motion accelerates, and decides.
         put(self.observer.lower, map(min, nominal, accelerating))
 
     @override
@@ -157,6 +159,7 @@ class MomentumObserver(ContactEstimate):
         self.observer.rest()
         self._settled_at = 0.0
         self.renew()
+        # A re-run after a reset loses the same commands again.
         self._dice.seed(self._seed)
         self._draw_loss()
         super().reset()

@@ -44,7 +44,7 @@ class MotionCheck:
         period: Duration of a cycle [s], > 0.
 
     Attributes:
-        violations: What was found since the last `clear`.
+        violations: Violations since the last `clear`.
     """
 
     def __init__(self, memory: JointMemory, limits: ArmLimits, period: float) -> None:
@@ -156,6 +156,8 @@ class MotionCheck:
             step = tau[i] - last[i]
             # Without the call of `abs` where this is interpreted.
             if not lowest <= step <= largest:
+                # `tau_J_d` is cut off at the motor's limit: a client that goes on
+                # asking for more makes no step.
                 step = min(abs(step), abs(tau[i] - sent[i]))
                 if step > largest:
                     rate = self.limits.torque_rate

@@ -1,4 +1,4 @@
-"""In what a real Franka arm differs from the ideal one, in numbers with their sources.
+"""The differences of a real Franka arm from the ideal one, with their sources.
 
 The figures of the sensors come from a published recording of a Panda: 19 s of an
 exciting trajectory with the joint torques, positions and velocities of every cycle, in
@@ -42,7 +42,7 @@ class Realism:
         joint_stiffness: Stiffness between motor and link [Nm/rad]: `theta` differs
             from `q` by the torque over it. The links move as if it were rigid.
         torque_noise: Standard deviation of the torque sensors in a cycle [Nm].
-        torque_bias: What the torque sensors add [Nm].
+        torque_bias: Constant error of the torque sensors [Nm].
         velocity_noise: Standard deviation of the velocities in a cycle [rad/s].
         model_error: By which share gravity and Coriolis torques of the arm's own model
             are too large.

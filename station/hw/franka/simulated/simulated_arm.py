@@ -47,7 +47,7 @@ class SimulatedArm(RobotArm):
 
     Args:
         world: The world, with gravity compensation for this arm.
-        parts: What the arm is made of.
+        parts: Parts of the arm.
         description: The URDF of the arm.
         service_limits: The largest pushes.
 
@@ -256,6 +256,7 @@ class SimulatedArm(RobotArm):
         self._sensors.rest()
         self._motion.seed(self._memory.positions, _ZEROS)
         self.motors.engage_joint_impedance()
+        # A motion that runs goes on after a reset, by the controller that it has.
         if self._modes.controller is ControllerMode.CARTESIAN_IMPEDANCE:
             self.motors.engage_cartesian_impedance()
         self._faults.clear()
@@ -271,7 +272,8 @@ class SimulatedArm(RobotArm):
             state.robot_mode = RobotMode.IDLE
 
     def _react_to_observer(self, found: int) -> None:
-        """Do what the observer asks for; now and then a command is lost."""
+        """Serve the requests of the observer, e.g. the loss of a command."""
+        # Only a motion has commands that can be lost.
         if self.contact.react_to(found) and self.state.robot_mode is RobotMode.MOVE:
             self._faults.drop()
             self._step.has_faults = True
@@ -280,9 +282,10 @@ class SimulatedArm(RobotArm):
         """Bring the contacts up to date, and find errors in the readings.
 
         Args:
-            found: What `ArmStep.read_joints` has found.
+            found: Result of `ArmStep.read_joints`.
         """
         has_diverged = self._world.diverged_because is not None
+        # First of all: the readings of a diverged world mean nothing.
         if has_diverged and self.state.robot_mode is not RobotMode.OTHER:
             self._modes.end_motion(RobotMode.OTHER)
         errors = self.contact.update()

@@ -103,6 +103,8 @@ class SimulatedCycles:
         while world.count < self.cycle:
             world.make_step()
         steps = world.count
+        # After a late cycle another arm has led the world on: this state was read
+        # already.
         if self.seen >= steps:
             return
         self.seen = steps
@@ -120,6 +122,7 @@ class SimulatedCycles:
                 self.contact.is_quiet = False
             if observed & _ASKS:
                 self.react(observed)
+        # What follows is plain Python, and is left out while nothing can have changed.
         if (
             found
             or world.is_pushed

@@ -82,6 +82,7 @@ class SimulatedGripper:
             force: Largest force of each finger, > 0 [N]; None takes `effort_limit`.
         """
         motor = self._motor
+        # After a force the servo starts from where the fingers are, without a jump.
         if not self._servo[0]:
             self._set_servo(_STIFFNESS, self._damping)
             motor.place = self.read_position()
@@ -91,7 +92,7 @@ class SimulatedGripper:
         motor.target = width / 2.0
 
     def press(self, force: float, *, is_damped: bool = False) -> None:
-        """Let the motor give a force, whatever the width becomes.
+        """Let the motor give a force, without regard to the width.
 
         Args:
             force: On each finger [N], > 0 opens.

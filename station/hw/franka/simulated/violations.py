@@ -115,6 +115,7 @@ class Violations:
             value: The number that violates it.
             bound: The limit.
         """
+        # A full table ends the motion as surely as a longer one would.
         if self.count < CAPACITY:
             row = self.count * _COLUMNS
             self.rows[row], self.rows[row + 1] = code, part

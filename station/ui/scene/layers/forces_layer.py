@@ -150,7 +150,7 @@ class _Contacts:
         self._label = client.scene.add_label("/contacts/label", "", visible=False)
 
     def show(self, contacts: Sequence[Contact]) -> None:
-        """Draw the contacts of now; what has not changed is not sent again."""
+        """Draw the present contacts; unchanged ones are not sent again."""
         touches = [
             _touch(contact, self._links)
             for contact in contacts
@@ -197,7 +197,7 @@ class _Contacts:
         )
 
     def _name_strongest(self, touches: Sequence[_Touch]) -> None:
-        """Say of the two bodies that press most what they are; others stay unnamed.
+        """Name the two bodies that press most; others stay unnamed.
 
         A hand that grasps touches in eight points, and as many texts hide them.
         """

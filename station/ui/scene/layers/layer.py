@@ -77,7 +77,7 @@ class SceneFacts:
 
 
 class Layer(ABC):
-    """Something over the robots in one browser. To be used from Viser's event loop.
+    """A layer over the robots in one browser. To be used from Viser's event loop.
 
     A layer exists while it is shown; a hidden layer costs nothing.
 

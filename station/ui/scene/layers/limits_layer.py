@@ -29,7 +29,7 @@ class _Tint:
 
 
 class LimitsLayer(Layer):
-    """Tints the link that a joint near its limit moves, and says how far it may go.
+    """Tints the link that a joint near its limit moves, and shows the room left.
 
     Args:
         client: The browser.
