@@ -21,7 +21,7 @@ EXTRAS: Mapping[str, tuple[str, ...]] = {
     **dict.fromkeys(("viser", "yourdfpy"), ("ui",)),
     "gymnasium": ("gym",),
     **dict.fromkeys(("foxglove", "lz4", "mcap"), ("records",)),
-    **dict.fromkeys(("cma", "matplotlib", "pandas"), ("experiments",)),
+    **dict.fromkeys(("cma", "matplotlib", "pandas", "scipy"), ("experiments",)),
     "pyarrow": ("export", "experiments"),
     "distributed": ("cluster",),
 }

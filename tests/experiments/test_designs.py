@@ -6,7 +6,7 @@ Sobol's sequence fills the cube evenly.
 import numpy as np
 import pytest
 
-from station.experiments.designs import WIDEST, Range, parse_range, points, sobol
+from station.experiments.designs import Range, parse_range, points, sobol
 from station.trials.errors import (
     ImpossibleRangeError,
     UnknownParameterError,
@@ -114,7 +114,7 @@ def test_first_points_are_those_of_the_literature():
 
 @pytest.mark.parametrize("seed", [0, 5])
 def test_every_interval_of_every_dimension_has_as_many_points(seed):
-    points = np.array(sobol(256, WIDEST, seed))
+    points = np.array(sobol(256, 25, seed))
 
     for column in points.T:
         assert sorted((column * 256).astype(int)) == list(range(256))
@@ -130,8 +130,3 @@ def test_squares_of_the_first_two_dimensions_have_one_point_each():
 
 def test_seeds_shift_the_points():
     assert sobol(4, 2, 1) == sobol(4, 2, 1) != sobol(4, 2, 2)
-
-
-def test_too_many_dimensions_are_refused():
-    with pytest.raises(ImpossibleRangeError, match="22 parameters here; allowed are 1"):
-        sobol(4, 22)

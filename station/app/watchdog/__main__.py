@@ -10,6 +10,7 @@ import fcntl
 import json
 import mmap
 import os
+import select
 import signal
 import socket
 import sys
@@ -53,17 +54,21 @@ def main(page: int, listener: int, stacks: int) -> int:
         read_stacks=read_stacks,
     )
     door = Door(socket.socket(fileno=listener), settings, watch)
+    for line in lines:
+        _take(watch, door, json.loads(line))
     # Somebody may have forked the station and so keep its end of the pipe open.
     while os.getppid() == settings.pid and not station.has_ended:
-        for line in lines:
-            _take(watch, door, json.loads(line))
-        ready = door.wait(LOOK_PERIOD, [station.descriptor])
-        lines = station.lines() if ready else []
-        now = time.monotonic()
-        watch.look(now)
+        descriptors = [station.descriptor, door.fileno()]
+        ready, _, _ = select.select(descriptors, [], [], LOOK_PERIOD)
+        lines = station.lines() if station.descriptor in ready else []
+        with door.lock:
+            for line in lines:
+                _take(watch, door, json.loads(line))
+            now = time.monotonic()
+            watch.look(now)
         watch.heartbeat.watchdog_beats[0] = now
-        door.serve(now)
-    door.close()
+        door.handle_request()
+    door.server_close()
     return 0
 
 

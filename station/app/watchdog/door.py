@@ -1,76 +1,83 @@
 """The watchdog's own HTTP listener: whether the station is ready, the stop, incidents.
 
-A few hundred bytes of HTTP/1.1 over non-blocking sockets, without a library: the
-process must start at once, stay small and never wait for a client.
+It is `http.server`, which is in the standard library. Each client has a thread, so that
+one that sends nothing keeps neither the watchdog nor another client waiting.
 """
 
 import hashlib
 import json
-import select
 import socket
+import sys
+import threading
 import time
+from collections.abc import Callable
+from contextlib import suppress
 from hmac import compare_digest
-from typing import TYPE_CHECKING
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
 from station.app.watchdog.watch import Watch, WatchdogSettings
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 CONNECTIONS = 16
 """Most connections at once; the oldest is closed for a new one, which may be a stop."""
 _REQUEST_TIME = 1.0
-_MAX_REQUEST = 8192
+_MAX_BODY = 8192
 _CONFIRM_TIME = 0.05
 """How long the answer to a stop waits for the loop to carry it out [s]."""
-_REASONS = {
-    200: "OK",
-    400: "Bad Request",
-    401: "Unauthorized",
-    404: "Not Found",
-    413: "Content Too Large",
-    503: "Service Unavailable",
-}
+
+Answer = tuple[int, dict[str, object]]
+"""Status and body."""
 
 
-class _Connection:
-    """One client: the bytes that it has sent, and its deadline."""
-
-    def __init__(self, peer: socket.socket, deadline: float) -> None:
-        self.peer = peer
-        self.deadline = deadline
-        self.received = b""
-        self.confirm_by: float | None = None
-
-
-class Door:
+class Door(ThreadingHTTPServer):
     """Serves `GET /ready`, `GET /incident` and `POST /stop` on a loopback socket.
+
+    `handle_request` takes a connection that waits, and returns at once.
 
     Args:
         listener: Listening, loopback.
         settings: The tokens of the station that are accepted, besides named ones.
         watch: Answers what the station does, and holds the arms on a stop.
+        clock: Returns the monotonic time that `watch` looks at [s].
+        request_time: How long a client may send nothing [s], > 0.
+
+    Attributes:
+        lock: Held by whoever uses `watch` while clients are served.
     """
 
+    timeout = 0.0
+    daemon_threads = True
+
     def __init__(
-        self, listener: socket.socket, settings: WatchdogSettings, watch: Watch
+        self,
+        listener: socket.socket,
+        settings: WatchdogSettings,
+        watch: Watch,
+        clock: Callable[[], float] = time.monotonic,
+        request_time: float = _REQUEST_TIME,
     ) -> None:
-        self._listener = listener
-        self._listener.settimeout(0.0)
-        self._watch = watch
+        super().__init__(listener.getsockname(), _Client, bind_and_activate=False)
+        self.socket.close()
+        self.socket = listener
+        # A client that gives up before it is accepted must not make this wait.
+        self.socket.settimeout(0.0)
+        self.lock = threading.Lock()
+        self.watch = watch
+        self.clock = clock
+        self.request_time = request_time
         self._roles = {
             settings.operator_token: "operator",
             settings.viewer_token: "viewer",
         }
         self._named: dict[str, tuple[str, float | None]] = {}
-        self._connections: list[_Connection] = []
+        self._open: list[socket.socket] = []
+        self._open_lock = threading.Lock()
 
     def take_token(self, digest: str, role: str, expires: float | None) -> None:
         """Accept a named token of the station from now on, or forget it.
 
         Args:
             digest: SHA-256 of the token, hexadecimal.
-            role: Role of a token; empty for a token that has ended.
+            role: What it may do; empty for a token that has ended.
             expires: Wall time when it ends [s since 1970]; None when it does not.
         """
         if role:
@@ -78,104 +85,8 @@ class Door:
         else:
             self._named.pop(digest, None)
 
-    def wait(self, timeout: float, others: list[int]) -> list[int]:
-        """Wait until a client or one of the file descriptors `others` has something.
-
-        Args:
-            timeout: Longest wait [s].
-            others: File descriptors that somebody else reads.
-
-        Returns:
-            Those of `others` that can be read.
-        """
-        waiting = [one for one in self._connections if one.confirm_by is None]
-        sockets = [self._listener.fileno(), *(one.peer.fileno() for one in waiting)]
-        ready, _, _ = select.select([*sockets, *others], [], [], timeout)
-        return [one for one in ready if one in others]
-
-    def serve(self, now: float) -> None:
-        """Accept connections, read their bytes, and answer complete requests.
-
-        Args:
-            now: Monotonic time [s].
-        """
-        self._accept(now)
-        for connection in list(self._connections):
-            try:
-                self._carry_on(connection, now)
-            except OSError:
-                self._drop(connection)  # the client is gone
-
-    def close(self) -> None:
-        """Close the listener and every connection."""
-        for connection in list(self._connections):
-            self._drop(connection)
-        self._listener.close()
-
-    def _accept(self, now: float) -> None:
-        while True:
-            try:
-                peer, _ = self._listener.accept()
-            except OSError:
-                return  # nobody waits, or the client has given up already
-            peer.settimeout(0.0)
-            if len(self._connections) >= CONNECTIONS:
-                self._drop(self._connections[0])
-            self._connections.append(_Connection(peer, now + _REQUEST_TIME))
-
-    def _drop(self, connection: _Connection) -> None:
-        self._connections.remove(connection)
-        connection.peer.close()
-
-    def _carry_on(self, connection: _Connection, now: float) -> None:
-        if connection.confirm_by is not None:
-            self._confirm(connection, now)
-            return
-        try:
-            data = connection.peer.recv(_MAX_REQUEST)
-        except BlockingIOError:
-            if now > connection.deadline:
-                self._drop(connection)
-            return
-        connection.received += data
-        request = _Request.parse(connection.received)
-        if request is not None:
-            self._dispatch(connection, request, now)
-        elif len(connection.received) > _MAX_REQUEST:
-            self._answer(connection, 413, _problem("too_large", "At most 8 KiB."))
-        elif not data:
-            self._drop(connection)
-
-    def _dispatch(
-        self, connection: _Connection, request: "_Request", now: float
-    ) -> None:
-        if request.line == "GET /ready":
-            trouble = self._watch.trouble(now)
-            ready: dict[str, object] = {
-                "ready": True,
-                "last_wake_up_age": self._watch.age(now),
-            }
-            if trouble is None:
-                self._answer(connection, 200, ready)
-            else:
-                self._answer(connection, 503, _problem("not_ready", trouble))
-            return
-        role = self._role(request.token)
-        handlers: dict[str, Callable[[], None]] = {
-            "POST /stop": lambda: self._stop(connection, request, role or "", now),
-            "GET /incident": lambda: self._tell_incident(connection),
-        }
-        handler = handlers.get(request.line)
-        if role is None:
-            detail = "A token of the station is needed: Authorization: Bearer …"
-            self._answer(connection, 401, _problem("unauthorized", detail))
-        elif handler is None:
-            detail = "There are GET /ready, GET /incident and POST /stop."
-            self._answer(connection, 404, _problem("not_found", detail))
-        else:
-            handler()
-
-    def _role(self, token: bytes) -> str | None:
+    def role(self, token: bytes) -> str | None:
+        """Return the role that a token gives; None for one that is not known."""
         found = None
         for known, role in self._roles.items():
             # All are compared, each in constant time: the time tells nothing.
@@ -189,89 +100,138 @@ class Door:
             return None
         return named[0]
 
-    def _tell_incident(self, connection: _Connection) -> None:
-        incident = self._watch.incident
-        if incident is None:
-            problem = _problem("no_incident", "The loop has not stood still so far.")
-            self._answer(connection, 404, problem)
-        else:
-            self._answer(connection, 200, incident.facts)
+    def ready(self) -> Answer:
+        """Return whether the station is ready, or the reason why it is not."""
+        with self.lock:
+            now = self.clock()
+            trouble = self.watch.trouble(now)
+            if trouble is not None:
+                return 503, _problem("not_ready", trouble)
+            return 200, {"ready": True, "last_wake_up_age": self.watch.age(now)}
 
-    def _stop(
-        self, connection: _Connection, request: "_Request", role: str, now: float
-    ) -> None:
-        reason = request.reason() or "no reason given"
-        self._watch.heartbeat.ask_stop(f"{reason} (the {role}, through the watchdog)")
-        if self._watch.trouble(now) is not None:
-            self._watch.hold(now)
-        connection.confirm_by = now + _CONFIRM_TIME
+    def incident(self) -> Answer:
+        """Return the last standstill of the loop."""
+        with self.lock:
+            incident = self.watch.incident
+            if incident is None:
+                detail = "The loop has not stood still so far."
+                return 404, _problem("no_incident", detail)
+            return 200, dict(incident.facts)
 
-    def _confirm(self, connection: _Connection, now: float) -> None:
-        """Answer a stop once the loop has carried it out, or does not in time."""
-        heartbeat = self._watch.heartbeat
+    def stop(self, reason: str) -> Answer:
+        """Latch a stop; return whether the loop has carried it out in time."""
+        heartbeat = self.watch.heartbeat
+        with self.lock:
+            heartbeat.ask_stop(reason)
+            now = self.clock()
+            if self.watch.trouble(now) is not None:
+                self.watch.hold(now)
+        deadline = time.monotonic() + _CONFIRM_TIME
+        while heartbeat.is_stop_asked and time.monotonic() < deadline:
+            time.sleep(0.001)
         if not heartbeat.is_stop_asked:
-            self._answer(
-                connection, 200, _stopped("The loop has carried it out.", done=True)
-            )
-        elif now > (connection.confirm_by or 0.0):
-            self._watch.hold(now)
-            trouble = self._watch.trouble(now) or "The loop has not answered yet."
-            detail = (
-                f"{trouble} The stop is latched: a loop that comes back carries it out "
-                "before it writes anything to the robot."
-            )
-            self._answer(connection, 200, _stopped(detail, done=False))
-
-    def _answer(
-        self, connection: _Connection, status: int, body: dict[str, object]
-    ) -> None:
-        content = json.dumps(body).encode()
-        head = (
-            f"HTTP/1.1 {status} {_REASONS[status]}\r\n"
-            f"Content-Type: application/json\r\nContent-Length: {len(content)}\r\n"
-            "Cache-Control: no-store\r\nConnection: close\r\n\r\n"
+            return 200, _stopped("The loop has carried it out.", done=True)
+        with self.lock:
+            now = self.clock()
+            self.watch.hold(now)
+            trouble = self.watch.trouble(now) or "The loop has not answered yet."
+        detail = (
+            f"{trouble} The stop is latched: a loop that comes back carries it out "
+            "before it writes anything to the robot."
         )
-        # It fits into the socket's buffer: nothing here waits for a client.
-        connection.peer.send(head.encode() + content)
-        self._drop(connection)
+        return 200, _stopped(detail, done=False)
+
+    def enter(self, client: socket.socket) -> None:
+        """Note a client; the oldest goes when there are too many."""
+        with self._open_lock:
+            if len(self._open) >= CONNECTIONS:
+                # Its thread wakes up and closes it. The client may be gone already.
+                with suppress(OSError):
+                    self._open.pop(0).shutdown(socket.SHUT_RDWR)
+            self._open.append(client)
+
+    def leave(self, client: socket.socket) -> None:
+        """Forget a client."""
+        with self._open_lock, suppress(ValueError):
+            self._open.remove(client)
+
+    def handle_error(self, request: object, client_address: object) -> None:
+        """Print the error of a thread, if it is one."""
+        # A client that is gone is no error, and nobody may read stderr any more.
+        if not isinstance(sys.exception(), OSError):
+            with suppress(OSError):
+                super().handle_error(request, client_address)  # type: ignore[arg-type] # passed on
 
 
-class _Request:
-    """A request that has come as a whole."""
+class _Client(BaseHTTPRequestHandler):
+    """One client, which has one request."""
 
-    def __init__(self, line: str, token: bytes, body: bytes) -> None:
-        self.line = line
-        self.token = token
-        self._body = body
+    server: Door
+    protocol_version = default_request_version = "HTTP/1.1"
+    wbufsize = -1  # head and body go in one packet
+    error_content_type = "application/json"
+    error_message_format = '{"code": "bad_request", "detail": "Status %(code)d."}'
 
-    @classmethod
-    def parse(cls, received: bytes) -> "_Request | None":
-        """Return the request, or None while a part of it is missing."""
-        head, separator, body = received.partition(b"\r\n\r\n")
-        if not separator:
-            return None
-        first, *lines = head.split(b"\r\n")
-        headers = {
-            name.strip().lower(): value.strip()
-            for name, _, value in (line.partition(b":") for line in lines)
-        }
-        length = headers.get(b"content-length", b"0")
-        if length.isdigit() and len(length) < 6 and len(body) < int(length):
-            return None
-        words = first.decode("latin-1").split(" ")
-        path = words[1].partition("?")[0] if len(words) > 1 else ""
-        scheme, _, token = headers.get(b"authorization", b"").partition(b" ")
-        is_bearer = scheme.lower() == b"bearer"
-        return cls(f"{words[0]} {path}", token.strip() if is_bearer else b"", body)
+    def setup(self) -> None:
+        """Begin with the client, which has not long to send its request."""
+        super().setup()
+        self.connection.settimeout(self.server.request_time)
+        self.server.enter(self.connection)
 
-    def reason(self) -> str | None:
+    def finish(self) -> None:
+        """End with the client."""
+        self.server.leave(self.connection)
+        super().finish()
+
+    def do_GET(self) -> None:
+        """Answer a request."""
+        path = self.path.partition("?")[0]
+        role = self.server.role(self._token())
+        if (self.command, path) == ("GET", "/ready"):
+            self._answer(self.server.ready())
+        elif role is None:
+            detail = "A token of the station is needed: Authorization: Bearer …"
+            self._answer((401, _problem("unauthorized", detail)))
+        elif (self.command, path) == ("GET", "/incident"):
+            self._answer(self.server.incident())
+        elif (self.command, path) == ("POST", "/stop"):
+            reason = self._reason() or "no reason given"
+            self._answer(
+                self.server.stop(f"{reason} (the {role}, through the watchdog)")
+            )
+        else:
+            detail = "There are GET /ready, GET /incident and POST /stop."
+            self._answer((404, _problem("not_found", detail)))
+
+    do_POST = do_GET  # noqa: N815 - the name that `http.server` calls
+
+    def _token(self) -> bytes:
+        scheme, _, token = self.headers.get("Authorization", "").partition(" ")
+        return token.strip().encode("latin-1") if scheme.lower() == "bearer" else b""
+
+    def _reason(self) -> str | None:
         """Return the reason in the body of a stop; None when there is none."""
         try:
-            fields = json.loads(self._body)
-        except ValueError:
+            length = min(int(self.headers.get("Content-Length", "0")), _MAX_BODY)
+            fields = json.loads(self.rfile.read(max(length, 0)))
+        except (ValueError, OSError):
             return None  # a body that cannot be read is never in a stop's way
         reason = fields.get("reason") if isinstance(fields, dict) else None
         return reason if isinstance(reason, str) and reason else None
+
+    def _answer(self, answer: Answer) -> None:
+        status, body = answer
+        content = json.dumps(body).encode()
+        self.send_response_only(status)
+        self.send_header("Content-Type", "application/json")
+        self.send_header("Content-Length", str(len(content)))
+        self.send_header("Cache-Control", "no-store")
+        self.send_header("Connection", "close")
+        self.end_headers()
+        self.wfile.write(content)
+
+    def log_message(self, format: str, *args: object) -> None:  # noqa: A002 - its name
+        """Log nothing: stderr is the watchdog's, for what a user has to know."""
 
 
 def _problem(code: str, detail: str) -> dict[str, object]:

@@ -58,7 +58,7 @@ SLOW_STEP = 3.0
 
 
 class Watch:
-    """Looks at the heartbeat and acts. One thread; every method returns at once.
+    """Looks at the heartbeat and acts. One thread at a time; methods return at once.
 
     Args:
         heartbeat: The page shared with the station.
