@@ -5,15 +5,16 @@ import logging
 import selectors
 import socket
 import threading
+from collections.abc import Sequence
 from types import TracebackType
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import anyio.lowlevel
 import uvicorn
 from fastapi import FastAPI
 from typing_extensions import override
 
-from station.api.foxglove.foxglove_port import FoxglovePort, by_port
+from station.api.tool_port import ToolPort, by_port
 from station.api.websocket_protocol import StreamProtocol
 from station.core.errors import StationError
 from station.core.loop.right_of_way import RightOfWay
@@ -61,8 +62,8 @@ class ApiServer:
         host: Address to listen on.
         port: Port; 0 for any free one.
         tls: Certificate and key for https and wss; http and ws when None.
-        foxglove: Application for a port of its own, with the same certificate and
-            the same limits; None for nothing.
+        ports: Tools that are served at ports of their own, with the same certificate
+            and the same limits.
 
     Raises:
         TlsFilesError: The certificate or the key cannot be used.
@@ -78,7 +79,7 @@ class ApiServer:
         host: str = "127.0.0.1",
         port: int = 8000,
         tls: TlsFiles | None = None,
-        foxglove: FoxglovePort | None = None,
+        ports: Sequence[ToolPort[Any]] = (),
     ) -> None:
         self.host = host
         self.port = port
@@ -87,10 +88,10 @@ class ApiServer:
         services: Services = app.state.services
         self._broadcaster = services.broadcaster
         self._right_of_way = services.station.loop.right_of_way
-        self._foxglove = foxglove
+        self._ports = ports
         self._server = LimitedServer(
             uvicorn.Config(
-                app if foxglove is None else by_port(app, foxglove),
+                by_port(app, ports) if ports else app,
                 ws=StreamProtocol,
                 ws_max_size=64 * 1024,
                 ws_ping_interval=5.0,
@@ -133,16 +134,16 @@ class ApiServer:
         Raises:
             ServerStartError: The address is taken or not this machine's.
         """
-        listeners = [_listen(self.host, self.port)]
-        self.port = listeners[0].getsockname()[1]
-        foxglove = self._foxglove
-        if foxglove is not None:
-            try:
-                listeners.append(_listen(foxglove.host, foxglove.port))
-            except ServerStartError:
-                listeners[0].close()
-                raise
-            foxglove.port = listeners[1].getsockname()[1]
+        listeners: list[socket.socket] = []
+        doors: list[ApiServer | ToolPort[Any]] = [self, *self._ports]
+        try:
+            for one in doors:
+                listeners.append(_listen(one.host, one.port))
+                one.port = listeners[-1].getsockname()[1]
+        except ServerStartError:
+            for listener in listeners:
+                listener.close()
+            raise
         self._thread = threading.Thread(
             target=self._run, args=(listeners,), name="api", daemon=True
         )

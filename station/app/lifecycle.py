@@ -230,7 +230,8 @@ class StationRun:
         )
         journal.start(app)
         foxglove = make_foxglove(app, station, self._config, policy)
-        server = ApiServer(app, api.host, api.port, tls, foxglove)
+        ports = [] if foxglove is None else [foxglove]
+        server = ApiServer(app, api.host, api.port, tls, ports)
         stack.callback(self._finish_ui)
         stack.callback(server.stop, SERVER_TIMEOUT)
         server.start()

@@ -3,11 +3,7 @@
 import json
 from dataclasses import dataclass
 
-from starlette.websockets import WebSocket
-
-from station.api.audit import origin_of
-from station.api.auth import Access, Role
-from station.api.services import services_of
+from station.api.tool_port import ToolClient
 from station.core.control.switching import SwitchRequest
 from station.core.errors import (
     InvalidCommandError,
@@ -15,16 +11,9 @@ from station.core.errors import (
     StationError,
     suggest,
 )
-from station.events import EventKind, Origin, Severity
 
 SWITCH_SERVICE = "/switch_controllers"
 _SLASH = "/"
-
-
-class ChangeRefusedError(StationError, PermissionError):
-    """A client asks for a change that it may not make."""
-
-    code = "change_refused"
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,19 +33,12 @@ class FoxgloveChanges:
     """The changes of one client. Its methods may wait: for worker threads.
 
     Args:
-        websocket: Its connection.
-        access: Rights of the client.
-        lease: The lease of control that it names; None without one.
+        client: The client, and what it may do.
     """
 
-    def __init__(self, websocket: WebSocket, access: Access, lease: str | None) -> None:
-        services = services_of(websocket)
-        self._station = services.station
-        self._control = services.control
-        self._recorder = services.event_recorder
-        self._websocket = websocket
-        self._access = access
-        self._lease = lease
+    def __init__(self, client: ToolClient) -> None:
+        self._client = client
+        self._station = client.services.station
 
     def gains(self, names: list[str]) -> dict[str, float]:
         """Return gains by `controller/gain`; all when `names` is empty."""
@@ -75,7 +57,7 @@ class FoxgloveChanges:
         """
         what = f"setParameters {', '.join(wanted)}"
         try:
-            self._check(what)
+            self._client.check(what)
         except StationError as error:
             return GainsAnswer(self.gains(list(wanted)), [_sentence(error)])
         problems: list[str] = []
@@ -89,7 +71,7 @@ class FoxgloveChanges:
                 good[name] = float(value)
         problems += self._set(good)
         result = "done" if not problems else "refused: " + " ".join(problems)
-        self._record(what, result, is_done=not problems)
+        self._client.record(what, result, is_done=not problems)
         return GainsAnswer(self.gains(list(wanted)), problems)
 
     def switch(self, payload: bytes) -> bytes:
@@ -104,16 +86,17 @@ class FoxgloveChanges:
             ValueError: The payload is no JSON.
             RecursionError: The payload is too deeply nested.
         """
-        self._check(SWITCH_SERVICE)
+        self._client.check(SWITCH_SERVICE)
         try:
             asked = json.loads(payload)
             start, stop = _names(asked, "start"), _names(asked, "stop")
             result = self._station.switch_controllers(SwitchRequest(start, stop))
         except (StationError, ValueError, RecursionError) as error:
-            self._record(SWITCH_SERVICE, f"refused: {error}", is_done=False)
+            self._client.record(SWITCH_SERVICE, f"refused: {error}", is_done=False)
             raise
-        self._recorder.switch(self._websocket, result)
-        self._record(SWITCH_SERVICE, "done" if result.ok else "failed", result.ok)
+        self._client.services.event_recorder.switch(self._client.websocket, result)
+        ended = "done" if result.ok else "failed"
+        self._client.record(SWITCH_SERVICE, ended, is_done=result.ok)
         if not result.ok:
             failed = (f"{name}: {why}" for name, why in result.failed.items())
             raise InvalidCommandError(
@@ -137,42 +120,6 @@ class FoxgloveChanges:
         except StationError as error:
             return [_sentence(error)]
         return []
-
-    def _check(self, what: str) -> None:
-        """Refuse a change by anybody who may not make it.
-
-        Raises:
-            ChangeRefusedError: The client is no operator, or no longer one.
-            StationError: Somebody else holds control.
-        """
-        try:
-            if self._access.has_ended():
-                raise ChangeRefusedError(
-                    "The token of this connection has been revoked or has expired.",
-                    remedy="Connect with another token.",
-                )
-            if not self._access.role.includes(Role.OPERATOR):
-                raise ChangeRefusedError(
-                    "A viewer may look, but not change anything.",
-                    remedy="Connect with ?token=… of an operator.",
-                )
-            self._control.check(self._access, self._lease)
-        except StationError as error:
-            self._record(what, f"refused: {error.code}", is_done=False)
-            raise
-
-    def _record(self, what: str, result: str, is_done: bool) -> None:  # noqa: FBT001 - private
-        found = origin_of(self._websocket)
-        who = self._control.name_of(self._access, self._lease)
-        ended = "was carried out" if is_done else f"was {result}"
-        self._recorder.repeats.record(
-            EventKind.REQUEST,
-            f"Foxglove's {what} of {who} {ended}.",
-            severity=Severity.INFO if is_done else Severity.WARNING,
-            what=f"foxglove {what}",
-            result=result,
-            origin=Origin(who, found.where, found.request_id),
-        )
 
 
 def _by_controller(gains: dict[str, float]) -> dict[str, dict[str, float]]:

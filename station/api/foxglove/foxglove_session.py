@@ -72,19 +72,15 @@ class FoxgloveSession:
         self._newest = messages
         self._wake.set()
 
-    async def greet(self, boot_id: str) -> None:
-        """Advertise the channels, the services and the parameters.
-
-        Args:
-            boot_id: Tells one start of the station from the next.
-        """
+    async def greet(self) -> None:
+        """Advertise the channels, the services and the parameters."""
         await self._send({
             "op": "serverInfo",
             "name": "control station",
             "capabilities": ["parameters", "parametersSubscribe", "services"],
             "supportedEncodings": ["json"],
             "metadata": {},
-            "sessionId": boot_id,
+            "sessionId": self._channels.boot_id,
         })
         await self._advertise()
         await self._send({"op": "advertiseServices", "services": [_service()]})

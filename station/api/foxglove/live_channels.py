@@ -41,6 +41,7 @@ class LiveChannels:
         texts: Text by topic, such as `/robot_description`; subscribers get it.
 
     Attributes:
+        boot_id: Tells one start of the station from the next.
         kinds: Message types by topic, of all channels so far.
     """
 
@@ -57,6 +58,7 @@ class LiveChannels:
         self._encoder = CycleMessages(time.time_ns() - round(loop.time * 1e9))
         self._packer = RowPacker(station.joint_names, self._elements)
         self._cycle = 0
+        self.boot_id = station.boot_id
         self.kinds: dict[str, MessageType] = {}
         if urdf is not None:
             self.kinds[TRANSFORMS] = messages.TF_MESSAGE

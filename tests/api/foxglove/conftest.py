@@ -36,7 +36,7 @@ def serve(app, station):
             policy=policy or HostPolicy(),
             anonymous=anonymous,
         )
-        server = ApiServer(app, "127.0.0.1", 0, foxglove=port)
+        server = ApiServer(app, "127.0.0.1", 0, ports=[port])
         server.start()
         servers.append(server)
         return server.url, f"ws://127.0.0.1:{port.port}/"

@@ -8,12 +8,13 @@ import pytest
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from station.api.foxglove.foxglove_port import MOST_CLIENTS
+from station.api.foxglove.foxglove_port import FoxglovePort
 from station.api.host_policy import HostPolicy
 from station.client import StationClient
 from tests.api.conftest import OPERATOR, VIEWER
 from tests.api.foxglove.words import call, running, set_gains, until
 
+MOST = FoxglovePort.most_clients
 PROTOCOLS = ["foxglove.sdk.v1"]
 
 
@@ -145,7 +146,7 @@ def test_a_listed_origin_may_connect(serve):
 
 def test_viewers_leave_room_for_operators(serve):
     _, foxglove = serve()
-    clients = [connect(foxglove, subprotocols=PROTOCOLS) for _ in range(MOST_CLIENTS)]
+    clients = [connect(foxglove, subprotocols=PROTOCOLS) for _ in range(MOST)]
     try:
         refused = 0
         for client in clients:
@@ -153,7 +154,7 @@ def test_viewers_leave_room_for_operators(serve):
                 until(client, "serverInfo")
             except ConnectionClosed as closed:
                 refused += closed.rcvd.code == 1013
-        assert refused == MOST_CLIENTS // 4
+        assert refused == MOST // 4
         url = f"{foxglove}?token={OPERATOR}"
         with connect(url, subprotocols=PROTOCOLS) as operator:
             until(operator, "serverInfo")
