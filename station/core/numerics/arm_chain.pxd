@@ -14,3 +14,11 @@ cpdef void twist_of(double[::1] jacobian, double[::1] rates, double[::1] result)
 cpdef void torques_of(
     double[::1] jacobian, double[::1] wrench, double[::1] result
 ) noexcept
+cpdef void measure_accelerations(
+    double[::1] links,
+    double[::1] dq,
+    double[::1] ddq,
+    double[::1] gravity,
+    double[::1] sensors,
+    double[::1] result,
+) noexcept

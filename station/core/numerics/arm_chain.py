@@ -160,3 +160,74 @@ def torques_of(jacobian: Doubles, wrench: Doubles, result: Doubles) -> None:
             + jacobian[k + 4] * e
             + jacobian[k + 5] * f
         )
+
+
+def measure_accelerations(
+    links: Doubles,
+    dq: Doubles,
+    ddq: Doubles,
+    gravity: Doubles,
+    sensors: Doubles,
+    result: Doubles,
+) -> None:
+    """Write what accelerometers measure that are fixed to the base and to links.
+
+    An accelerometer measures the acceleration of its point less that of gravity, in its
+    own axes: at rest 9.81 m/s^2 upwards.
+
+    Args:
+        links: Poses of the links.
+        dq: Joint velocities [rad/s], shape (n,).
+        ddq: Joint accelerations [rad/s^2], shape (n,).
+        gravity: Acceleration of gravity in the axes of the base [m/s^2], shape (3,).
+        sensors: Poses in the frame of the base, of link 1, of link 2 and so on, 16
+            numbers each; at most n + 1.
+        result: Where the accelerations go [m/s^2], 3 numbers per sensor.
+    """
+    gx, gy, gz = gravity[0], gravity[1], gravity[2]
+    # The axes and the origin of the link, which begins as the base.
+    xx, xy, xz, yx, yy, yz = 1.0, 0.0, 0.0, 0.0, 1.0, 0.0
+    zx, zy, zz, px, py, pz = 0.0, 0.0, 1.0, 0.0, 0.0, 0.0
+    # Its angular velocity, angular acceleration, and acceleration less gravity.
+    wx, wy, wz, ux, uy, uz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    ax, ay, az = -gx, -gy, -gz
+    for link in range(len(sensors) // 16):
+        if link > 0:
+            k = 16 * (link - 1)
+            # The way to this link's origin, which turns with the link before.
+            rx, ry, rz = links[k + 12] - px, links[k + 13] - py, links[k + 14] - pz
+            px, py, pz = links[k + 12], links[k + 13], links[k + 14]
+            sx, sy, sz = wy * rz - wz * ry, wz * rx - wx * rz, wx * ry - wy * rx
+            ax += uy * rz - uz * ry + wy * sz - wz * sy
+            ay += uz * rx - ux * rz + wz * sx - wx * sz
+            az += ux * ry - uy * rx + wx * sy - wy * sx
+            xx, xy, xz = links[k], links[k + 1], links[k + 2]
+            yx, yy, yz = links[k + 4], links[k + 5], links[k + 6]
+            zx, zy, zz = links[k + 8], links[k + 9], links[k + 10]
+            rate, change = dq[link - 1], ddq[link - 1]
+            ux += change * zx + rate * (wy * zz - wz * zy)
+            uy += change * zy + rate * (wz * zx - wx * zz)
+            uz += change * zz + rate * (wx * zy - wy * zx)
+            wx, wy, wz = wx + rate * zx, wy + rate * zy, wz + rate * zz
+        k = 16 * link
+        x, y, z = sensors[k + 12], sensors[k + 13], sensors[k + 14]
+        rx, ry, rz = (
+            xx * x + yx * y + zx * z,
+            xy * x + yy * y + zy * z,
+            xz * x + yz * y + zz * z,
+        )
+        sx, sy, sz = wy * rz - wz * ry, wz * rx - wx * rz, wx * ry - wy * rx
+        x = ax + uy * rz - uz * ry + wy * sz - wz * sy
+        y = ay + uz * rx - ux * rz + wz * sx - wx * sz
+        z = az + ux * ry - uy * rx + wx * sy - wy * sx
+        # From the axes of the base to those of the link, then to those of the sensor.
+        rx, ry, rz = (
+            xx * x + xy * y + xz * z,
+            yx * x + yy * y + yz * z,
+            zx * x + zy * y + zz * z,
+        )
+        for axis in range(3):
+            k = 16 * link + 4 * axis
+            result[3 * link + axis] = (
+                sensors[k] * rx + sensors[k + 1] * ry + sensors[k + 2] * rz
+            )

@@ -108,6 +108,33 @@ def test_twist_and_torques_are_products_with_the_jacobian():
     assert torques.tolist() == pytest.approx((matrix.T @ wrench).tolist())
 
 
+@given(chains, st.lists(st.floats(-0.3, 0.3), min_size=6, max_size=6))
+def test_accelerometers_are_pinocchios_frames(parameters, placement):
+    q, chain, model = positions(parameters), chain_of(parameters), truth_of(parameters)
+    turn, place = pin.exp3(10.0 * np.array(placement[:3])), np.array(placement[3:])
+    sensor, dq = pin.SE3(turn, place), [2.0 * value for value in q]
+    ddq, gravity = [5.0 - 3.0 * value for value in q], [1.0, -2.0, -9.81]
+    for joint in range(len(q) + 1):
+        frame = pin.Frame(f"sensor{joint}", joint, sensor, pin.FrameType.SENSOR)
+        model.addFrame(frame)
+    data, model.gravity.linear = model.createData(), np.array(gravity)
+    pin.forwardKinematics(model, data, *map(np.array, (q, dq, ddq)))
+    pin.updateFramePlacements(model, data)
+
+    sensors = doubles(sensor.homogeneous.T.ravel().tolist() * (len(q) + 1))
+    found = zeros(3 * (len(q) + 1))
+    motion = links_of(chain, q), doubles(dq), doubles(ddq), doubles(gravity)
+    arm_chain.measure_accelerations(*motion, sensors, found)
+    for joint in range(len(q) + 1):
+        frame = model.getFrameId(f"sensor{joint}")
+        local = pin.ReferenceFrame.LOCAL
+        moved = pin.getFrameClassicalAcceleration(model, data, frame, local).linear
+        expected = moved - data.oMf[frame].rotation.T @ gravity
+        assert found[3 * joint : 3 * joint + 3].tolist() == pytest.approx(
+            expected.tolist(), abs=1e-9
+        )
+
+
 @needs_both
 @given(arrays(32), arrays(7), arrays(16), arrays(6))
 def test_both_modes_agree_bit_for_bit(chain, q, pose, vectors):
@@ -120,6 +147,8 @@ def test_both_modes_agree_bit_for_bit(chain, q, pose, vectors):
         module.turn_to_outer_axes(links[:16], doubles(vectors), there)
         module.twist_of(jacobian, doubles(q), twist)
         module.torques_of(jacobian, doubles(vectors), torques)
-        return [*links, *jacobian, *body, *twist, *torques, *there]
+        motion, felt = (doubles(q), doubles(q[::-1]), doubles(vectors[:3])), zeros(24)
+        module.measure_accelerations(links, *motion, links, felt)
+        return [*links, *jacobian, *body, *twist, *torques, *there, *felt]
 
     assert_same("arm_chain", scenario)

@@ -18,7 +18,7 @@ from station.core.franka.franka_services import ArmSimulation, CollisionBehavior
 from station.core.franka.model_sources import ModelSource
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.receiver import Receiver
-from station.memory.doubles import Storage
+from station.memory.doubles import Doubles, Storage
 from station.reports import ArmRecord
 
 REST_VELOCITY = 2e-4
@@ -214,6 +214,18 @@ class RobotArm(ABC):
 
         Args:
             model: A model of this arm, whose results are used where they can be.
+        """
+        return None
+
+    def accelerometers(self) -> tuple[Doubles, Doubles] | None:
+        """Return the readings on top and on the bottom of the boards in the joints.
+
+        None when the arm does not tell them. They are computed when they are asked for,
+        so that they cost nothing else.
+
+        Returns:
+            Both for the boards of joints 1 to 6, in the axes of the sensors, gravity
+            included [m/s^2], each of 6 x 3 numbers; valid until the next call.
         """
         return None
 

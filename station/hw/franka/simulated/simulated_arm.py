@@ -17,6 +17,7 @@ from station.hw.franka.arm.robot_arm import (
     RobotArm,
 )
 from station.hw.franka.arm.service_limits import ServiceLimits
+from station.hw.franka.simulated.accelerometers import Accelerometers
 from station.hw.franka.simulated.arm_model import ArmModel
 from station.hw.franka.simulated.arm_modes import ArmModes
 from station.hw.franka.simulated.arm_parts import ArmParts
@@ -25,7 +26,7 @@ from station.hw.franka.simulated.receivers import StepReceiver
 from station.hw.franka.simulated.simulated_arm_controls import SimulatedArmControls
 from station.hw.franka.simulated.simulated_cycles import SimulatedCycles
 from station.hw.mujoco.world import World
-from station.memory.doubles import Storage
+from station.memory.doubles import Doubles, Storage
 from station.reports import ArmRecord
 
 _ZEROS = [0.0] * 7
@@ -78,6 +79,7 @@ class SimulatedArm(RobotArm):
         self._modes = ArmModes(world, parts)
         self._step = parts.step
         self._step.modes = self._modes
+        self._accelerometers = Accelerometers(self.state, self._memory)
         self._controls = SimulatedArmControls(world, parts, self._modes, service_limits)
         self._cycles = SimulatedCycles(
             self._step,
@@ -120,6 +122,10 @@ class SimulatedArm(RobotArm):
     def pose_source(self, model: FrankaModel) -> ModelSource:
         q, tool, stiffness_frame = map(self.state.doubles, ("q", "F_T_EE", "EE_T_K"))
         return model.pose_source(Frame.END_EFFECTOR, q, tool, stiffness_frame)
+
+    @override
+    def accelerometers(self) -> tuple[Doubles, Doubles]:
+        return self._accelerometers.read()
 
     @override
     def refusal(
@@ -254,6 +260,7 @@ class SimulatedArm(RobotArm):
         """
         state = self.state
         self._sensors.rest()
+        self._accelerometers.forget()
         self._motion.seed(self._memory.positions, _ZEROS)
         self.motors.engage_joint_impedance()
         # A motion that runs goes on after a reset, by the controller that it has.
