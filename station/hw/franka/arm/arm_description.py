@@ -1,11 +1,11 @@
-"""The URDF of an arm: its joints' names, and the limits of its kind.
+"""The URDF of an arm: its joints' names, and the values of its kind.
 
-The packages that can be installed have a Panda and no FR3. Both have the same
-kinematics, and franka_ros gives both the same inertias, so that an FR3 is made of the
-Panda's URDF: its shapes and inertias stay, the limits of its joints change.
+example-robot-data has a Panda and no FR3. Both have the same kinematics, so that an FR3
+is made of the Panda's URDF: its shapes and its hand stay, the limits of its joints and
+the masses of its links change.
 
 Source: franka_ros@c11f000 franka_description/robots, fr3/joint_limits.yaml,
-common/inertial.yaml, common/utils.xacro.
+common/utils.xacro; franka_description@1.0.1 robots/fr3.
 """
 
 from dataclasses import replace
@@ -13,10 +13,11 @@ from xml.etree import ElementTree
 
 from station.core.description.robot_files import RobotFiles, load_robot_files
 from station.core.errors import RobotDescriptionError
-from station.hw.franka.arm.arm_limits import ArmLimits, UrdfLimits
+from station.hw.franka.arm.arm_limits import ArmLimits, UrdfValues
 from station.hw.urdf_loader import load_urdf
 
 _PANDA = "panda_"
+_MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 
 def joint_names(arm_id: str) -> list[str]:
@@ -46,8 +47,8 @@ def find_prefix(description: RobotFiles) -> str:
 def load_arm_description(reference: str, limits: ArmLimits) -> RobotFiles:
     """Find and read the URDF of an arm.
 
-    A URDF with the names of a Panda gets the limits of the wanted kind of arm. A URDF
-    with other names keeps its limits.
+    A URDF with the names of a Panda gets the limits and masses of the wanted kind of
+    arm. A URDF with other names stays as it is.
 
     Args:
         reference: `example-robot-data:<robot>` or the path of a URDF file.
@@ -58,19 +59,28 @@ def load_arm_description(reference: str, limits: ArmLimits) -> RobotFiles:
     """
     description = load_robot_files(reference)
     prefix = find_prefix(description)
-    # Any other URDF than the Panda's states the limits of its own arm.
+    # Any other URDF than the Panda's states the values of its own arm.
     if limits.urdf is None or prefix != _PANDA:
         return description
-    return _with_limits(description, limits.urdf)
+    return _with_values(description, limits.urdf)
 
 
-def _with_limits(description: RobotFiles, limits: UrdfLimits) -> RobotFiles:
+def _with_values(description: RobotFiles, values: UrdfValues) -> RobotFiles:
     root = ElementTree.fromstring(description.xml)
     for i, name in enumerate(joint_names("panda")):
-        lower, upper = repr(limits.lower[i]), repr(limits.upper[i])
-        velocity = repr(limits.velocity[i])
+        lower, upper = repr(values.lower[i]), repr(values.upper[i])
+        velocity = repr(values.velocity[i])
         for limit in root.iterfind(f"joint[@name='{name}']/limit"):
             limit.attrib.update(lower=lower, upper=upper, velocity=velocity)
         for soft in root.iterfind(f"joint[@name='{name}']/safety_controller"):
             soft.attrib.update(soft_lower_limit=lower, soft_upper_limit=upper)
+    for number, (mass, *rest) in enumerate(values.inertials):
+        inertia = dict(zip(_MOMENTS, map(repr, rest[3:]), strict=True))
+        new = {
+            "origin": {"xyz": " ".join(map(repr, rest[:3])), "rpy": "0 0 0"},
+            "mass": {"value": repr(mass)},
+            "inertia": inertia,
+        }
+        for inertial in root.iterfind(f"link[@name='{_PANDA}link{number}']/inertial"):
+            inertial[:] = [ElementTree.Element(tag, new[tag]) for tag in new]
     return replace(description, xml=ElementTree.tostring(root, encoding="unicode"))

@@ -1,8 +1,10 @@
 """The limits of an arm's joints and of its end effector, Panda and FR3.
 
 Source: Franka Control Interface documentation, Robot and interface specifications;
-libfranka@0.9.2 and @0.15.0 include/franka/rate_limiting.h; franka_ros@c11f000
-franka_description/robots/fr3/joint_limits.yaml; differs: the Panda's
+libfranka@0.9.2 and @0.15.0 include/franka/rate_limiting.h; libfranka@0.20.4
+test/fr3.urdf, `position_based_velocity_limits`; franka_ros@c11f000
+franka_description/robots/fr3/joint_limits.yaml; franka_description@1.0.1
+robots/fr3/inertials.yaml; differs: the Panda's
 translational velocity is that of libfranka's limiter, 2.0 m/s, not the documented
 1.7 m/s, so that what the limiter lets pass raises no error.
 """
@@ -31,21 +33,24 @@ class MotionLimits:
 
 
 @dataclass(frozen=True, slots=True)
-class UrdfLimits:
-    """The limits that a URDF states for an arm's joints, tuples of shape (7,).
+class UrdfValues:
+    """The values that the URDF of another arm has in place of a Panda's.
 
     Where velocity limits depend on the position, a URDF can but give a range of
     positions in which a lower velocity is always allowed.
 
     Attributes:
-        lower: Lowest positions [rad].
-        upper: Highest positions [rad].
-        velocity: [rad/s].
+        lower: Lowest positions of the joints [rad], shape (7,).
+        upper: Highest positions [rad], shape (7,).
+        velocity: [rad/s], shape (7,).
+        inertials: Of the links 0 to 7, in their frames: mass [kg], centre of mass [m],
+            and inertia about it, xx, yy, zz, xy, xz, yz [kg m^2]; shape (8, 10).
     """
 
     lower: tuple[float, ...]
     upper: tuple[float, ...]
     velocity: tuple[float, ...]
+    inertials: tuple[tuple[float, ...], ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +71,8 @@ class ArmLimits:
         limiter_elbow_velocity: Up to which libfranka's limiter lets the elbow go
             [rad/s].
         tolerated_losses: Lost packets for which the velocity limit leaves room.
-        urdf: Limits in a URDF of the arm, if they differ; None: these limits.
+        urdf: Values in a URDF of the arm where they differ from those of a Panda; None:
+            none do.
         curves: (a, b, upper, lower) per joint of limits that depend on the position,
             see `velocity_range`; empty where there are none. They end at rest, so that
             no position limit of commands is needed besides.
@@ -86,7 +92,7 @@ class ArmLimits:
     elbow: MotionLimits
     limiter_elbow_velocity: float
     tolerated_losses: int
-    urdf: UrdfLimits | None = None
+    urdf: UrdfValues | None = None
     curves: tuple[tuple[float, float, float, float], ...] = ()
     filters_first_pose: bool = True
 
@@ -124,6 +130,33 @@ PANDA_LIMITS = ArmLimits(
 )
 """The Panda (FER)."""
 
+_FR3_INERTIALS = (
+    (2.3966, -0.0172, 0.0004, 0.0745,
+     0.009, 0.0115, 0.0085,
+     0.0, 0.002, 0.0),
+    (2.9274653454, 4.128e-07, -0.0181251324, -0.038603597,
+     0.023927316485107913, 0.0224821613275756, 0.006350098258530016,
+     1.3317903455714081e-05, -0.00011404774918616684, -0.0019950320628240115),
+    (2.9355370338, 0.0031828864, -0.0743221644, 0.0088146084,
+     0.041938946257609425, 0.02514514885014724, 0.06170214472888839,
+     0.00020257331521090626, 0.004077784227179924, -0.0042252158006570156),
+    (2.2449013699, 0.0407015686, -0.0048200565, -0.0289730823,
+     0.02410142547240885, 0.01974053266708178, 0.019044494482244823,
+     0.002404694559042109, -0.002856269270114313, -0.002104212683891874),
+    (2.6155955791, -0.0459100965, 0.063049296, -0.0085187868,
+     0.03452998321913202, 0.028881621933049058, 0.04125471171146641,
+     0.01322552265982813, 0.01015142998484113, -0.0009762833870704552),
+    (2.3271207594, -0.0016039605, 0.0292536262, -0.097296599,
+     0.051610278463662895, 0.04787729713371481, 0.016423625579357254,
+     -0.005715173387783472, -0.0035673167625872135, 0.010673985108535986),
+    (1.8170376524, 0.0597131221, -0.0410294666, -0.0101692726,
+     0.005412333594383447, 0.014058329545509979, 0.016080817924212554,
+     0.006193456360285834, 0.0014219289306117652, -0.0013140753741120031),
+    (0.6271432862, 0.0045225817, 0.0086261921, -0.0161633251,
+     0.00021092389150104718, 0.00017718568002411474, 5.993190599659971e-05,
+     -2.433299114461931e-05, 4.564480393778983e-05, 8.744070223226438e-05),
+)  # fmt: skip
+
 FR3_LIMITS = ArmLimits(
     lower=(-2.7437, -1.7837, -2.9007, -3.0421, -2.8065, 0.5445, -3.0159),
     upper=(2.7437, 1.7837, 2.9007, -0.1518, 2.8065, 4.5169, 3.0159),
@@ -137,10 +170,11 @@ FR3_LIMITS = ArmLimits(
     elbow=MotionLimits(2.62, 10.0, 5000.0),
     limiter_elbow_velocity=1.5,
     tolerated_losses=0,
-    urdf=UrdfLimits(
+    urdf=UrdfValues(
         lower=(-2.3093, -1.5133, -2.4937, -2.7478, -2.4800, 0.8521, -2.6895),
         upper=(2.3093, 1.5133, 2.4937, -0.4461, 2.4800, 4.2094, 2.6895),
         velocity=(2.0, 1.0, 1.5, 1.25, 3.0, 1.5, 3.0),
+        inertials=_FR3_INERTIALS,
     ),
     curves=(
         (0.30, 12.0, 2.75010, -2.75010),
