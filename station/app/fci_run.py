@@ -77,6 +77,8 @@ class FciRun:
         root = self._parameters()
         parameters = read_parameters(root.namespace(ROBOT_NAMESPACE))
         arm_id = parameters.arm_id
+        if parameters.remark is not None:
+            self._warn(parameters.remark)
         world = simulate_one(parameters, root)
         gripper = world.grippers.get(arm_id)
         hand = None if gripper is None else HandServices(arm_id, gripper)

@@ -26,6 +26,8 @@ from station.core.yaml_reader import (
 
 _PREFIX = "STATION_"
 _BETWEEN = "__"
+# The arm whose name the defaults give to a robot without `arm`, as franka_ros has it.
+_ARM = "panda"
 _Section = dict[str, object]
 
 
@@ -187,9 +189,13 @@ class _Merge:
             self._set(tuple(dotted.split(".")), value, "command line")
 
     def substitute_arguments(self) -> None:
-        """Replace `$(arg arm_id)` in all parameters of controllers."""
+        """Replace `$(arg arm)` in `arm_id`, and `$(arg arm_id)` in controllers."""
         robot = self.values.get("robot")
         arm_id = robot.get("arm_id") if isinstance(robot, dict) else None
+        if isinstance(robot, dict) and isinstance(arm_id, str):
+            arm = {"arm": str(robot.get("arm", _ARM))}
+            arm_id = str(substitute(arm_id, arm, "robot"))
+            self.values["robot"] = {**robot, "arm_id": arm_id}
         arguments = {"arm_id": arm_id} if isinstance(arm_id, str) else {}
         for section, values in (
             ("controllers", self.values.get("controllers")),

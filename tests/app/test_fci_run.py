@@ -46,6 +46,17 @@ def test_the_configured_arm_is_served_and_the_cycles_are_told(make):
     assert warned == []
 
 
+def test_an_fr3_is_served_with_its_versions_and_a_wrong_name_is_told(make):
+    run, told, warned = make("robot: {arm: fr3}\n")
+    assert run.run().cycles == 3
+    assert "of arm 'fr3' at 127.19." in told[0]
+    assert not told[0].startswith("Franka Control Interface 5 ")
+    assert warned == []
+    run, _, warned = make("robot: {arm: fr3, arm_id: panda}\n")
+    run.run()
+    assert "Write arm_id: fr3" in warned[0]
+
+
 def test_other_robots_are_refused(make):
     run, told, _ = make("robot: {type: mock_hw/MockRobotHW}\n")
     with pytest.raises(FciRobotError, match="mock_hw/MockRobotHW") as error:

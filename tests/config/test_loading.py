@@ -42,6 +42,29 @@ def test_section_is_merged_key_by_key(write):
     assert config.start == ["joint_state_controller"]
 
 
+@pytest.mark.parametrize(
+    ("robot", "arm_id"),
+    [
+        ("{arm: fr3}", "fr3"),
+        ("{arm: fr3, arm_id: left}", "left"),
+        ("{arm_id: fr3}", "fr3"),
+        ("{rate_limiting: true}", "panda"),
+    ],
+)
+def test_arm_gives_its_name_to_the_joints_unless_they_have_one(write, robot, arm_id):
+    config = load_config(write(f"robot: {robot}"))
+    assert config.robot_parameters()["arm_id"] == arm_id
+    controllers = config.controller_parameters()
+    joints = controllers["position_group_controller"]["joints"]
+    assert joints[6] == f"{arm_id}_joint7"
+
+
+def test_arm_of_the_environment_or_command_line_gives_its_name(monkeypatch):
+    assert load_config(flags={"robot.arm": "fr3"}).robot_parameters()["arm_id"] == "fr3"
+    monkeypatch.setenv("STATION_ROBOT__ARM", "fr3")
+    assert load_config().robot_parameters()["arm_id"] == "fr3"
+
+
 def test_default_controllers_follow_the_arm_id(write):
     config = load_config(write("robot: {arm_id: left}"))
 

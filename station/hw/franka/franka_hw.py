@@ -134,6 +134,8 @@ class FrankaHW(RobotHW):
         self._parameters = read_parameters(hw_params)
         self._settings, self._hw_params = read_command_settings(hw_params), hw_params
         arm_id, limits = self._parameters.arm_id, self._parameters.limits
+        if self._parameters.remark is not None:
+            _logger.warning("%s", self._parameters.remark)
         if self._arm is None:
             self._make_arm(root_params)
         self._mode = self.arm.state.doubles(MODE)

@@ -35,6 +35,7 @@ _INTERNAL_CONTROLLERS = {
 }
 _KEYS = frozenset({
     "type",
+    "arm",
     "arm_id",
     "joint_names",
     "robot_description",
@@ -68,6 +69,7 @@ class FrankaParameters:
     """The settings that FrankaHW reads once.
 
     Attributes:
+        arm: The kind of arm, a key of `LIMITS_OF_ARM`.
         arm_id: Prefix of the arm's names.
         joint_names: The 7 joints, from base to flange.
         robot_description: `example-robot-data:<robot>` or the path of a URDF.
@@ -75,7 +77,7 @@ class FrankaParameters:
             a warning [rad], >= 0.
         initial_positions: Where the simulated arm starts [rad], shape (7,).
         base: The base's pose in the world.
-        limits: Limits of this kind of arm (`arm_type`).
+        limits: Limits of this kind of arm.
         gravity: Acceleration of gravity in the axes of the world [m/s^2].
         most_lost_packets: As many cycles as the arm is made to miss when the loop is
             late (`realtime_config`): 20, which stops it, if `enforce`; 19 if `ignore`.
@@ -91,6 +93,7 @@ class FrankaParameters:
         robot_ip: Where the real arm is; None for a simulated one.
     """
 
+    arm: str
     arm_id: str
     joint_names: tuple[str, ...]
     robot_description: str
@@ -113,6 +116,18 @@ class FrankaParameters:
     def waits_for_late_loop(self) -> bool:
         """Return whether `realtime_config` is `ignore`."""
         return self.most_lost_packets < MOST_LOST_PACKETS
+
+    @property
+    def remark(self) -> str | None:
+        """Return a remark if the arm has the name of another kind; else None."""
+        named = _kind_named(self.arm_id)
+        if named in {None, self.arm}:
+            return None
+        return (
+            f"The parameter arm chooses a model {self.arm}, but arm_id is "
+            f"{self.arm_id}, the name of a {named}. Write arm_id: {self.arm} for the "
+            f"names of this model, or arm: {named} for the model with these names."
+        )
 
 
 def read_parameters(params: Parameters) -> FrankaParameters:
@@ -143,14 +158,16 @@ def read_parameters(params: Parameters) -> FrankaParameters:
     threshold = params.get_float("joint_limit_warning_threshold", 0.1)
     if threshold < 0.0:
         _refuse(params, "joint_limit_warning_threshold", threshold, "0 or more")
+    arm = _arm(params, arm_id)
     return FrankaParameters(
+        arm=arm,
         arm_id=arm_id,
         joint_names=tuple(names),
         robot_description=params.get_str("robot_description"),
         joint_limit_warning_threshold=threshold,
         initial_positions=_floats(params, "initial_positions", INITIAL_POSITIONS),
         base=_base(params),
-        limits=_limits(params, arm_id),
+        limits=LIMITS_OF_ARM[arm],
         gravity=_gravity(params),
         most_lost_packets=_most_lost_packets(params),
         collision_behavior=_collision_behavior(params.namespace("collision_config")),
@@ -210,13 +227,23 @@ def _base(params: Parameters) -> Pose:
     return Pose.from_rpy((x, y, z), (roll, pitch, yaw))
 
 
-def _limits(params: Parameters, arm_id: str) -> ArmLimits:
-    # As the launch files of franka_ros name their arms.
-    kind = "fr3" if arm_id.startswith("fr3") else "panda"
-    chosen = params.get_str("arm_type", kind)
-    if chosen not in LIMITS_OF_ARM:
-        _refuse(params, "arm_type", chosen, f"one of {', '.join(LIMITS_OF_ARM)}")
-    return LIMITS_OF_ARM[chosen]
+def _arm(params: Parameters, arm_id: str) -> str:
+    # By its name, as the launch files of franka_ros call their arms.
+    chosen = _kind_named(arm_id) or "panda"
+    for key in ("arm_type", "arm"):  # the first is the older name of the second
+        if not params.has(key):
+            continue
+        value = params.get_str(key)
+        if value not in LIMITS_OF_ARM:
+            _refuse(params, key, value, f"one of {', '.join(LIMITS_OF_ARM)}")
+        if key == "arm" and params.has("arm_type") and value != chosen:
+            _refuse(params, key, value, f"{chosen} as arm_type, or arm_type left out")
+        chosen = value
+    return chosen
+
+
+def _kind_named(arm_id: str) -> str | None:
+    return next((kind for kind in LIMITS_OF_ARM if arm_id.startswith(kind)), None)
 
 
 def _gravity(params: Parameters) -> tuple[float, float, float]:

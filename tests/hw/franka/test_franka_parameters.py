@@ -4,6 +4,7 @@ import pytest
 
 from station.core.errors import ParameterError
 from station.core.parameters import Parameters, ParameterTree
+from station.hw.franka.arm.arm_limits import LIMITS_OF_ARM
 from station.hw.franka.arm.collision_behavior import DEFAULT_COLLISION_BEHAVIOR
 from station.hw.franka.arm.service_limits import ServiceLimits
 from station.hw.franka.franka_parameters import (
@@ -46,8 +47,42 @@ def test_robot_ip_names_a_real_arm() -> None:
 
 
 @pytest.mark.parametrize(
+    ("told", "arm"),
+    [
+        ({}, "panda"),
+        ({"arm_id": "left"}, "panda"),
+        ({"arm_id": "fr3"}, "fr3"),
+        ({"arm_id": "fr3_left"}, "fr3"),
+        ({"arm": "fr3"}, "fr3"),
+        ({"arm": "panda", "arm_id": "fr3"}, "panda"),
+        ({"arm_type": "fr3"}, "fr3"),
+        ({"arm_type": "panda", "arm_id": "fr3"}, "panda"),
+        ({"arm": "fr3", "arm_type": "fr3"}, "fr3"),
+    ],
+)
+def test_arm_is_chosen_by_name_and_else_by_its_prefix(told: dict, arm: str) -> None:
+    read = read_parameters(params(**told))
+    assert (read.arm, read.limits) == (arm, LIMITS_OF_ARM[arm])
+
+
+def test_arm_with_the_name_of_another_kind_is_remarked() -> None:
+    told = read_parameters(params(arm="fr3")).remark
+    assert "arm_id: fr3" in told
+    assert "arm: panda" in told
+    for fits in ({}, {"arm_id": "fr3"}, {"arm": "fr3", "arm_id": "left"}):
+        assert read_parameters(params(**fits)).remark is None
+
+
+def test_older_name_of_the_arm_may_not_contradict_the_newer() -> None:
+    with pytest.raises(ParameterError, match=r"robot/arm'.*arm_type left out"):
+        read_parameters(params(arm="panda", arm_type="fr3"))
+
+
+@pytest.mark.parametrize(
     ("key", "value"),
     [
+        ("arm", "iiwa"),
+        ("arm_type", "iiwa"),
         ("arm_id", "my arm"),
         ("arm_id", 7),
         ("joint_names", ["panda_joint1"]),

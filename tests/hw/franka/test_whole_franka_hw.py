@@ -214,11 +214,15 @@ def test_fr3_is_an_arm_with_names_and_limits_of_its_own() -> None:
     assert all(0.0 <= stop - limit < 0.1 for stop, limit in widest)
 
 
-def test_arm_type_fr3_gives_a_panda_the_limits_of_an_fr3() -> None:
-    hw = make(arm_type="fr3")
+@pytest.mark.parametrize("key", ["arm", "arm_type"])
+def test_arm_fr3_with_the_names_of_a_panda_is_an_fr3_and_told(
+    key: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    hw = make(**{key: "fr3"})
     assert hw.arm.limits is FR3_LIMITS
     assert hw.joint_limits()[0].joint == "panda_joint1"
     assert hw.joint_limits()[0].limits.max_position == 2.3093
+    assert "arm chooses a model fr3" in caplog.text
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
