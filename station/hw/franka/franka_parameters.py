@@ -77,7 +77,7 @@ class FrankaParameters:
             a warning [rad], >= 0.
         initial_positions: Where the simulated arm starts [rad], shape (7,).
         base: The base's pose in the world.
-        limits: What this kind of arm can do.
+        limits: Limits of this kind of arm.
         gravity: Acceleration of gravity in the axes of the world [m/s^2].
         most_lost_packets: As many cycles as the arm is made to miss when the loop is
             late (`realtime_config`): 20, which stops it, if `enforce`; 19 if `ignore`.

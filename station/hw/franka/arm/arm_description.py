@@ -47,8 +47,8 @@ def find_prefix(description: RobotFiles) -> str:
 def load_arm_description(reference: str, limits: ArmLimits) -> RobotFiles:
     """Find and read the URDF of an arm.
 
-    A Panda's URDF, by the names in it, gets the limits and masses of the kind of arm
-    that it is to be. A URDF with other names stays as it is.
+    A URDF with the names of a Panda gets the limits and masses of the wanted kind of
+    arm. A URDF with other names stays as it is.
 
     Args:
         reference: `example-robot-data:<robot>` or the path of a URDF file.
@@ -59,7 +59,7 @@ def load_arm_description(reference: str, limits: ArmLimits) -> RobotFiles:
     """
     description = load_robot_files(reference)
     prefix = find_prefix(description)
-    # Any other URDF than the Panda's states the limits of its own arm.
+    # Any other URDF than the Panda's states the values of its own arm.
     if limits.urdf is None or prefix != _PANDA:
         return description
     return _with_values(description, limits.urdf)

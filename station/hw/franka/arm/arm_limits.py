@@ -71,8 +71,8 @@ class ArmLimits:
         limiter_elbow_velocity: Up to which libfranka's limiter lets the elbow go
             [rad/s].
         tolerated_losses: Lost packets for which the velocity limit leaves room.
-        urdf: What a URDF of the arm states where it is made of a Panda's; None: the
-            URDF of a Panda is one of the arm.
+        urdf: Values in a URDF of the arm where they differ from those of a Panda; None:
+            none do.
         curves: (a, b, upper, lower) per joint of limits that depend on the position,
             see `velocity_range`; empty where there are none. They end at rest, so that
             no position limit of commands is needed besides.
