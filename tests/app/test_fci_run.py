@@ -26,21 +26,24 @@ def make(tmp_path, monkeypatch):
     monkeypatch.setattr(FciServer, "run", run)
     told, warned = [], []
 
-    def build(text=""):
+    def build(text="", version=None):
         file = tmp_path / "station.yaml"
         file.write_text(text, encoding="utf-8")
         config = load_config(file, controller_files=[], flags={})
         settings = FciSettings(HOST)
-        made = FciRun(config, settings, tell=told.append, warn=warned.append)
+        tellers = {"tell": told.append, "warn": warned.append}
+        made = FciRun(config, settings, version, **tellers)
         return made, told, warned
 
     return build
 
 
-def test_the_configured_arm_is_served_and_the_cycles_are_told(make):
-    run, told, warned = make("robot: {arm_id: left}\n")
+@pytest.mark.parametrize(("version", "spoken"), [(None, "5 to 10"), (7, "7")])
+def test_the_configured_arm_is_served_and_the_cycles_are_told(make, version, spoken):
+    run, told, warned = make("robot: {arm_id: left}\n", version)
     assert run.run().cycles == 3
-    assert told[0].startswith("Franka Control Interface 5 of arm 'left' at 127.19.")
+    start = f"Franka Control Interface {spoken} of arm 'left' at 127.19."
+    assert told[0].startswith(start)
     assert told[1].startswith("3 cycles in ")
     assert told[1].endswith("0 of them commanded by clients, 0 commands lost")
     assert warned == []
