@@ -40,7 +40,7 @@ def test_connection_that_breaks_in_a_motion_stops_the_arm(bench):
 
 
 def test_state_with_an_error_goes_out_before_the_answer(bench, monkeypatch):
-    """Clients take the errors that they tell from the last state that they have read."""
+    """Clients tell the errors of the state that they have read last."""
     tcp, _ = bench.connect()
     bench.move(tcp)
     sent, port = [], bench.server._robot_port
