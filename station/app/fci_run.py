@@ -16,7 +16,6 @@ from station.core.loop.scheduling import (
 )
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.arm.arm_description import load_arm_description
-from station.hw.franka.arm.arm_limits import LIMITS_OF_ARM
 from station.hw.franka.fci.server.fci_server import FciCounts, FciServer, FciSettings
 from station.hw.franka.fci.server.model_library import (
     ModelLibraryError,
@@ -155,7 +154,7 @@ def protocols_of(
     """
     if version is not None:
         return (PROTOCOLS[version],)
-    own = FR3[-1] if parameters.limits is LIMITS_OF_ARM["fr3"] else PANDA
+    own = FR3[-1] if parameters.arm == "fr3" else PANDA
     return (*(one for one in PROTOCOLS.values() if one is not own), own)
 
 
@@ -167,8 +166,7 @@ def robot_model_of(parameters: FrankaParameters) -> str:
     """
     limits = parameters.limits
     description = load_arm_description(parameters.robot_description, limits)
-    name = next(name for name, one in LIMITS_OF_ARM.items() if one is limits)
-    return write_robot_model(description, limits, name)
+    return write_robot_model(description, limits, parameters.arm)
 
 
 def model_library_of(
