@@ -11,7 +11,12 @@ from collections.abc import Callable
 from functools import partial
 from typing import Self
 
-from station.app.fci_run import FciRobotError, model_library_of, protocols_of
+from station.app.fci_run import (
+    FciRobotError,
+    model_library_of,
+    protocols_of,
+    robot_model_of,
+)
 from station.core.errors import StationError
 from station.core.facade.station import Station
 from station.core.franka import GripperServicesInterface
@@ -52,6 +57,7 @@ class FciBeside:
         station: The station; its loop need not run yet.
         host: Address to listen at.
         warn: Takes a line about something that is not as it should be.
+        version: The only version that is spoken; None for all that have a table.
 
     Raises:
         FciRobotError: The robot is no simulated Franka arm.
@@ -59,7 +65,11 @@ class FciBeside:
     """
 
     def __init__(
-        self, station: Station, host: str, warn: Callable[[str], None]
+        self,
+        station: Station,
+        host: str,
+        warn: Callable[[str], None],
+        version: int | None = None,
     ) -> None:
         hw, loop = station.loop.hw, station.loop
         if not isinstance(hw, FrankaHW) or hw.simulated_world() is None:
@@ -77,7 +87,8 @@ class FciBeside:
             hw.arm,
             SharedPage(shared),
             library,
-            protocols_of(hw.parameters),
+            protocols_of(hw.parameters, version),
+            robot_model_of(hw.parameters),
             is_commanded=lambda: hw.is_commanded,
             may_move=self._may_move,
         )

@@ -16,14 +16,19 @@ from station.core.loop.scheduling import (
 )
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.arm.arm_description import load_arm_description
-from station.hw.franka.arm.arm_limits import LIMITS_OF_ARM
 from station.hw.franka.fci.server.fci_server import FciCounts, FciServer, FciSettings
 from station.hw.franka.fci.server.model_library import (
     ModelLibraryError,
     build_model_library,
 )
+from station.hw.franka.fci.server.robot_model import write_robot_model
 from station.hw.franka.fci.server.robot_session import ModelLibrary
-from station.hw.franka.fci.wire.robot_protocol import FR3, PANDA, RobotProtocol
+from station.hw.franka.fci.wire.robot_protocol import (
+    FR3,
+    PANDA,
+    PROTOCOLS,
+    RobotProtocol,
+)
 from station.hw.franka.franka_parameters import FrankaParameters, read_parameters
 from station.hw.franka.hand.hand_services import HandServices
 from station.hw.franka.simulated.franka_world import simulate_one
@@ -45,6 +50,7 @@ class FciRun:
     Args:
         config: The configuration; its robot and its scene are used.
         settings: Where and how clients are served.
+        version: The only version that is spoken; None for all that have a table.
         tell: Takes a line once clients can connect, and one at the end.
         warn: Takes a line about something that is not as it should be.
     """
@@ -53,12 +59,12 @@ class FciRun:
         self,
         config: StationConfig,
         settings: FciSettings,
+        version: int | None = None,
         *,
         tell: Callable[[str], None],
         warn: Callable[[str], None],
     ) -> None:
-        self._config = config
-        self._settings = settings
+        self._config, self._settings, self._version = config, settings, version
         self._tell = tell
         self._warn = warn
 
@@ -83,12 +89,19 @@ class FciRun:
         gripper = world.grippers.get(arm_id)
         hand = None if gripper is None else HandServices(arm_id, gripper)
         library = model_library_of(parameters, self._warn)
-        protocols = protocols_of(parameters)
+        protocols = protocols_of(parameters, self._version)
         settings = replace(self._settings, protocols=protocols)
-        server = FciServer(world.arms[arm_id], hand, settings, library)
+        server = FciServer(
+            world.arms[arm_id],
+            hand,
+            settings,
+            library,
+            robot_model=robot_model_of(parameters),
+        )
         with contextlib.closing(server), realtime_interpreter():
             granted = request_realtime_priority()
-            versions = " and ".join(f"{one.version}" for one in protocols)
+            spoken = sorted(one.version for one in protocols)
+            versions = " to ".join(map(str, dict.fromkeys((spoken[0], spoken[-1]))))
             self._tell(
                 f"Franka Control Interface {versions} of arm '{arm_id}' at "
                 f"{settings.host} ({granted})"
@@ -128,9 +141,32 @@ class FciRun:
         )
 
 
-def protocols_of(parameters: FrankaParameters) -> Sequence[RobotProtocol]:
-    """Return the versions that the client of an arm may speak."""
-    return FR3 if parameters.limits is LIMITS_OF_ARM["fr3"] else (PANDA,)
+def protocols_of(
+    parameters: FrankaParameters, version: int | None = None
+) -> Sequence[RobotProtocol]:
+    """Return the versions that the client of an arm may speak, the arm's own one last.
+
+    The own one is the newest that an arm of this kind has. A real arm speaks one alone.
+
+    Args:
+        parameters: The arm.
+        version: The only version; None for all that have a table.
+    """
+    if version is not None:
+        return (PROTOCOLS[version],)
+    own = FR3[-1] if parameters.arm == "fr3" else PANDA
+    return (*(one for one in PROTOCOLS.values() if one is not own), own)
+
+
+def robot_model_of(parameters: FrankaParameters) -> str:
+    """Return the URDF of an arm for clients.
+
+    Raises:
+        RobotDescriptionError: The URDF of the arm cannot be used.
+    """
+    limits = parameters.limits
+    description = load_arm_description(parameters.robot_description, limits)
+    return write_robot_model(description, limits, parameters.arm)
 
 
 def model_library_of(

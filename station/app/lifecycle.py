@@ -189,7 +189,8 @@ class StationRun:
             # Imported here: it loads the Franka, and most stations do without.
             from station.app.fci_beside import FciBeside
 
-            stack.enter_context(FciBeside(station, self._config.fci.host, self._warn))
+            fci = self._config.fci
+            stack.enter_context(FciBeside(station, fci.host, self._warn, fci.version))
         announce("Waiting for the first cycles")
         clock = station.loop.clock
         deadline = clock.now() + READY_TIMEOUT

@@ -226,10 +226,12 @@ class FciSection(_Section):
     Attributes:
         enabled: Whether programs of libfranka can connect to the simulated arm.
         host: Address to listen at; the port is libfranka's. There are no tokens.
+        version: The only version of the protocol; None: whichever a client asks for.
     """
 
     enabled: bool
     host: str = Field(min_length=1, pattern=r"^[A-Za-z0-9.:_-]+$")
+    version: int | None = Field(default=None, ge=5, le=10)
 
 
 class StationConfig(_Section):

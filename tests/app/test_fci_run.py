@@ -5,10 +5,12 @@ import os
 import pytest
 
 from station.app import fci_run
-from station.app.fci_run import FciRobotError, FciRun
+from station.app.composition import ROBOT_NAMESPACE
+from station.app.fci_run import FciRobotError, FciRun, protocols_of, robot_model_of
 from station.config import load_config
 from station.hw.franka.fci.server.fci_server import FciServer, FciSettings
 from station.hw.franka.fci.server.model_library import ModelLibraryError
+from station.hw.franka.franka_parameters import read_parameters
 
 # A loopback address of this process alone: libfranka's ports are fixed.
 HOST = f"127.19.{os.getpid() // 250 % 250}.{os.getpid() % 250 + 1}"
@@ -26,21 +28,24 @@ def make(tmp_path, monkeypatch):
     monkeypatch.setattr(FciServer, "run", run)
     told, warned = [], []
 
-    def build(text=""):
+    def build(text="", version=None):
         file = tmp_path / "station.yaml"
         file.write_text(text, encoding="utf-8")
         config = load_config(file, controller_files=[], flags={})
         settings = FciSettings(HOST)
-        made = FciRun(config, settings, tell=told.append, warn=warned.append)
+        tellers = {"tell": told.append, "warn": warned.append}
+        made = FciRun(config, settings, version, **tellers)
         return made, told, warned
 
     return build
 
 
-def test_the_configured_arm_is_served_and_the_cycles_are_told(make):
-    run, told, warned = make("robot: {arm_id: left}\n")
+@pytest.mark.parametrize(("version", "spoken"), [(None, "5 to 10"), (7, "7")])
+def test_the_configured_arm_is_served_and_the_cycles_are_told(make, version, spoken):
+    run, told, warned = make("robot: {arm_id: left}\n", version)
     assert run.run().cycles == 3
-    assert told[0].startswith("Franka Control Interface 5 of arm 'left' at 127.19.")
+    start = f"Franka Control Interface {spoken} of arm 'left' at 127.19."
+    assert told[0].startswith(start)
     assert told[1].startswith("3 cycles in ")
     assert told[1].endswith("0 of them commanded by clients, 0 commands lost")
     assert warned == []
@@ -49,8 +54,8 @@ def test_the_configured_arm_is_served_and_the_cycles_are_told(make):
 def test_an_fr3_is_served_with_its_versions_and_a_wrong_name_is_told(make):
     run, told, warned = make("robot: {arm: fr3}\n")
     assert run.run().cycles == 3
-    assert "of arm 'fr3' at 127.19." in told[0]
-    assert not told[0].startswith("Franka Control Interface 5 ")
+    start = "Franka Control Interface 5 to 10 of arm 'fr3' at 127.19."
+    assert told[0].startswith(start)
     assert warned == []
     run, _, warned = make("robot: {arm: fr3, arm_id: panda}\n")
     run.run()
@@ -75,3 +80,13 @@ def test_without_a_compiler_the_arm_is_served_without_a_model(make, monkeypatch)
     assert warned == [
         "Clients get no model library: There is no C compiler. Install one."
     ]
+
+
+@pytest.mark.parametrize(("arm", "own"), [("panda", 5), ("fr3", 10)])
+def test_arm_speaks_all_versions_and_names_its_newest_to_others(make, arm, own):
+    root = make(f"robot: {{arm: {arm}}}\n")[0]._parameters()
+    parameters = read_parameters(root.namespace(ROBOT_NAMESPACE))
+    spoken = [protocol.version for protocol in protocols_of(parameters)]
+    assert (sorted(spoken), spoken[-1]) == ([5, 6, 7, 8, 9, 10], own)
+    assert [one.version for one in protocols_of(parameters, 8)] == [8]
+    assert f'<robot name="{arm}">' in robot_model_of(parameters)

@@ -86,6 +86,13 @@ def add_fci(parser: "Parser") -> None:
         help="how long the simulated time waits for a late command, 0 to 10 s; a real "
         "arm does not wait",
     )
+    parser.add_argument(
+        "--version",
+        type=int,
+        choices=range(5, 11),
+        metavar="N",
+        help="the only version of the protocol that is spoken, 5 to 10; all by default",
+    )
 
 
 def _add_servers(parser: "Parser") -> None:
@@ -251,7 +258,7 @@ def fci(options: Namespace) -> int:
     fetch_what_is_missing(config.robot_parameters(), say_progress)
     settings = FciSettings(options.host, options.patience)
     tell = _tell_line_json if options.json else _tell_line
-    FciRun(config, settings, tell=tell, warn=_warn).run()
+    FciRun(config, settings, options.version, tell=tell, warn=_warn).run()
     return 0
 
 

@@ -252,6 +252,11 @@ class RobotState:
         block: Block = self.__dict__["block"]
         return block[name]
 
+    def arrays(self) -> Doubles:
+        """Return the memory of all arrays side by side; see `array_places`."""
+        block: Block = self.__dict__["block"]
+        return block.memory
+
     def readings(self) -> Doubles:
         """Return the memory of `q`, `dq` and `tau_J`, one after the other, (21,)."""
         block: Block = self.__dict__["block"]

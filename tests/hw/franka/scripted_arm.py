@@ -54,6 +54,7 @@ class ScriptedArm(RobotArm):
         self._generator = MotionGeneratorMode.NONE
         self._command: list[float] = []
         self._lost = 0
+        self.fastest: Sequence[float] | None = None
         self._errors: list[ArmError] = []
         self._recent: list[ArmRecord] = []
         self._log: list[ArmRecord] = []
@@ -74,7 +75,8 @@ class ScriptedArm(RobotArm):
             state.robot_mode = RobotMode.IDLE
         if state.robot_mode is not RobotMode.MOVE or not self.sent:
             return state
-        self._lost = 0 if self._command else self._lost + 1
+        arrived = bool(self._command) or self.fastest is not None
+        self._lost = 0 if arrived else self._lost + 1
         if self._lost >= MOST_LOST_PACKETS:
             self.fail("communication_constraints_violation")
         elif self._command:
@@ -142,6 +144,7 @@ class ScriptedArm(RobotArm):
             raise ArmCommandError(f"The arm cannot start a motion: {reason}.")
         self._controller, self._generator = controller_mode, motion_generator_mode
         self._errors, self.sent, self._lost = [], [], 0
+        self.fastest = None
         self.refresh_state()
         self.state.O_T_EE_c = self.state.O_T_EE
         self.state.robot_mode = RobotMode.MOVE
@@ -183,6 +186,11 @@ class ScriptedArm(RobotArm):
     @override
     def command_joint_positions(self, q: list[float]) -> None:
         self._take_motion(q, MotionGeneratorMode.JOINT_POSITION)
+
+    @override
+    def plan_joint_positions(self, q: Storage, fastest: Sequence[float]) -> None:
+        self._take_motion(q, MotionGeneratorMode.JOINT_POSITION)
+        self.fastest = fastest
 
     @override
     def command_joint_velocities(self, dq: list[float]) -> None:

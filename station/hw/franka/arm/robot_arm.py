@@ -11,6 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from enum import Enum
 
+from station.core.errors import ArmCommandError
 from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_model import FrankaModel
 from station.core.franka.franka_robot_state import RobotState
@@ -151,6 +152,27 @@ class RobotArm(ABC):
             InvalidCommandError: Not 7 finite numbers.
             ArmCommandError: No joint position motion runs.
         """
+
+    def plan_joint_positions(self, q: Storage, fastest: Sequence[float]) -> None:
+        """Let the arm plan its way to positions itself, instead of commanding it.
+
+        One call is enough for the whole way: the cycles after it need no command. The
+        next call changes the target wherever the arm is. A target beyond the limits is
+        an error of the arm, as a commanded position would be.
+
+        Args:
+            q: Where to go [rad], shape (7,).
+            fastest: Largest velocities, > 0 [rad/s], shape (7,); the arm's own limits
+                hold besides.
+
+        Raises:
+            InvalidCommandError: `q` are not 7 finite numbers.
+            ArmCommandError: No joint position motion runs, or the arm does not plan.
+        """
+        raise ArmCommandError(
+            f"The arm plans no way to {[*q]} within {[*fastest]} rad/s.",
+            remedy="Command positions in every cycle.",
+        )
 
     @abstractmethod
     def command_joint_velocities(self, dq: Storage) -> None:

@@ -28,7 +28,7 @@ cdef class ArmStep(Preparation):
     cdef CycleLog log
     cdef SimulatorMemory simulator
     cdef object state, actuators, load, faults
-    cdef public object modes
+    cdef public object modes, plan
     cdef public int generator
     cdef public bint wants_torques, has_load, has_faults, is_following
     cdef readonly bint is_fresh, is_begun, is_lossy

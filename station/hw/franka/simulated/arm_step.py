@@ -20,6 +20,7 @@ from station.hw.franka.simulated.desired_motion import DesiredMotion
 from station.hw.franka.simulated.joint_motors import JointMotors
 from station.hw.franka.simulated.joint_watch import JointWatch
 from station.hw.franka.simulated.motion_check import MotionCheck
+from station.hw.franka.simulated.planned_motion import PlannedMotion
 from station.hw.franka.simulated.violations import JOINT_POSITION, LOST_COMMANDS
 from station.hw.mujoco.simulator_memory import SimulatorMemory
 from station.hw.mujoco.world_step import Preparation
@@ -85,6 +86,7 @@ class ArmStep(Preparation):
         is_fresh: Whether a command has arrived since the last cycle.
         is_begun: Whether a command of this motion has been followed.
         is_lossy: Whether commands were lost in the last cycles.
+        plan: Where commands come from that the arm gives itself; None if from a client.
         cycle: Number of cycles with or without a command since the motion began.
         time: Time of the arm at the last state [s].
     """
@@ -142,6 +144,7 @@ class ArmStep(Preparation):
         put(self.memory.torques, [0.0] * self.size)
         put(self.memory.sent, [0.0] * self.size)
         self.log.command_size = 0
+        self.plan: PlannedMotion | None = None
         self.cartesian.has_elbow = False
         self.cartesian.begin_motion()
 
@@ -162,6 +165,27 @@ class ArmStep(Preparation):
         """
         if not self.receive(_as_doubles(values), self.size, self.memory.target):
             _refuse("joint commands", self.size, values)
+
+    def plan_joints(self, q: Storage, fastest: Sequence[float]) -> None:
+        """Plan the way to positions, from the next cycle on.
+
+        Args:
+            q: Where to go [rad], shape (7,).
+            fastest: Largest velocities, > 0 [rad/s], shape (7,).
+
+        Raises:
+            InvalidCommandError: Not 7 finite numbers.
+        """
+        target = _as_doubles(q)
+        if len(target) != self.size or not are_finite(target, self.size):
+            _refuse("joint positions", self.size, q)
+        self.violations.clear()
+        if self.check.check_target(target):
+            self.modes.raise_errors(self.violations.errors())
+            return
+        if self.plan is None:
+            self.plan = PlannedMotion(self.memory, self.check.limits, self.check.period)
+        self.plan.aim(target, fastest)
 
     def command_cartesian(
         self, values: Storage, elbow: Sequence[float] | None, size: int
@@ -286,6 +310,8 @@ class ArmStep(Preparation):
         arrived = self.is_fresh
         if self.has_faults and self.faults.loses_packet():
             arrived = False
+        if self.plan is not None:
+            arrived = self.receive(self.plan.advance(), self.size, memory.target)
         self.is_fresh = False
         violations.clear()
         # Losses count from the first command on: a client may take its time to begin.

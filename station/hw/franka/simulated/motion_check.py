@@ -79,6 +79,21 @@ class MotionCheck:
                 self.violations.add(JOINT_START, i, away, START_POSITION_TOLERANCE)
         return self.violations.count
 
+    def check_target(self, q: Storage) -> int:
+        """Compare positions at which a motion is to end with the limits.
+
+        Args:
+            q: The positions [rad], shape (7,).
+        """
+        limits = self.limits
+        for i in range(self.size):
+            low, high = limits.velocity_range(i, q[i])
+            if q[i] > limits.upper[i] or high == 0.0:
+                self.violations.add(JOINT_POSITION, i, q[i], limits.upper[i])
+            elif q[i] < limits.lower[i] or low == 0.0:
+                self.violations.add(JOINT_POSITION, i, q[i], limits.lower[i])
+        return self.violations.count
+
     def check_positions(self, code: int) -> int:
         """Compare the positions in `target` with the limits.
 

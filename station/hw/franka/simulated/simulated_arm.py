@@ -165,6 +165,12 @@ class SimulatedArm(RobotArm):
         self._step.command_joints(q)
 
     @override
+    def plan_joint_positions(self, q: Storage, fastest: Sequence[float]) -> None:
+        if self._modes.generator is not MotionGeneratorMode.JOINT_POSITION:
+            raise self._modes.not_commandable("joint positions")
+        self._step.plan_joints(q, fastest)
+
+    @override
     def command_joint_velocities(self, dq: Storage) -> None:
         if self._modes.generator is not MotionGeneratorMode.JOINT_VELOCITY:
             raise self._modes.not_commandable("joint velocities")

@@ -43,7 +43,7 @@ def serve(config):
         [*command, "--patience", "10"], stdout=subprocess.PIPE, text=True
     )
     line = server.stdout.readline()
-    assert "Franka Control Interface 5 of arm 'panda'" in line
+    assert "Franka Control Interface 5 to 10 of arm 'panda'" in line
     return server
 
 

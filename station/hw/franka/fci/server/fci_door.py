@@ -160,7 +160,7 @@ class FciDoor:
         try:
             for _ in self._turns():
                 for port, page in self._served:
-                    _relay(port, page)
+                    relay(port, page)
         except StationGoneError:
             return
         finally:
@@ -184,14 +184,16 @@ class FciDoor:
             yield
 
 
-def _relay(port: ClientPort[RelayedSession], page: SharedPage) -> None:
+def relay(port: ClientPort[RelayedSession], page: SharedPage) -> None:
     """Move what has arrived, and what the control thread has left."""
     for datagram in port.datagrams():
         page.put_command(datagram)
+    # Answers are left behind the state that belongs to them: taken before it and sent
+    # after it they never overtake it.
     answers, state = page.take_answers(), page.take_state()
-    port.send(answers)
     if state is not None:
         port.send_datagram(bytes(state))
+    port.send(answers)
 
 
 def main(arguments: list[str]) -> None:

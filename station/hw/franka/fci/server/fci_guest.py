@@ -91,6 +91,7 @@ class FciGuest(_Guest[RobotSession]):
         page: Where messages are left and found.
         model_library: Where model libraries come from.
         protocols: The versions that are spoken.
+        robot_model: The URDF of the arm for clients; empty if there is none.
         is_commanded: Returns whether the station's controllers command the arm.
         may_move: Returns whether the station lets anybody move the arm.
     """
@@ -101,12 +102,16 @@ class FciGuest(_Guest[RobotSession]):
         page: SharedPage,
         model_library: ModelLibrary,
         protocols: Sequence[RobotProtocol] = (PANDA,),
+        robot_model: str = "",
         *,
         is_commanded: Callable[[], bool],
         may_move: Callable[[], bool],
     ) -> None:
         super().__init__(
-            page, lambda: RobotSession(arm, model_library, protocols, self._is_free)
+            page,
+            lambda: RobotSession(
+                arm, model_library, protocols, self._is_free, robot_model
+            ),
         )
         self._arm = arm
         self._is_commanded, self._may_move = is_commanded, may_move
@@ -143,9 +148,10 @@ class FciGuest(_Guest[RobotSession]):
         arm = self._arm
         arm.refresh_state()
         self._unsent += session.after_cycle()
-        # The answer goes first: a client that sees its motion end asks for it.
-        self._answer()
+        # The state goes first: it has the errors that a client tells of when it reads
+        # the answer.
         page.put_state(session.state(round(arm.state.time / arm.cycle_time)))
+        self._answer()
 
     def _is_free(self) -> bool:
         return self._may_move() and not self._is_commanded()

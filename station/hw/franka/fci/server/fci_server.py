@@ -70,6 +70,7 @@ class FciServer:
         settings: Where and how.
         model_library: Where model libraries come from.
         clock: Wall time [s].
+        robot_model: The URDF of the arm for clients; empty if there is none.
 
     Attributes:
         counts: What was done so far.
@@ -85,6 +86,7 @@ class FciServer:
         settings: FciSettings,
         model_library: ModelLibrary,
         clock: Callable[[], float] = time.monotonic,
+        robot_model: str = "",
     ) -> None:
         self._arm, self._hand = arm, hand
         self._settings = settings
@@ -94,7 +96,9 @@ class FciServer:
         self._robot_port = ClientPort(
             "Robot",
             (settings.host, PANDA.port),
-            lambda: RobotSession(arm, model_library, settings.protocols),
+            lambda: RobotSession(
+                arm, model_library, settings.protocols, robot_model=robot_model
+            ),
         )
         self._gripper_port: ClientPort[GripperSession] | None = None
         if hand is not None:
@@ -125,21 +129,22 @@ class FciServer:
     def _cycle(self) -> None:
         """Let the arm make a step, and tell the clients."""
         port, counts = self._robot_port, self.counts
-        session = port.session
+        session, answers = port.session, b""
         counts.cycles += 1
         if session is not None:
             if session.is_answering:
                 counts.commanded += 1
                 counts.lost += not session.has_command
-            port.send(session.before_cycle())
+            answers = session.before_cycle()
         self._arm.read_once()
         self._message_id += 1
-        session = port.session
         if session is not None and session.udp_port is not None:
             self._arm.refresh_state()
-            # The answer goes first: a client that sees its motion end asks for it.
-            port.send(session.after_cycle())
+            answers += session.after_cycle()
+            # The state goes first: it has the errors that a client tells of when it
+            # reads the answer.
             port.send_datagram(session.state(self._message_id))
+            port.send(answers)
         if self._hand is not None:
             self._hand.advance()
         self._serve_gripper()

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
+from types import MappingProxyType
 from typing import Any, Generic, TypeVar
 
 from station.hw.franka.fci.wire.messages import (
@@ -14,6 +15,7 @@ from station.hw.franka.fci.wire.robot_protocol import Exchange
 from station.hw.franka.fci.wire.structure import Structure
 
 _Command = TypeVar("_Command", bound=IntEnum)
+_NOTHING: Mapping[str, Any] = MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +64,12 @@ class MessageReader(Generic[_Command]):
             yield Request(command, head["command_id"], values)
 
     def answer(
-        self, request: Request[_Command], status: int, values: Mapping[str, Any]
+        self,
+        request: Request[_Command],
+        status: int,
+        values: Mapping[str, Any] = _NOTHING,
+        *,
+        tail: bytes = b"",
     ) -> bytes:
         """Return an answer as bytes.
 
@@ -70,24 +77,13 @@ class MessageReader(Generic[_Command]):
             request: What is answered.
             status: The status, one of those that the version has for the command.
             values: The fields of the answer behind the status.
+            tail: What follows the fields, e.g. a model.
         """
         exchange = self._exchanges[request.command]
         number = exchange.statuses.index(status)
-        data = exchange.response.pack({"status": number, **values})
-        return self.head(request, len(data)) + data
-
-    def head(self, request: Request[_Command], payload: int) -> bytes:
-        """Return the head of an answer.
-
-        Args:
-            request: What is answered.
-            payload: Size of what follows the head [bytes].
-        """
-        return self._header.pack({
-            "command": self._exchanges[request.command].number,
-            "command_id": request.command_id,
-            "size": self._header.size + payload,
-        })
+        data = exchange.response.pack({"status": number, **values}) + tail
+        head = {"command": exchange.number, "command_id": request.command_id}
+        return self._header.pack({**head, "size": self._header.size + len(data)}) + data
 
     def _command_of(self, head: Mapping[str, int]) -> _Command:
         number, size = head["command"], head["size"]

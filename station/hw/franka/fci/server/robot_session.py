@@ -2,12 +2,19 @@
 
     CONNECT, once and first          -> SUCCESS, or INCOMPATIBLE_LIBRARY_VERSION
     MOVE                             -> MOTION_STARTED now, and how it ended later
+    MOVE, asynchronous               -> the same; the arm plans, see below
     the client finishes the motion   -> SUCCESS
     STOP_MOVE                        -> PREEMPTED to the motion, SUCCESS to the stop
     an error of the arm              -> REFLEX_ABORTED
     the user stop                    -> EMERGENCY_ABORTED
     a command that is no command     -> INPUT_ERROR_ABORTED
     AUTOMATIC_ERROR_RECOVERY         -> when the recovery is over
+
+A motion that ends is shown by a state before its answer goes out: clients take the
+errors that they tell from the last state that they have read.
+
+An asynchronous motion has one command per target instead of one per cycle, and cycles
+without a command are no loss: the arm plans its way to the newest target.
 
 Source: libfranka@0.9.2 src/robot_impl.cpp, src/robot_impl.h, what the client expects;
 differs: a motion that is finished while the arm still moves is slowed down to rest.
@@ -17,10 +24,13 @@ import struct
 from collections.abc import Callable, Mapping, Sequence
 from math import isfinite
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
+
+import numpy as np
 
 from station.core.errors import ArmCommandError, InvalidCommandError
-from station.core.franka.franka_robot_state import RobotMode, RobotState
+from station.core.franka.franka_errors import ERROR_INDEX
+from station.core.franka.franka_robot_state import RobotMode, array_places
 from station.hw.franka.arm.franka_kinematics import IDENTITY
 from station.hw.franka.arm.robot_arm import (
     ControllerMode,
@@ -35,11 +45,13 @@ from station.hw.franka.fci.server.message_reader import (
 from station.hw.franka.fci.wire.messages import FciProtocolError, FciVersionError
 from station.hw.franka.fci.wire.robot_protocol import (
     HEADER,
+    MERGED_INTO,
     NO_CONTROLLER,
     NO_GENERATOR,
     PANDA,
     Command,
     ConnectStatus,
+    LibraryStatus,
     ModelStatus,
     MoveController,
     MoveGenerator,
@@ -50,13 +62,12 @@ from station.hw.franka.fci.wire.robot_protocol import (
     StopMoveStatus,
 )
 
-if TYPE_CHECKING:
-    from station.memory.doubles import Doubles
-
-
-_FIRST_DOUBLE = "O_T_EE"
-_BEHIND_DOUBLES = "motion_generator_mode"
-_DOUBLE = struct.Struct("<d")
+_FIRST_NUMBER = "O_T_EE"
+_BEHIND_NUMBERS = "motion_generator_mode"
+_LAST_NUMBER = "control_command_success_rate"
+_MASSES = ("m_ee", "m_load")
+_SINGLE = 4  # bytes of a number in single precision
+_READINGS = 18  # of the accelerometers on one side of the boards
 _ID = struct.Struct("<Q")
 
 
@@ -68,32 +79,39 @@ class StateWriter:
     `reflex_reason`.
 
     Args:
-        state: The arm's live state.
+        arm: The arm.
         protocol: The version of the protocol.
 
     Attributes:
         message: The message.
     """
 
-    def __init__(self, state: RobotState, protocol: RobotProtocol) -> None:
-        self._state = state
-        layout = protocol.state
+    def __init__(self, arm: RobotArm, protocol: RobotProtocol) -> None:
+        self._arm, self._state = arm, arm.state
+        layout, places = protocol.state, array_places()
         self.message = bytearray(layout.size)
         self._places = layout.offsets
-        first, last = layout.offsets[_FIRST_DOUBLE], layout.offsets[_BEHIND_DOUBLES]
-        # All doubles but the last follow each other.
-        numbers = memoryview(self.message)[first:last].cast("d")
-        self._arrays: list[tuple[Doubles, Doubles]] = []
+        first, behind = layout.offsets[_FIRST_NUMBER], layout.offsets[_BEHIND_NUMBERS]
+        size = layout.size - layout.offsets[_LAST_NUMBER]
+        self._number = struct.Struct("<f" if size == _SINGLE else "<d")
+        # Which double of the state's block each number of the message is.
+        indices: list[int] = []
         self._masses: list[tuple[str, int]] = []
         for name, offset in layout.offsets.items():
-            if not first <= offset < last:
-                continue
-            place, count = (offset - first) // 8, layout.counts[name]
-            if name in ("m_ee", "m_load"):
-                self._masses.append((name, offset))
-            else:
-                source = state.doubles(name)
-                self._arrays.append((numbers[place : place + count], source))
+            if name in _MASSES:
+                self._masses.append((name, len(indices)))
+                indices.append(0)
+            elif first <= offset < behind and name in places:
+                start = places[name].start // 8
+                indices += range(start, start + layout.counts[name])
+        self._indices = np.array(indices)
+        self._block = np.asarray(arm.state.arrays())
+        self._doubles = np.empty(len(indices))
+        # All numbers but the last follow each other: first those of the state's arrays.
+        message = memoryview(self.message)[first:behind]
+        numbers = np.frombuffer(message, f"<f{size}")
+        self._numbers, self._accelerations = np.split(numbers, [len(indices)])
+        self._merged = [ERROR_INDEX[name] for name in protocol.merged_errors]
 
     def write(self, message_id: int, generator: int, controller: int) -> bytearray:
         """Bring `message` up to date with the arm's state, and return it.
@@ -105,21 +123,29 @@ class StateWriter:
         """
         state, message, places = self._state, self.message, self._places
         _ID.pack_into(message, 0, message_id)
-        for target, source in self._arrays:
-            target[:] = source
+        # Two steps without new memory: numbers of the block, then their precision.
+        self._block.take(self._indices, out=self._doubles, mode="clip")
         for name, place in self._masses:
-            _DOUBLE.pack_into(message, place, getattr(state, name))
+            self._doubles[place] = getattr(state, name)
+        self._numbers[:] = self._doubles
+        if self._accelerations.size and (readings := self._arm.accelerometers()):
+            self._accelerations[:_READINGS], self._accelerations[_READINGS:] = readings
         message[places["motion_generator_mode"]] = generator
         message[places["controller_mode"]] = controller
         for name, flags in (
             ("errors", state.current_errors),
             ("reflex_reason", state.last_motion_errors),
         ):
-            message[places[name] : places[name] + len(flags)] = bytes(flags)
+            place = places[name]
+            message[place : place + len(flags)] = bytes(flags)
+            for merged in self._merged:
+                if message[place + merged]:
+                    message[place + merged] = 0
+                    message[place + ERROR_INDEX[MERGED_INTO]] = 1
         message[places["robot_mode"]] = state.robot_mode.value
-        _DOUBLE.pack_into(
+        self._number.pack_into(
             message,
-            places["control_command_success_rate"],
+            places[_LAST_NUMBER],
             state.control_command_success_rate,
         )
         return message
@@ -158,8 +184,10 @@ class RobotSession:
     Args:
         arm: The arm.
         model_library: Where model libraries come from.
-        protocols: The versions that are spoken; the client chooses one.
+        protocols: The versions that are spoken; the client chooses one. The last one
+            is the arm's own: a client that asks for another version is told it.
         is_free: Returns whether this client may move the arm: nobody else does.
+        robot_model: The URDF of the arm for clients; empty if there is none.
 
     Attributes:
         udp_port: The client's UDP port; None until it has connected.
@@ -171,10 +199,11 @@ class RobotSession:
         model_library: ModelLibrary = _no_library,
         protocols: Sequence[RobotProtocol] = (PANDA,),
         is_free: Callable[[], bool] = lambda: True,
+        robot_model: str = "",
     ) -> None:
         self._arm = arm
         self._is_free = is_free
-        self._model_library = model_library
+        self._model_library, self._robot_model = model_library, robot_model
         self._protocols = protocols
         self._speak(protocols[-1])  # a client connects in the same way with all
         self._motion: Request[Command] | None = None
@@ -183,6 +212,8 @@ class RobotSession:
         self._command: Mapping[str, Any] | None = None
         self._answered = 0  # message_id of the newest command
         self._is_finishing = False
+        # Largest velocities of a motion that the arm plans itself; None in others.
+        self._fastest: Sequence[float] | None = None
         self.udp_port: int | None = None
 
     @property
@@ -197,8 +228,12 @@ class RobotSession:
 
     @property
     def is_answering(self) -> bool:
-        """Return whether the client has sent a first command to its motion."""
-        return self._motion is not None and self._answered > 0
+        """Return whether the client owes a command to every cycle of its motion.
+
+        It does from its first command on, unless the arm plans the motion.
+        """
+        is_begun = self._motion is not None and self._answered > 0
+        return is_begun and self._fastest is None
 
     def receive(self, data: bytes) -> bytes:
         """Take bytes of the TCP stream; return the answers that are due at once.
@@ -221,7 +256,9 @@ class RobotSession:
         if self._motion is None or len(datagram) != layout.size:
             return
         command = layout.unpack(datagram)
-        if command["message_id"] > self._answered:
+        # Targets of a planned motion may follow each other within a cycle.
+        is_planned = self._fastest is not None
+        if command["message_id"] + is_planned > self._answered:
             self._answered = command["message_id"]
             self._command = command
 
@@ -232,14 +269,14 @@ class RobotSession:
             return b""
         if self._arm.state.robot_mode is not RobotMode.MOVE:
             return b""
+        self._is_finishing = command["motion_generation_finished"] or command.get(
+            "torque_command_finished", False
+        )
         try:
             self._send(command)
         except InvalidCommandError:
             self._arm.stop_motion()
             return self._end_motion(MoveStatus.INPUT_ERROR_ABORTED)
-        self._is_finishing = command["motion_generation_finished"] or command.get(
-            "torque_command_finished", False
-        )
         return b""
 
     def after_cycle(self) -> bytes:
@@ -288,14 +325,15 @@ class RobotSession:
             Command.STOP_MOVE: self._stop_motion,
             Command.GET_CARTESIAN_LIMIT: self._cartesian_limit,
             Command.AUTOMATIC_ERROR_RECOVERY: self._recover,
-            Command.LOAD_MODEL_LIBRARY: self._load_model,
+            Command.LOAD_MODEL_LIBRARY: self._load_library,
+            Command.GET_ROBOT_MODEL: self._tell_model,
         }
         return answers[command](request)
 
     def _speak(self, protocol: RobotProtocol) -> None:
         self._protocol = protocol
         self._reader = MessageReader(HEADER, protocol.exchanges)
-        self._writer = StateWriter(self._arm.state, protocol)
+        self._writer = StateWriter(self._arm, protocol)
 
     def _connect(self, request: Request[Command]) -> bytes:
         if self.udp_port is not None:
@@ -322,6 +360,16 @@ class RobotSession:
             return self._say(request, MoveStatus.INVALID_ARGUMENT_REJECTED)
         if generator not in self._protocol.generators:
             return self._say(request, MoveStatus.INVALID_ARGUMENT_REJECTED)
+        fastest = None
+        if values.get("use_async_motion_generator"):
+            fastest = values["maximum_velocity"]
+            is_possible = (
+                generator is MoveGenerator.JOINT_POSITION
+                and controller is not MoveController.EXTERNAL_CONTROLLER
+                and all(isfinite(value) and value > 0.0 for value in fastest)
+            )
+            if not is_possible:
+                return self._say(request, MoveStatus.INVALID_ARGUMENT_REJECTED)
         allowed = (*values["maximum_path_deviation"],)
         allowed += (*values["maximum_goal_pose_deviation"],)
         if not all(isfinite(value) and value >= 0.0 for value in allowed):
@@ -332,7 +380,7 @@ class RobotSession:
             self._arm.start_motion(_CONTROLLERS[controller], _GENERATORS[generator])
         except ArmCommandError:
             return self._say(request, MoveStatus.COMMAND_NOT_POSSIBLE_REJECTED)
-        self._motion, self._command = request, None
+        self._motion, self._command, self._fastest = request, None, fastest
         self._answered, self._is_finishing = 0, False
         self._generator, self._controller = 1 + generator, controller
         return self._say(request, MoveStatus.MOTION_STARTED)
@@ -384,18 +432,24 @@ class RobotSession:
         self._recovery = None
         return self._say(request, _RECOVERIES.get(mode, RecoveryStatus.ABORTED))
 
-    def _load_model(self, request: Request[Command]) -> bytes:
+    def _load_library(self, request: Request[Command]) -> bytes:
         values = request.values
         library = self._model_library(values["architecture"], values["system"])
         if library is None:
-            return self._say(request, ModelStatus.ERROR)
-        body = bytes([ModelStatus.SUCCESS]) + library
-        return self._reader.head(request, len(body)) + body
+            return self._say(request, LibraryStatus.ERROR)
+        return self._reader.answer(request, LibraryStatus.SUCCESS, tail=library)
+
+    def _tell_model(self, request: Request[Command]) -> bytes:
+        if not self._robot_model:
+            return self._say(request, ModelStatus.COMMAND_NOT_POSSIBLE_REJECTED)
+        urdf = self._robot_model.encode()
+        return self._reader.answer(request, ModelStatus.SUCCESS, tail=urdf)
 
     def _end_motion(self, status: MoveStatus) -> bytes:
         request, self._motion = self._motion, None
         self._generator, self._controller = NO_GENERATOR, NO_CONTROLLER
         self._command, self._is_finishing = None, False
+        self._fastest = None
         return b"" if request is None else self._say(request, status)
 
     def _send(self, command: Mapping[str, Any]) -> None:
@@ -405,6 +459,10 @@ class RobotSession:
             InvalidCommandError: A number is not finite, or a pose is no transform.
         """
         arm = self._arm
+        if self._fastest is not None:
+            if not self._is_finishing:  # the last command of a planned motion has none
+                arm.plan_joint_positions([*command["q_c"]], self._fastest)
+            return
         if self._controller == MoveController.EXTERNAL_CONTROLLER:
             arm.command_joint_torques([*command["tau_J_d"]])
         elbow = [*command["elbow_c"]] if command["valid_elbow"] else None

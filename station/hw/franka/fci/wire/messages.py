@@ -42,7 +42,8 @@ class FciVersionError(FciProtocolError):
     def __init__(
         self, what: str, asked: int, spoken: Iterable[int], answers: bytes
     ) -> None:
-        versions = " and ".join(map(str, spoken))
+        *others, last = map(str, sorted(spoken))
+        versions = f"{', '.join(others)} and {last}" if others else last
         super().__init__(
             f"The client asked for version {asked} of the {what}'s protocol; spoken is "
             f"{versions}.",

@@ -1,19 +1,20 @@
-"""The messages between libfranka and an arm, as tables; one table per version.
+"""The messages between libfranka and an arm, as one table for all versions.
 
 A request and its answers begin with a header: command, number of the request, size of
 the whole message. TCP carries them. UDP carries a `RobotState` to the client in every
 cycle, and a `RobotCommand` back while a motion runs.
 
-Commands and statuses have one number each here, that of version 5; the tables say by
-which number a version knows them. A version that only takes commands away, or adds
-fields and statuses, is a table at the end of this module.
+The lists below have what any version has; `_SPOKEN` has a column per version, for what
+some of them lack. The number of a command or a status on the wire is its rank among
+those that the version has. Inside the station each has one number for all versions.
 
 Source: libfranka-common include/research_interface/robot/service_types.h, rbk_types.h:
-@e6aa0fc version 5, @5adeec6 version 6, @dd768c8 version 7.
+@e6aa0fc version 5, @5adeec6 version 6, @dd768c8 version 7, @22b0837 version 8, @cd38d0e
+version 9, @d96c221 version 10.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import IntEnum
 
 from station.hw.franka.fci.wire.structure import Field, Structure
@@ -23,7 +24,7 @@ HEADER = Structure([("command", "I"), ("command_id", "I"), ("size", "I")])
 
 
 class Command(IntEnum):
-    """The commands of an arm, with their numbers in version 5."""
+    """The commands of an arm, in the order of their numbers on the wire."""
 
     CONNECT = 0
     MOVE = 1
@@ -39,6 +40,7 @@ class Command(IntEnum):
     SET_FILTERS = 11
     AUTOMATIC_ERROR_RECOVERY = 12
     LOAD_MODEL_LIBRARY = 13
+    GET_ROBOT_MODEL = 14
 
 
 class ConnectStatus(IntEnum):
@@ -54,6 +56,8 @@ class MoveStatus(IntEnum):
     SUCCESS = 0
     MOTION_STARTED = 1
     PREEMPTED = 2
+    PREEMPTED_BY_SAFETY = 100
+    REJECTED_BY_SAFETY = 101
     COMMAND_NOT_POSSIBLE_REJECTED = 3
     START_AT_SINGULAR_POSE_REJECTED = 4
     INVALID_ARGUMENT_REJECTED = 5
@@ -61,8 +65,6 @@ class MoveStatus(IntEnum):
     EMERGENCY_ABORTED = 7
     INPUT_ERROR_ABORTED = 8
     ABORTED = 9
-    PREEMPTED_BY_SAFETY = 100
-    REJECTED_BY_SAFETY = 101
 
 
 class StopMoveStatus(IntEnum):
@@ -70,10 +72,10 @@ class StopMoveStatus(IntEnum):
 
     SUCCESS = 0
     COMMAND_NOT_POSSIBLE_REJECTED = 1
+    REJECTED_BY_SAFETY = 101
     EMERGENCY_ABORTED = 2
     REFLEX_ABORTED = 3
     ABORTED = 4
-    REJECTED_BY_SAFETY = 101
 
 
 class SetterStatus(IntEnum):
@@ -90,18 +92,26 @@ class RecoveryStatus(IntEnum):
 
     SUCCESS = 0
     COMMAND_NOT_POSSIBLE_REJECTED = 1
+    REJECTED_BY_SAFETY = 101
     MANUAL_ERROR_RECOVERY_REQUIRED_REJECTED = 2
     REFLEX_ABORTED = 3
     EMERGENCY_ABORTED = 4
     ABORTED = 5
-    REJECTED_BY_SAFETY = 101
 
 
-class ModelStatus(IntEnum):
+class LibraryStatus(IntEnum):
     """Answers to `LOAD_MODEL_LIBRARY`."""
 
     SUCCESS = 0
     ERROR = 1
+
+
+class ModelStatus(IntEnum):
+    """Answers to `GET_ROBOT_MODEL`."""
+
+    SUCCESS = 0
+    COMMAND_NOT_POSSIBLE_REJECTED = 1
+    REJECTED_BY_SAFETY = 101
 
 
 class MoveController(IntEnum):
@@ -145,6 +155,12 @@ class System(IntEnum):
     WINDOWS = 1
 
 
+_POSITION_LIMITS = (
+    "joint_motion_generator_position_limits_violation",
+    "cartesian_motion_generator_joint_position_limits_violation",
+)
+MERGED_INTO = "joint_position_limits_violation"
+"""The error that newer versions have in place of some others."""
 UNKNOWN = 255
 """What a status is that the version does not have."""
 
@@ -186,6 +202,7 @@ class RobotProtocol:
         state: What the arm sends in every cycle.
         command: What the client answers while a motion runs.
         generators: The motion generators that a `MOVE` may ask for.
+        merged_errors: Errors in whose place the version has `MERGED_INTO`.
     """
 
     version: int
@@ -194,28 +211,35 @@ class RobotProtocol:
     state: Structure
     command: Structure
     generators: Sequence[MoveGenerator]
+    merged_errors: Sequence[str]
 
 
-_STATUS: list[Field] = [("status", "B")]
 _THRESHOLDS: list[Field] = [
     (f"{bound}_{kind}_thresholds_{phase}", "7d" if kind == "torque" else "6d")
     for kind in ("torque", "force")
     for phase in ("acceleration", "nominal")
     for bound in ("lower", "upper")
 ]
-# Fields of the request, and those of the answer behind its status.
-_EXCHANGES: dict[Command, tuple[list[Field], list[Field]]] = {
-    Command.CONNECT: ([("version", "H"), ("udp_port", "H")], [("version", "H")]),
+# Fields of the request, those of the answer behind its status, and its statuses.
+_EXCHANGES: dict[Command, tuple[list[Field], list[Field], type[IntEnum]]] = {
+    Command.CONNECT: (
+        [("version", "H"), ("udp_port", "H")],
+        [("version", "H")],
+        ConnectStatus,
+    ),
     Command.MOVE: (
         [
             ("controller_mode", "I"),
             ("motion_generator_mode", "I"),
             ("maximum_path_deviation", "3d"),
             ("maximum_goal_pose_deviation", "3d"),
+            ("use_async_motion_generator", "?"),
+            ("maximum_velocity", "7d"),
         ],
         [],
+        MoveStatus,
     ),
-    Command.STOP_MOVE: ([], []),
+    Command.STOP_MOVE: ([], [], StopMoveStatus),
     Command.GET_CARTESIAN_LIMIT: (
         [("id", "i")],
         [
@@ -223,14 +247,23 @@ _EXCHANGES: dict[Command, tuple[list[Field], list[Field]]] = {
             ("object_frame", "16d"),
             ("object_activation", "?"),
         ],
+        SetterStatus,
     ),
-    Command.SET_COLLISION_BEHAVIOR: (_THRESHOLDS, []),
-    Command.SET_JOINT_IMPEDANCE: ([("K_theta", "7d")], []),
-    Command.SET_CARTESIAN_IMPEDANCE: ([("K_x", "6d")], []),
-    Command.SET_GUIDING_MODE: ([("guiding_mode", "6?"), ("nullspace", "?")], []),
-    Command.SET_EE_TO_K: ([("EE_T_K", "16d")], []),
-    Command.SET_NE_TO_EE: ([("NE_T_EE", "16d")], []),
-    Command.SET_LOAD: ([("m_load", "d"), ("F_x_Cload", "3d"), ("I_load", "9d")], []),
+    Command.SET_COLLISION_BEHAVIOR: (_THRESHOLDS, [], SetterStatus),
+    Command.SET_JOINT_IMPEDANCE: ([("K_theta", "7d")], [], SetterStatus),
+    Command.SET_CARTESIAN_IMPEDANCE: ([("K_x", "6d")], [], SetterStatus),
+    Command.SET_GUIDING_MODE: (
+        [("guiding_mode", "6?"), ("nullspace", "?")],
+        [],
+        SetterStatus,
+    ),
+    Command.SET_EE_TO_K: ([("EE_T_K", "16d")], [], SetterStatus),
+    Command.SET_NE_TO_EE: ([("NE_T_EE", "16d")], [], SetterStatus),
+    Command.SET_LOAD: (
+        [("m_load", "d"), ("F_x_Cload", "3d"), ("I_load", "9d")],
+        [],
+        SetterStatus,
+    ),
     Command.SET_FILTERS: (
         [
             ("joint_position_filter_frequency", "d"),
@@ -240,9 +273,15 @@ _EXCHANGES: dict[Command, tuple[list[Field], list[Field]]] = {
             ("controller_filter_frequency", "d"),
         ],
         [],
+        SetterStatus,
     ),
-    Command.AUTOMATIC_ERROR_RECOVERY: ([], []),
-    Command.LOAD_MODEL_LIBRARY: ([("architecture", "B"), ("system", "B")], []),
+    Command.AUTOMATIC_ERROR_RECOVERY: ([], [], RecoveryStatus),
+    Command.LOAD_MODEL_LIBRARY: (
+        [("architecture", "B"), ("system", "B")],
+        [],
+        LibraryStatus,
+    ),
+    Command.GET_ROBOT_MODEL: ([], [], ModelStatus),
 }
 
 _STATE: list[Field] = [
@@ -286,6 +325,8 @@ _STATE: list[Field] = [
     ("O_ddP_EE_c", "6d"),
     ("theta", "7d"),
     ("dtheta", "7d"),
+    ("accelerometer_top", "18d"),
+    ("accelerometer_bottom", "18d"),
     ("motion_generator_mode", "B"),
     ("controller_mode", "B"),
     ("errors", "41?"),
@@ -304,106 +345,73 @@ _COMMAND: list[Field] = [
     ("valid_elbow", "?"),
     ("motion_generation_finished", "?"),
     ("tau_J_d", "7d"),
+    ("torque_command_finished", "?"),
 ]
 
-# Statuses from here on are those of safety functions, which version 5 does not have.
-_FIRST_OF_SAFETY = 100
-_STATUSES: dict[Command, Sequence[int]] = {
-    Command.CONNECT: tuple(ConnectStatus),
-    Command.MOVE: tuple(MoveStatus),
-    Command.STOP_MOVE: tuple(StopMoveStatus),
-    Command.AUTOMATIC_ERROR_RECOVERY: tuple(RecoveryStatus),
-    Command.LOAD_MODEL_LIBRARY: tuple(ModelStatus),
-}
+_VERSIONS = (5, 6, 7, 8, 9, 10)
+_SPOKEN = {
+    # Versions:                   5 6 7 8 9 10
+    "GET_CARTESIAN_LIMIT":        "x.....",
+    "SET_FILTERS":                "x.....",
+    "LOAD_MODEL_LIBRARY":         "xxxxx.",
+    "GET_ROBOT_MODEL":            "...xxx",
+    "PREEMPTED_BY_SAFETY":        ".xxxxx",
+    "REJECTED_BY_SAFETY":         ".xxxxx",
+    "NONE":                       "..xxxx",
+    "torque_command_finished":    "..xxxx",
+    "use_async_motion_generator": ".....x",
+    "maximum_velocity":           ".....x",
+    "accelerometer_top":          ".....x",
+    "accelerometer_bottom":       ".....x",
+    "single precision":           ".....x",
+    "position limits":            "xxxx..",
+}  # fmt: skip
+"""What not all versions have: commands, statuses, the generator `NONE`, fields, numbers
+of the state in single precision, and errors of their own for the position limits of
+commanded motions."""
 
 
-def _without_safety(statuses: Sequence[int]) -> Sequence[int]:
-    """Return the statuses that version 5 has, in the order of their numbers."""
-    return tuple(status for status in statuses if status < _FIRST_OF_SAFETY)
+def _has(version: int, name: str) -> bool:
+    return name not in _SPOKEN or _SPOKEN[name][_VERSIONS.index(version)] == "x"
 
 
-_GENERATORS = tuple(g for g in MoveGenerator if g is not MoveGenerator.NONE)
+def _structure(version: int, fields: Sequence[Field]) -> Structure:
+    return Structure([field for field in fields if _has(version, field[0])])
 
-PANDA = RobotProtocol(
-    version=5,
-    port=1337,
-    exchanges={
-        command: Exchange(
-            Structure(request),
-            Structure([*_STATUS, *answer]),
-            command,
-            _without_safety(_STATUSES.get(command, tuple(SetterStatus))),
-        )
-        for command, (request, answer) in _EXCHANGES.items()
-    },
-    state=Structure(_STATE),
-    command=Structure(_COMMAND),
-    generators=_GENERATORS,
-)
-"""Version 5, which the Panda's libfranka 0.9 speaks; 0.8 speaks version 4."""
 
-_REMOVED = (Command.GET_CARTESIAN_LIMIT, Command.SET_FILTERS)
-_STATUSES_WITH_SAFETY: dict[Command, Sequence[int]] = {
-    Command.CONNECT: PANDA.exchanges[Command.CONNECT].statuses,
-    Command.MOVE: (
-        MoveStatus.SUCCESS,
-        MoveStatus.MOTION_STARTED,
-        MoveStatus.PREEMPTED,
-        MoveStatus.PREEMPTED_BY_SAFETY,
-        MoveStatus.REJECTED_BY_SAFETY,
-        MoveStatus.COMMAND_NOT_POSSIBLE_REJECTED,
-        MoveStatus.START_AT_SINGULAR_POSE_REJECTED,
-        MoveStatus.INVALID_ARGUMENT_REJECTED,
-        MoveStatus.REFLEX_ABORTED,
-        MoveStatus.EMERGENCY_ABORTED,
-        MoveStatus.INPUT_ERROR_ABORTED,
-        MoveStatus.ABORTED,
-    ),
-    Command.STOP_MOVE: (
-        StopMoveStatus.SUCCESS,
-        StopMoveStatus.COMMAND_NOT_POSSIBLE_REJECTED,
-        StopMoveStatus.REJECTED_BY_SAFETY,
-        StopMoveStatus.EMERGENCY_ABORTED,
-        StopMoveStatus.REFLEX_ABORTED,
-        StopMoveStatus.ABORTED,
-    ),
-    Command.AUTOMATIC_ERROR_RECOVERY: (
-        RecoveryStatus.SUCCESS,
-        RecoveryStatus.COMMAND_NOT_POSSIBLE_REJECTED,
-        RecoveryStatus.REJECTED_BY_SAFETY,
-        RecoveryStatus.MANUAL_ERROR_RECOVERY_REQUIRED_REJECTED,
-        RecoveryStatus.REFLEX_ABORTED,
-        RecoveryStatus.EMERGENCY_ABORTED,
-        RecoveryStatus.ABORTED,
-    ),
-    Command.LOAD_MODEL_LIBRARY: PANDA.exchanges[Command.LOAD_MODEL_LIBRARY].statuses,
-}
-_SETTER_WITH_SAFETY = tuple(SetterStatus)
+def _exchange(version: int, command: Command, number: int) -> Exchange:
+    request, answer, statuses = _EXCHANGES[command]
+    return Exchange(
+        _structure(version, request),
+        _structure(version, [("status", "B"), *answer]),
+        number,
+        tuple(status for status in statuses if _has(version, status.name)),
+    )
 
-FR3_OF_LIBFRANKA_0_10 = replace(
-    PANDA,
-    version=6,
-    exchanges={
-        command: replace(
-            PANDA.exchanges[command],
-            number=number,
-            statuses=_STATUSES_WITH_SAFETY.get(command, _SETTER_WITH_SAFETY),
-        )
-        for number, command in enumerate(c for c in Command if c not in _REMOVED)
-    },
-)
-"""Version 6, which the FR3's libfranka 0.10 to 0.13.2 speak: no virtual walls and no
-filters, so that the commands behind them have other numbers, and statuses of safety
-functions."""
-FR3_OF_LIBFRANKA_0_13 = replace(
-    FR3_OF_LIBFRANKA_0_10,
-    version=7,
-    command=Structure([*_COMMAND, ("torque_command_finished", "?")]),
-    generators=tuple(MoveGenerator),
-)
-"""Version 7, which the FR3's libfranka 0.13.3 to 0.13.6 speak: a motion may have no
-generator, and torques have an end of their own."""
-FR3 = (FR3_OF_LIBFRANKA_0_10, FR3_OF_LIBFRANKA_0_13)
-"""The versions of the FR3 that have a table, oldest first."""
-PROTOCOLS = {protocol.version: protocol for protocol in (PANDA, *FR3)}
-"""Every version with a table, by its number."""
+
+def _protocol(version: int) -> RobotProtocol:
+    commands = [command for command in Command if _has(version, command.name)]
+    number = "f" if _has(version, "single precision") else "d"
+    return RobotProtocol(
+        version=version,
+        port=1337,
+        exchanges={
+            command: _exchange(version, command, number)
+            for number, command in enumerate(commands)
+        },
+        state=_structure(
+            version, [(name, form.replace("d", number)) for name, form in _STATE]
+        ),
+        command=_structure(version, _COMMAND),
+        generators=tuple(one for one in MoveGenerator if _has(version, one.name)),
+        merged_errors=() if _has(version, "position limits") else _POSITION_LIMITS,
+    )
+
+
+PROTOCOLS = {version: _protocol(version) for version in _VERSIONS}
+"""Every version with a table, by its number, oldest first."""
+PANDA = PROTOCOLS[5]
+"""The version of the Panda, which libfranka 0.9 speaks; 0.8 speaks version 4."""
+FR3 = tuple(protocol for version, protocol in PROTOCOLS.items() if version > 5)
+"""The versions of the FR3: 6 since libfranka 0.10, 7 since 0.13.3, 8 since 0.14, 9
+since 0.15, 10 since 0.18."""

@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 Field: TypeAlias = tuple[str, str]
 """Name of a field and its format, e.g. `("q", "7d")`, as `struct` has it."""
 
-_SIZES = {"?": 1, "B": 1, "H": 2, "I": 4, "i": 4, "Q": 8, "d": 8}
+_SIZES = {"?": 1, "B": 1, "H": 2, "I": 4, "i": 4, "Q": 8, "f": 4, "d": 8}
 
 
 class Structure:

@@ -5,6 +5,7 @@ from station.hw.franka.fci.wire.messages import Messages
 from station.hw.franka.fci.wire.robot_protocol import (
     HEADER,
     PANDA,
+    PROTOCOLS,
     Command,
     MoveController,
     MoveGenerator,
@@ -31,11 +32,18 @@ class RobotClient:
     Args:
         arm: The arm behind the session.
         model_library: Where libraries come from.
+        version: The version that is spoken.
+        robot_model: The URDF of the arm.
     """
 
-    def __init__(self, arm, model_library=lambda _a, _s: None):
+    def __init__(
+        self, arm, model_library=lambda _a, _s: None, version=5, robot_model=""
+    ):
         self.arm = arm
-        self.session = RobotSession(arm, model_library)
+        self.protocol = PROTOCOLS[version]
+        self.session = RobotSession(
+            arm, model_library, [self.protocol], robot_model=robot_model
+        )
         self.ids = 0
         self.messages = 0
         self.received = []
@@ -43,14 +51,16 @@ class RobotClient:
     def ask(self, command, **values):
         """Send a request; return the statuses of the answers that come at once."""
         self.ids += 1
-        found = answers(self.session.receive(request(command, self.ids, values)))
+        data = request(command, self.ids, values, self.protocol)
+        found = answers(self.session.receive(data), self.protocol)
         self.received += found
         return [fields["status"] for _, _, fields in found]
 
-    def connect(self, version=5):
+    def connect(self, version=None):
+        version = self.protocol.version if version is None else version
         return self.ask(Command.CONNECT, version=version, udp_port=UDP_PORT)
 
-    def move(self, controller=None, generator=None):
+    def move(self, controller=None, generator=None, **more):
         """Ask for a motion; by default for positions with joint impedance."""
         controller = (
             MoveController.JOINT_IMPEDANCE if controller is None else controller
@@ -62,13 +72,14 @@ class RobotClient:
             motion_generator_mode=generator,
             maximum_path_deviation=(10.0, 3.12, 6.28),
             maximum_goal_pose_deviation=(10.0, 3.12, 6.28),
+            **more,
         )
 
     def send(self, message_id=None, **values):
         """Send a command, as the answer to the newest state."""
         number = self.messages if message_id is None else message_id
         self.session.receive_command(
-            PANDA.command.pack({"message_id": number, **values})
+            self.protocol.command.pack({"message_id": number, **values})
         )
 
     def cycle(self):
@@ -77,7 +88,7 @@ class RobotClient:
         self.arm.read_once()
         data += self.session.after_cycle()
         self.messages += 1
-        found = answers(data)
+        found = answers(data, self.protocol)
         self.received += found
-        state = PANDA.state.unpack(self.session.state(self.messages))
+        state = self.protocol.state.unpack(self.session.state(self.messages))
         return state, [fields["status"] for _, _, fields in found]

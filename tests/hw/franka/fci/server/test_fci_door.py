@@ -20,6 +20,7 @@ from station.hw.franka.fci.server.fci_door import (
     StationGoneError,
     receive_frame,
     refusal,
+    relay,
     send_frame,
 )
 from station.hw.franka.fci.server.shared_page import PAGE_BYTES, SharedPage
@@ -98,6 +99,26 @@ def test_bytes_of_a_client_go_through_and_answers_come_back(door):
         door.page.put_answers(b"later")
         assert tcp.recv(100) == b"later"
     door.expect(LEAVE)
+
+
+def test_answers_never_overtake_the_state_that_they_were_left_behind():
+    sent = []
+
+    class Port:
+        datagrams = list
+
+        def send(self, data):
+            sent.append(bytes(data))
+
+        def send_datagram(self, data):
+            sent.append(data[:1])
+
+    memory = bytearray(MEMORY_BYTES)
+    control, door = SharedPage(memory), SharedPage(memory)
+    control.put_state(b"s" * PANDA.state.size)
+    control.put_answers(b"answer")
+    relay(Port(), door)
+    assert sent == [b"s", b"answer"]
 
 
 def test_states_and_commands_go_through_the_shared_memory(door, client):

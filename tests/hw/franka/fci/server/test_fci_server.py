@@ -39,6 +39,18 @@ def test_connection_that_breaks_in_a_motion_stops_the_arm(bench):
     bench.move(tcp)
 
 
+def test_state_with_an_error_goes_out_before_the_answer(bench, monkeypatch):
+    """Clients tell the errors of the state that they have read last."""
+    tcp, _ = bench.connect()
+    bench.move(tcp)
+    sent, port = [], bench.server._robot_port
+    monkeypatch.setattr(port, "send", lambda data: data and sent.append("answer"))
+    monkeypatch.setattr(port, "send_datagram", lambda data: sent.append(data[2364]))
+    bench.arm.fail("joint_reflex")
+    bench.run(2)
+    assert sent == [RobotMode.REFLEX.value, "answer", RobotMode.REFLEX.value]
+
+
 def test_commands_count_once_and_missing_ones_are_lost(bench):
     tcp, udp = bench.connect()
     bench.move(tcp)

@@ -19,7 +19,7 @@ from station.hw.franka.fci.wire.robot_protocol import (
     Architecture,
     Command,
     ConnectStatus,
-    ModelStatus,
+    LibraryStatus,
     MoveController,
     MoveGenerator,
     MoveStatus,
@@ -280,7 +280,7 @@ def test_model_library_follows_its_status_or_is_refused(arm):
     assert HEADER.unpack(data[:12]) == {"command": 13, "command_id": 9, "size": 17}
     assert data[12:] == b"\x00\x7fELF"
     refused = client.ask(Command.LOAD_MODEL_LIBRARY, architecture=Architecture.ARM)
-    assert refused == [ModelStatus.ERROR]
+    assert refused == [LibraryStatus.ERROR]
     assert asked == [(0, 0), (2, 0)]
 
 

@@ -1,0 +1,270 @@
+"""Whatever a client sends, the server serves the next one and the arm keeps its limits.
+
+A frame is a request, a command or noise: fields with numbers of all kinds, wrong sizes,
+flipped bits, the end of one frame before another. They go over the real sockets, and
+the server makes a cycle of a simulated arm after each.
+"""
+
+import os
+import random
+import socket
+from contextlib import suppress
+from itertools import count
+
+import pytest
+
+from station.core.description.robot_files import load_robot_files
+from station.core.franka import RobotMode
+from station.hw.franka.arm.franka_kinematics import IDENTITY
+from station.hw.franka.fci.server.fci_server import FciServer, FciSettings
+from station.hw.franka.fci.wire.robot_protocol import (
+    HEADER,
+    PROTOCOLS,
+    Command,
+    MoveController,
+    MoveGenerator,
+)
+from station.hw.franka.simulated.franka_world import ArmPlacement, simulate
+from tests.hw.franka.fci.server.robot_client import answers, request
+
+# A loopback address of this process alone: libfranka's ports are fixed.
+HOST = f"127.20.{os.getpid() // 250 % 250}.{os.getpid() % 250 + 1}"
+WILD = (0.0, -1.0, 1e-300, 1e3, -1e30, 1e308, float("inf"), float("nan"))
+POSITION_ROOM = 0.05
+"""How far a joint may go beyond its limit while the arm brakes [rad]."""
+VELOCITY_ROOM = 1.3
+"""Part of the velocity limits that a reflex may let a joint reach."""
+
+SETTINGS = {
+    Command.SET_LOAD: {},
+    Command.SET_COLLISION_BEHAVIOR: {
+        f"{bound}_{kind}_thresholds_{phase}": [80.0] * (7 if kind == "torque" else 6)
+        for bound in ("lower", "upper")
+        for kind in ("torque", "force")
+        for phase in ("acceleration", "nominal")
+    },
+}
+FRAMES = int(os.environ.get("FUZZED_FRAMES", "5000"))
+"""Frames of each version in the long run."""
+
+
+class Fuzzer:
+    """A client of one version that sends what no client should.
+
+    Args:
+        version: The version that it connects with.
+        seed: Where its random numbers begin.
+    """
+
+    def __init__(self, version, seed):
+        self.protocol = PROTOCOLS[version]
+        self.random = random.Random(seed)
+        description = load_robot_files("example-robot-data:panda")
+        self.arm = simulate([ArmPlacement("panda", description)]).arms["panda"]
+        # A clock that is always late: the server polls once, and makes its cycle.
+        seconds = count()
+        self.server = FciServer(
+            self.arm,
+            None,
+            FciSettings(HOST, protocols=[self.protocol]),
+            lambda _architecture, _system: b"library",
+            lambda: float(next(seconds)),
+            robot_model="<robot/>",
+        )
+        self.udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.udp.bind(("0.0.0.0", 0))
+        self.udp.settimeout(0.0)
+        self.tcp = None
+        self.server_address = None
+        self.message_id = 0
+        self.moved = set()
+
+    def close(self):
+        self.server.close()
+        self.udp.close()
+        if self.tcp is not None:
+            self.tcp.close()
+
+    def cycle(self, cycles=1):
+        """Let the server run, and look whether the arm is within its limits."""
+        left = iter(range(cycles))
+        self.server.run(lambda: next(left, None) is None)
+        state, limits = self.arm.state, self.arm.limits
+        for i in range(7):
+            assert limits.lower[i] - POSITION_ROOM < state.theta[i]
+            assert state.theta[i] < limits.upper[i] + POSITION_ROOM
+            assert abs(state.dtheta[i]) < VELOCITY_ROOM * limits.velocity[i]
+        if state.robot_mode is RobotMode.MOVE:
+            self.moved.add(self.arm._modes.generator)
+
+    def connect(self):
+        """Connect as a client should; return the answer."""
+        if self.tcp is not None:
+            self.tcp.close()
+            self.cycle(2)
+        self.tcp = socket.create_connection((HOST, self.protocol.port), timeout=5.0)
+        port = self.udp.getsockname()[1]
+        values = {"version": self.protocol.version, "udp_port": port}
+        self.tcp.sendall(request(Command.CONNECT, 1, values, self.protocol))
+        self.cycle(3)
+        found = answers(self.tcp.recv(100), self.protocol)
+        self.tcp.settimeout(0.0)
+        return found
+
+    def fuzz(self, frames):
+        """Send frames."""
+        draw = self.random
+        for _ in range(frames):
+            if self.tcp is None:
+                self.connect()
+            is_moving = self.arm.state.robot_mode is RobotMode.MOVE
+            over_udp = draw.random() < (0.9 if is_moving else 0.1)
+            if over_udp and self.server_address is not None:
+                self.udp.sendto(self.datagram(), self.server_address)
+            else:
+                self.send(self.message())
+            self.cycle(draw.choice((1, 1, 1, 5)))
+            self.hear()
+
+    def send(self, data):
+        """Send bytes over TCP; a server that hung up is connected to again."""
+        with suppress(BlockingIOError):
+            try:
+                self.tcp.sendall(data)
+            except (BrokenPipeError, ConnectionResetError):
+                self.tcp.close()
+                self.tcp = None
+
+    def hear(self):
+        """Take what has come."""
+        with suppress(BlockingIOError):
+            while True:
+                data, self.server_address = self.udp.recvfrom(4096)
+                self.message_id = int.from_bytes(data[:8], "little")
+        if self.tcp is None:
+            return
+        with suppress(BlockingIOError):
+            try:
+                data = self.tcp.recv(65_536)
+            except ConnectionResetError:
+                data = b""
+            if not data:
+                self.tcp.close()
+                self.tcp = None
+
+    def message(self):
+        """Return a request that may be anything."""
+        draw, choice = self.random, self.random.random()
+        # Most of the time the arm shall move.
+        mode = self.arm.state.robot_mode
+        if mode is RobotMode.REFLEX and choice < 0.6:
+            return request(Command.AUTOMATIC_ERROR_RECOVERY, 1, {}, self.protocol)
+        if mode is RobotMode.IDLE and choice < 0.6:
+            return request(Command.MOVE, 1, self.motion(), self.protocol)
+        command = draw.choice([*self.protocol.exchanges])
+        fields = self.protocol.exchanges[command].request
+        data = bytearray(request(command, 1, self.values(fields), self.protocol))
+        if choice < 0.85:
+            return data
+        if choice < 0.9:
+            return HEADER.pack({"command": draw.randrange(20), "size": 12})
+        if choice < 0.95:
+            return data[: draw.randrange(len(data))]
+        return self.flipped(data)
+
+    def motion(self):
+        """Return fields of a motion that mostly is possible."""
+        draw = self.random
+        generator, controllers = draw.choice([*MoveGenerator]), [*MoveController]
+        if generator is MoveGenerator.NONE:
+            controllers = [MoveController.EXTERNAL_CONTROLLER]
+        wanted = {
+            "controller_mode": draw.choice(controllers),
+            "motion_generator_mode": generator,
+            "maximum_path_deviation": (1.0, 1.0, draw.choice((1.0, *WILD))),
+            "use_async_motion_generator": draw.random() < 0.3,
+            "maximum_velocity": [draw.choice((1.0, 1.0, *WILD[3:6]))] * 7,
+        }
+        known = self.protocol.exchanges[Command.MOVE].request.offsets
+        return {name: value for name, value in wanted.items() if name in known}
+
+    def datagram(self):
+        """Return a command, or something of its kind."""
+        draw, layout, state = self.random, self.protocol.command, self.arm.state
+        values = self.values(layout)
+        values["message_id"] = self.message_id + draw.choice((0, 0, 0, 1, -3, 10))
+        values["message_id"] = max(0, values["message_id"])
+        if draw.random() < 0.7:  # most motions shall begin
+            values |= {
+                "q_c": [q + draw.gauss(0.0, 1e-6) for q in state.q_d],
+                "dq_c": [draw.gauss(0.0, 1e-3) for _ in range(7)],
+                "O_T_EE_c": state.O_T_EE_c,
+                "O_dP_EE_c": [draw.gauss(0.0, 1e-3) for _ in range(6)],
+                "tau_J_d": [draw.gauss(0.0, 0.3) for _ in range(7)],
+                "valid_elbow": False,
+            }
+            for name in ("motion_generation_finished", "torque_command_finished"):
+                values.pop(name, None)
+        data = bytearray(layout.pack(values))
+        choice = draw.random()
+        if choice < 0.85:
+            return data
+        return self.flipped(data) if choice < 0.95 else data[: draw.randrange(400)]
+
+    def values(self, layout):
+        """Return fields with numbers of all kinds."""
+        draw, values = self.random, layout.unpack(bytes(layout.size))
+        for name, zero in values.items():
+            if isinstance(zero, tuple):
+                if draw.random() < 0.3 and len(zero) == 16:
+                    values[name] = IDENTITY
+                elif type(zero[0]) is float:
+                    values[name] = [self.number() for _ in zero]
+                else:
+                    values[name] = [draw.random() < 0.8 for _ in zero]
+            elif type(zero) is float:
+                values[name] = self.number()
+            else:
+                values[name] = draw.randrange(2 if isinstance(zero, bool) else 6)
+        return values
+
+    def number(self):
+        draw = self.random
+        return draw.choice(WILD) if draw.random() < 0.1 else draw.gauss(0.0, 2.0)
+
+    def flipped(self, data):
+        for _ in range(self.random.randrange(1, 9)):
+            data[self.random.randrange(len(data))] ^= 1 << self.random.randrange(8)
+        return data
+
+
+def survive(version, frames):
+    """Fuzz, and then do what a client should do."""
+    fuzzer = Fuzzer(version, seed=1000 + version)
+    try:
+        fuzzer.fuzz(frames)
+        assert fuzzer.connect()[0][2]["status"] == 0
+        # With thresholds and a load of chance the arm would err at rest.
+        for command, values in SETTINGS.items():
+            fuzzer.send(request(command, 2, values, fuzzer.protocol))
+        recovery = Command.AUTOMATIC_ERROR_RECOVERY
+        fuzzer.send(request(recovery, 2, {}, fuzzer.protocol))
+        fuzzer.cycle(1000)
+        assert fuzzer.arm.state.robot_mode is RobotMode.IDLE
+        fuzzer.send(request(Command.MOVE, 3, {}, fuzzer.protocol))
+        fuzzer.cycle(2)
+        assert fuzzer.arm.state.robot_mode is RobotMode.MOVE
+        assert len(fuzzer.moved) >= 3  # it was not refused all the time
+    finally:
+        fuzzer.close()
+
+
+@pytest.mark.parametrize("version", PROTOCOLS)
+def test_a_thousand_frames_end_nothing(version):
+    survive(version, 1000)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("version", PROTOCOLS)
+def test_a_long_run_of_frames_ends_nothing(version):
+    survive(version, FRAMES)
