@@ -196,6 +196,12 @@ class AsyncStream:
         except (OSError, WebSocketException) as error:
             await self.close()
             _give_up(error, self.options.base_url)
+        except BaseException:
+            # Interrupted on the way into the block, whose end would close the link. The
+            # loop may end at once, so there is no time for a farewell.
+            if self._connection is not None:
+                self._connection.transport.abort()
+            raise
         return self
 
     async def __aexit__(

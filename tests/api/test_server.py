@@ -15,6 +15,7 @@ from station.local.tls import TlsFiles, TlsFilesError, trust
 from tests.api.conftest import OPERATOR
 from tests.api.test_errors import problem_of
 from tests.certificates import make_certificate
+from tests.waiting import wait_until
 
 BEARER = {"Authorization": f"Bearer {OPERATOR}"}
 
@@ -85,9 +86,12 @@ def test_it_goes_quickly_while_a_client_reads_nothing(app, station):
     server.start()
     raw = deaf_client(server)
     (protocol,) = server._server.server_state.connections
-    while protocol.writable.is_set():  # until nothing more goes into the buffers
+
+    def is_full():
         station.loop.step(250)
-        time.sleep(0.001)
+        return not protocol.writable.is_set()
+
+    assert wait_until(is_full, pause=0.001)
 
     begin = time.monotonic()
     server.stop()

@@ -1,12 +1,11 @@
 """The dashboard in a real browser, at a real station."""
 
-import time
-
 import pytest
 
 from station.wire import Fault
 from tests.browser.conftest import keep_screenshot
 from tests.browser.viser_page import ViserPage
+from tests.waiting import wait_until
 
 pytestmark = pytest.mark.slow
 
@@ -19,14 +18,6 @@ TRIANGLES = "() => window.__viserTestpoints.rendererInfo.render.triangles"
 def _position(client, joint):
     joints = client.joint_states()
     return joints.position[joints.name.index(joint)]
-
-
-def _wait_until(holds, seconds=15.0):
-    """Poll `holds` until it is true; whoever calls asserts the outcome."""
-    deadline = time.monotonic() + seconds
-    while not holds() and time.monotonic() < deadline:
-        time.sleep(0.05)
-    return holds()
 
 
 def _state(client, name):
@@ -96,12 +87,12 @@ def test_a_link_is_pulled_with_the_pointer(page, scene, idle):
     page.mouse.down()
     for step in range(1, 8):
         page.mouse.move(x + 12 * step, y - 4 * step)
-    pulled = _wait_until(lambda: pushes() and "200" in pushes()[0])
+    pulled = wait_until(lambda: pushes() and "200" in pushes()[0])
     keep_screenshot(page, "dashboard_pull.png")
     page.mouse.up()
     assert pulled
     panda = idle.robot("panda")
-    assert _wait_until(lambda: max(map(abs, panda.state().O_F_ext_hat_K)) < 10.0)
+    assert wait_until(lambda: max(map(abs, panda.state().O_F_ext_hat_K)) < 10.0)
     _press(page, "Push")
 
 
@@ -140,7 +131,7 @@ def test_a_slider_moves_the_joint_that_it_follows(page, viser_page, idle):
     viser_page.frame.get_by_text(f"Sliders command {CONTROLLER}").wait_for()
     assert _position(idle, "panda_joint1") == pytest.approx(before, abs=2e-3)
     viser_page.drag_slider("joint1 [rad]", 0.62)
-    assert _wait_until(lambda: _position(idle, "panda_joint1") > before + 0.4)
+    assert wait_until(lambda: _position(idle, "panda_joint1") > before + 0.4)
     keep_screenshot(page, "dashboard_sliders.png")
 
 
@@ -151,7 +142,7 @@ def test_a_gain_slider_changes_the_gain(page, viser_page, idle):
     viser_page.open_tab("Gains")
     viser_page.frame.get_by_text("p [Nm/rad]").wait_for()
     viser_page.drag_slider("p [Nm/rad]", 0.15)
-    assert _wait_until(lambda: idle.gains(CONTROLLER).values[name] < before)
+    assert wait_until(lambda: idle.gains(CONTROLLER).values[name] < before)
     keep_screenshot(page, "dashboard_gains.png")
     idle.set_gains(CONTROLLER, {name: before})
 
@@ -184,10 +175,10 @@ def test_stop_stops_and_is_released_in_two_steps(page, viser_page, idle, way):
     else:
         viser_page.open_tab("Joints")
         page.keyboard.press(" ")
-    assert _wait_until(lambda: idle.status().stop_state == "stopped")
+    assert wait_until(lambda: idle.status().stop_state == "stopped")
     page.get_by_role("button", name="Release stop").click()
     page.get_by_role("button", name="Allow motion").click()
-    assert _wait_until(lambda: idle.status().stop_state == "armed")
+    assert wait_until(lambda: idle.status().stop_state == "armed")
     assert _state(idle, CONTROLLER) != "running"
 
 
@@ -198,11 +189,11 @@ def test_an_arm_that_stopped_itself_is_recovered_by_clicking(page, idle):
     trouble.get_by_text("panda stopped itself: ").wait_for()
     keep_screenshot(page, "dashboard_reflex.png")
     trouble.get_by_role("button", name="Recover panda").click()
-    assert _wait_until(lambda: panda.errors().robot_mode == "idle")
+    assert wait_until(lambda: panda.errors().robot_mode == "idle")
     trouble.wait_for(state="hidden")
     panda.user_stop(pressed=True)
     trouble.get_by_role("button", name="Release the user stop of panda").click()
-    assert _wait_until(lambda: panda.errors().robot_mode == "idle")
+    assert wait_until(lambda: panda.errors().robot_mode == "idle")
 
 
 def test_typing_a_space_does_not_stop(page, viser_page, idle):

@@ -5,6 +5,7 @@ import json
 import math
 
 import pytest
+from websockets.asyncio.server import serve
 from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosedError, InvalidStatus
 from websockets.frames import Close
@@ -23,6 +24,7 @@ from station.client import (
 from station.client.streams import (
     FIRST_DELAY,
     LONGEST_DELAY,
+    AsyncStream,
     Backoff,
     CommandOptions,
     StreamOptions,
@@ -123,6 +125,28 @@ def test_entering_connects_at_once_or_raises(served):
 
     with pytest.raises(ApiError, match="No topic 'nothing'"):
         run_with(served, check)
+
+
+def test_an_interrupted_entry_leaves_no_link_open():
+    async def work():
+        entered, gone = asyncio.Event(), asyncio.Event()
+
+        async def say_nothing(link):
+            await (await link.ping())  # answered: the client waits for the hello
+            entered.set()
+            await link.wait_closed()
+            gone.set()
+
+        async with serve(say_nothing, "127.0.0.1", 0) as server:
+            port = server.sockets[0].getsockname()[1]
+            options = StreamOptions(f"http://127.0.0.1:{port}", None, "loop")
+            entering = asyncio.create_task(AsyncStream(options).__aenter__())
+            await entered.wait()
+            entering.cancel()
+            await asyncio.wait([entering])
+            await asyncio.wait_for(gone.wait(), 5.0)
+
+    asyncio.run(work())
 
 
 def test_frame_that_fulfils_a_condition_is_waited_for(served, station):

@@ -1,16 +1,16 @@
 """A process that plays the part of an experiment, as its first argument says.
 
 `quick` begins, tells progress and ends; `refuse` refuses; `die` is killed after it has
-begun; `wait` ends when it is interrupted; `silent` ends without a word.
+begun; `wait` ends when it is interrupted; `silent` ends without a word. The other
+arguments are the file of the experiment and the one that it becomes a copy of: to
+import the station takes longer than all the rest.
 """
 
 import json
 import os
+import shutil
 import signal
 import sys
-
-from station.trials.results import Results, file_of
-from station.trials.trial import Setup
 
 
 def tell(**facts):
@@ -19,13 +19,12 @@ def tell(**facts):
     sys.stdout.flush()
 
 
-def main(what):
+def main(what, file, empty):
     """Play the part."""
     # As the process of an experiment does: what runs in the background ignores it.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     order = json.loads(sys.stdin.readline())
-    request = order["request"]
-    name = request["name"]
+    name = order["request"]["name"]
     if what == "silent":
         sys.exit(7)
     if what == "refuse":
@@ -37,8 +36,7 @@ def main(what):
         }
         tell(refused=refused)
         sys.exit(1)
-    plan = {"trials": request["trials"], "controller": request["controller"]}
-    Results.create(file_of(name), request["kind"], Setup(order["setup"]), plan).close()
+    shutil.copy(empty, file)
     tell(begun=name)
     told = {"ended": 1, "total": 2, "failed": 0, "resumed": 0, "reason": ""}
     tell(progress=told)
@@ -55,4 +53,4 @@ def main(what):
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    main(*sys.argv[1:])

@@ -23,7 +23,7 @@ from station.trials.errors import (
     ImpossibleRangeError,
     TooManyExperimentsError,
 )
-from station.trials.results import file_of, names
+from station.trials.results import Results, file_of, names
 from station.trials.trial import Setup
 from station.wire.experiments import ExperimentRequest
 
@@ -40,12 +40,16 @@ def own_experiments(monkeypatch, tmp_path):
 
 
 @pytest.fixture
-def make():
+def make(tmp_path):
     """Return a function that returns experiments whose processes play a part."""
-    made = []
+    made, empty = [], tmp_path / "empty"
+    plan = {"trials": REQUEST.trials, "controller": REQUEST.controller}
+    Results.create(empty, REQUEST.kind, Setup("{}"), plan).close()
 
     def make(part):
-        command = (sys.executable, SCRIPT, part)
+        file = file_of(REQUEST.name)
+        file.parent.mkdir(parents=True, exist_ok=True)
+        command = (sys.executable, "-S", SCRIPT, part, str(file), str(empty))
         background = BackgroundExperiments(Setup("{}"), command=command)
         background.told = queue.Queue()
         background.tell = background.told.put
@@ -144,11 +148,11 @@ def test_too_many_trials_are_refused(make):
 
 def test_too_many_experiments_are_refused(make, monkeypatch):
     monkeypatch.setattr("station.trials.background_experiments.MOST_EXPERIMENTS", 1)
-    file_of("old").parent.mkdir(parents=True)
+    background = make("quick")
     file_of("old").touch()
 
     with pytest.raises(TooManyExperimentsError, match="allowed are 1"):
-        make("quick").start(REQUEST, {})
+        background.start(REQUEST, {})
 
 
 def test_a_station_lends_one_processor_at_least():

@@ -1,9 +1,10 @@
-"""Wire models of a simulated robot's time."""
+"""Wire models of a simulation and its scene."""
 
 import pytest
 from pydantic import ValidationError
 
-from station.wire import ResetRequest, SimulationPatch, StepRequest
+from station.reports import examples_of
+from station.wire import ResetRequest, SceneObject, SimulationPatch, StepRequest
 
 
 def test_what_is_left_out_changes_nothing():
@@ -16,3 +17,9 @@ def test_what_is_left_out_changes_nothing():
 def test_positions_are_numbers(position):
     with pytest.raises(ValidationError):
         ResetRequest.model_validate({"joint_positions": {"j": position}})
+
+
+def test_the_example_is_valid():
+    (example,) = examples_of(SceneObject.__doc__)
+
+    assert SceneObject.model_validate(example).name == "cube"

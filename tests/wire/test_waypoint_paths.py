@@ -1,11 +1,18 @@
-"""Waypoint paths on the wire: what is no waypoint, no speed and no name."""
+"""Wire models of waypoint paths and recordings."""
 
 import math
 
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from station.wire import PlaybackPatch, PlayRequest, WaypointRequest
+from station.reports import examples_of
+from station.wire import (
+    PlaybackPatch,
+    PlayRequest,
+    Recording,
+    RecordingRequest,
+    WaypointRequest,
+)
 from station.wire.waypoint_paths import PathName
 
 
@@ -41,3 +48,14 @@ def test_a_speed_has_bounds(speed):
 def test_names_are_segments_of_a_path(name):
     with pytest.raises(ValidationError):
         TypeAdapter(PathName).validate_python(name)
+
+
+def test_a_recording_without_an_error_says_so():
+    values = examples_of(Recording.__doc__)[0]
+    assert Recording.model_validate({**values, "error": None}).error == ""
+
+
+@pytest.mark.parametrize("name", ["-x", "a/b", "../x", "x" * 81])
+def test_a_name_that_is_no_part_of_a_file_name_is_refused(name):
+    with pytest.raises(ValidationError):
+        RecordingRequest(name=name)

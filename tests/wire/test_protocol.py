@@ -1,10 +1,10 @@
-"""The problem document."""
+"""The envelope of errors and of frames."""
 
 import pytest
 from pydantic import ValidationError
 
 from station.reports import examples_of
-from station.wire import FieldError, Problem
+from station.wire import FieldError, Problem, StreamFrame
 
 EXAMPLE = examples_of(Problem.__doc__)[0]
 
@@ -29,3 +29,12 @@ def test_fields_are_told_one_by_one():
     })
 
     assert problem.errors == [FieldError(field="a", message="m", value="")]
+
+
+def test_a_frame_needs_no_boot_id():
+    frame = StreamFrame.model_validate_json(
+        '{"topic": "t", "seq": 1, "epoch": 2, "stamp": 0.5, "data": {"a": [null, 1]}}'
+    )
+
+    assert frame.boot_id == ""
+    assert frame.data == {"a": [None, 1]}
