@@ -4,7 +4,7 @@ The station's own services name their wire model, which the client has too. The 
 model of any other service is made of the parameters of its method.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from inspect import Parameter
 from typing import Annotated, Any
@@ -67,7 +67,7 @@ def _endpoint(
     service: Service, request: type[BaseModel] | None, answer: Answer
 ) -> Callable[..., Any]:
     def call(arm_id: str, station: StationDep) -> object:
-        return answer(station, arm_id, _call(station, arm_id, service.name, {}))
+        return answer(station, arm_id, call_service(station, arm_id, service.name, {}))
 
     def call_with(
         arm_id: str,
@@ -75,15 +75,26 @@ def _endpoint(
         request: Annotated[request, Body()],  # type: ignore[valid-type]  # made above
     ) -> object:
         arguments = {name: getattr(request, name) for name in service.parameters}
-        returned = _call(station, arm_id, service.name, arguments)
+        returned = call_service(station, arm_id, service.name, arguments)
         return answer(station, arm_id, returned)
 
     return call if request is None else call_with
 
 
-def _call(
-    station: Station, arm_id: str, name: str, arguments: dict[str, object]
+def call_service(
+    station: Station, arm_id: str, name: str, arguments: Mapping[str, object]
 ) -> object:
+    """Call a declared service between two cycles; return what its method returns.
+
+    Args:
+        station: The station.
+        arm_id: The robot.
+        name: The service.
+        arguments: Its arguments by name.
+
+    Raises:
+        StationError: There is no such service, or it is refused; nothing changed.
+    """
     declared, method = station.robots.find_service(arm_id, name)
     return station.loop.run_in_cycle(partial(method, **arguments), moves=declared.moves)
 

@@ -22,7 +22,7 @@ from station.app.access import check_exposure, host_names
 from station.app.announcement import Announcement
 from station.app.composition import ROBOT_NAMESPACE, compose
 from station.app.journal import Journal
-from station.app.recording_start import make_foxglove, make_recorder
+from station.app.recording_start import make_ports, make_recorder
 from station.app.shutdown_signals import ShutdownSignals
 from station.app.station_watchdog import StationWatchdog
 from station.app.ui_process import UiOptions, UiProcess, find_orphan, free_port
@@ -230,14 +230,16 @@ class StationRun:
             kept=Kept(journal.log, self._recorder, experiments),
         )
         journal.start(app)
-        foxglove = make_foxglove(app, station, self._config, policy)
-        ports = [] if foxglove is None else [foxglove]
+        ports = make_ports(app, station, self._config, policy)
         server = ApiServer(app, api.host, api.port, tls, ports)
         stack.callback(self._finish_ui)
         stack.callback(server.stop, SERVER_TIMEOUT)
         server.start()
-        if foxglove is not None and self._config.foxglove.port == 0:
-            self._warn(f"Foxglove is served at port {foxglove.port}.")
+        configured = (self._config.foxglove, self._config.rosbridge)
+        asked = [one.port for one in configured if one.enabled]
+        for port, number in zip(ports, asked, strict=True):
+            if number == 0:
+                self._warn(f"{port.tool} is served at port {port.port}.")
         token = authenticator.operator_token
         pid = os.getpid()
         running = RunningStation(

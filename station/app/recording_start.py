@@ -5,7 +5,7 @@ import json
 import threading
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from station.api.host_policy import HostPolicy
 from station.app.access import host_names, is_loopback
@@ -20,7 +20,8 @@ from station.records.record_store import Quota, RecordStore, default_folder
 if TYPE_CHECKING:
     from fastapi import FastAPI
 
-    from station.api.foxglove.foxglove_port import FoxglovePort
+    from station.api.tool_port import ToolPort
+    from station.config.models import ToolPortSection
     from station.records.recorder import Recorder
 
 _PACKAGES = ("foxglove", "lz4", "mcap")
@@ -87,10 +88,10 @@ def recover_all(
         )
 
 
-def make_foxglove(
+def make_ports(
     app: "FastAPI", station: Station, config: StationConfig, policy: HostPolicy
-) -> "FoxglovePort | None":
-    """Return the Foxglove server; None when it is not configured.
+) -> "list[ToolPort[Any]]":
+    """Return the servers for Foxglove and rosbridge that are configured.
 
     Args:
         app: The application of the API, whose tokens and lease count there, too.
@@ -98,34 +99,41 @@ def make_foxglove(
         config: Its configuration.
         policy: Which hosts and origins the API allows.
     """
-    section = config.foxglove
-    if not section.enabled:
-        return None
-    # Imported here: most stations do without.
-    from station.api.foxglove.foxglove_port import FoxglovePort
-    from station.api.foxglove.live_channels import LiveChannels
-
+    if not (config.foxglove.enabled or config.rosbridge.enabled):
+        return []
     texts = describe(station, config)
     description = texts.get("/robot_description", "")
     # A mock may have no description, and a text may be no URDF.
     urdf = parse_urdf(description) if description.lstrip().startswith("<") else None
-    return FoxglovePort(
-        app,
-        LiveChannels(station, urdf, texts),
-        host=section.host,
-        port=section.port,
-        policy=HostPolicy(
-            {*policy.hosts, *host_names(section.host)},
-            {*policy.origins, *section.allowed_origins},
-        ),
-        anonymous=is_loopback(section.host),
-    )
+
+    def place(section: "ToolPortSection") -> dict[str, Any]:
+        hosts = {*policy.hosts, *host_names(section.host)}
+        return {
+            "host": section.host,
+            "port": section.port,
+            "policy": HostPolicy(hosts, {*policy.origins, *section.allowed_origins}),
+            "anonymous": is_loopback(section.host),
+        }
+
+    ports: list[ToolPort[Any]] = []
+    # Imported here: most stations do without.
+    if config.foxglove.enabled:
+        from station.api.foxglove.foxglove_port import FoxglovePort
+        from station.api.foxglove.live_channels import LiveChannels
+
+        channels = LiveChannels(station, urdf, texts)
+        ports.append(FoxglovePort(app, channels, **place(config.foxglove)))
+    if config.rosbridge.enabled:
+        from station.api.rosbridge.rosbridge_port import RosbridgePort
+
+        ports.append(RosbridgePort(app, urdf, texts, **place(config.rosbridge)))
+    return ports
 
 
 def describe(station: Station, config: StationConfig) -> dict[str, str]:
     """Return the station's description for a recording, by topic."""
     # The secrets of the server are nothing that a file should carry.
-    secret = {"api", "ui", "watchdog", "records", "foxglove"}
+    secret = {"api", "ui", "watchdog", "records", "foxglove", "rosbridge"}
     values = config.model_dump(mode="json", exclude=secret)
     values["parameters"] = json.loads(json.dumps(config.parameters, default=str))
     texts = {"/configuration": json.dumps(values)}

@@ -79,7 +79,9 @@ def _leaves(
 
 
 DEFAULT_FILE = Path(__file__).with_name("default.yaml")
-_MERGED_SECTIONS = ("station", "robot", "api", "ui", "watchdog", "records", "foxglove")
+_MERGED_SECTIONS = (
+    "station", "robot", "api", "ui", "watchdog", "records", "foxglove", "rosbridge"
+)  # fmt: skip
 _INNER_SECTIONS = {n for n, f in StationConfig.model_fields.items() if f.exclude}
 _SECTIONS = [n for n, f in StationConfig.model_fields.items() if not f.exclude]
 

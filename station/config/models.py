@@ -204,8 +204,8 @@ class RecordsSection(_Section):
     incidents: int = Field(ge=0, le=10_000)
 
 
-class FoxgloveSection(_Section):
-    """The server for Foxglove and other tools that speak its protocol.
+class ToolPortSection(_Section):
+    """The server for tools of one protocol: Foxglove, or clients of rosbridge.
 
     Attributes:
         enabled: Whether to start it.
@@ -252,6 +252,7 @@ class StationConfig(_Section):
         watchdog: The process beside the station.
         records: Recordings and incidents.
         foxglove: The server for Foxglove.
+        rosbridge: The server for clients of rosbridge.
         fci: The server for programs of libfranka.
     """
 
@@ -264,7 +265,8 @@ class StationConfig(_Section):
     ui: UiSection
     watchdog: WatchdogSection
     records: RecordsSection
-    foxglove: FoxgloveSection
+    foxglove: ToolPortSection
+    rosbridge: ToolPortSection
     fci: FciSection
     parameters: dict[str, Any] = Field(default_factory=dict, exclude=True)
     ros_controllers: frozenset[str] = Field(default=frozenset(), exclude=True)

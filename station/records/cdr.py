@@ -19,7 +19,7 @@ Values = dict[str, Any]
 
 # Version 1 of CDR, little-endian; alignment counts from behind these four bytes.
 _ENCAPSULATION = b"\x00\x01\x00\x00"
-_PRIMITIVES = {
+PRIMITIVES = {
     "bool": "?",
     "uint8": "B",
     "int32": "i",
@@ -69,11 +69,11 @@ class MessageType:
         self.name = name
         self.text = text
         own, *others = text.split(f"{_SEPARATOR}\nMSG: ")
-        self.fields = _read_fields(own)
+        self.fields = read_fields(own)
         self._types = {}
         for other in others:
             title, _, body = other.partition("\n")
-            self._types[title.strip()] = _read_fields(body)
+            self._types[title.strip()] = read_fields(body)
 
     def encode(self, message: Values) -> bytes:
         """Return a message as CDR.
@@ -117,8 +117,8 @@ class MessageType:
                 self._write_one(writer, field.kind, one)
 
     def _write_one(self, writer: "_Writer", kind: str, value: Any) -> None:  # noqa: ANN401 - as its field
-        if kind in _PRIMITIVES:
-            writer.put(_PRIMITIVES[kind], value)
+        if kind in PRIMITIVES:
+            writer.put(PRIMITIVES[kind], value)
         elif kind == "string":
             data = value.encode() + b"\0"
             writer.put("I", len(data))
@@ -142,8 +142,8 @@ class MessageType:
         return message
 
     def _read_one(self, reader: "_Reader", kind: str) -> Any:  # noqa: ANN401 - as its field
-        if kind in _PRIMITIVES:
-            return reader.take(_PRIMITIVES[kind])
+        if kind in PRIMITIVES:
+            return reader.take(PRIMITIVES[kind])
         if kind == "string":
             return reader.take_text()
         return self._read(reader, self._types[kind])
@@ -183,8 +183,8 @@ class Layout:
                 self._add_constant(field, constant)
             elif field.length is not None:
                 self._add_array(field)
-            elif field.kind in _PRIMITIVES:
-                code = _PRIMITIVES[field.kind]
+            elif field.kind in PRIMITIVES:
+                code = PRIMITIVES[field.kind]
                 self._align(struct.calcsize(code))
                 self._add(code)
             else:
@@ -214,7 +214,7 @@ class Layout:
                 self._align(_DOUBLE)
             self._add(f"{_DOUBLE * size}s")
             return
-        code = _PRIMITIVES[field.kind]
+        code = PRIMITIVES[field.kind]
         for _ in range(size):
             self._align(struct.calcsize(code))
             self._add(code)
@@ -323,7 +323,7 @@ class Form:
             if size is not None and size < 0:
                 size = int(reader.take("I"))
             self._add_text(begin, reader)
-            if field.kind in _PRIMITIVES:
+            if field.kind in PRIMITIVES:
                 self._add_numbers(reader, field, name, size)
                 continue
             begin, count = reader.at, 1 if size is None else size
@@ -342,7 +342,7 @@ class Form:
     def _add_numbers(
         self, reader: "_Reader", field: Field, name: str, size: int | None
     ) -> None:
-        code = _PRIMITIVES[field.kind]
+        code = PRIMITIVES[field.kind]
         elements: Sequence[str | None] = [None]
         if size is not None:
             is_named = len(self._elements) == size
@@ -421,15 +421,15 @@ class _Reader:
             if count < 0:
                 count = int(self.take("I"))
             for _ in range(count):
-                if field.kind in _PRIMITIVES:
-                    self.pass_over(_PRIMITIVES[field.kind])
+                if field.kind in PRIMITIVES:
+                    self.pass_over(PRIMITIVES[field.kind])
                 elif field.kind == "string":
                     self.take_text()
                 else:
                     self.skip(kind, kind.of(field.kind) or ())
 
 
-def _read_fields(text: str) -> tuple[Field, ...]:
+def read_fields(text: str) -> tuple[Field, ...]:
     """Return the fields in a definition; constants and comments are left out.
 
     Raises:

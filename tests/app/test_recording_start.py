@@ -12,7 +12,7 @@ from station.api.host_policy import HostPolicy
 from station.app.composition import compose
 from station.app.recording_start import (
     describe,
-    make_foxglove,
+    make_ports,
     make_recorder,
     recover_all,
 )
@@ -97,30 +97,32 @@ def test_a_long_recovery_does_not_hold_the_start_up(build, monkeypatch):
     thread.join(10.0)
 
 
+@pytest.mark.parametrize("tool", ["foxglove", "rosbridge"])
 @pytest.mark.parametrize(
     ("host", "anonymous"), [("127.0.0.1", True), ("192.0.2.7", False)]
 )
-def test_foxglove_is_served_as_configured(build, host, anonymous):
+def test_a_tool_is_served_as_configured(build, tool, host, anonymous):
     config, station, _ = build()
     policy = HostPolicy(origins=["https://mine.example"])
     app = create_app(station, Authenticator(), policy)
-    assert make_foxglove(app, station, config, policy) is None
-    section = config.foxglove.model_copy(
+    assert make_ports(app, station, config, policy) == []
+    section = getattr(config, tool).model_copy(
         update={
             "enabled": True,
             "host": host,
             "port": 9,
-            "allowed_origins": ["https://app.foxglove.dev"],
+            "allowed_origins": ["https://tool.example"],
         }
     )
-    config = config.model_copy(update={"foxglove": section})
+    config = config.model_copy(update={tool: section})
 
-    found = make_foxglove(app, station, config, policy)
+    (found,) = make_ports(app, station, config, policy)
 
+    assert found.tool.lower() == tool
     assert (found.host, found.port) == (host, 9)
     assert found._anonymous is anonymous
     allowed = found._guarded._policy
-    assert allowed.origins == {"https://mine.example", "https://app.foxglove.dev"}
+    assert allowed.origins == {"https://mine.example", "https://tool.example"}
 
 
 def test_a_recording_says_how_its_station_was_configured(build):

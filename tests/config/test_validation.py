@@ -30,6 +30,7 @@ MINIMAL = {
         "incidents": 5,
     },
     "foxglove": {"enabled": False, "host": "127.0.0.1", "port": 0},
+    "rosbridge": {"enabled": False, "host": "127.0.0.1", "port": 0},
     "fci": {"enabled": False, "host": "127.0.0.1"},
 }
 

@@ -96,7 +96,7 @@ def add_fci(parser: "Parser") -> None:
 
 
 def _add_servers(parser: "Parser") -> None:
-    """Add where API, dashboard and Foxglove listen, and for whom."""
+    """Add where API, dashboard and the ports of tools listen, and for whom."""
     parser.add_argument("--host", help="address to listen at; others need --token")
     parser.add_argument("--port", type=int, help="port of the API; 0: any free one")
     parser.add_argument(
@@ -110,6 +110,15 @@ def _add_servers(parser: "Parser") -> None:
         metavar="PORT",
         help="serve the channels of a recording live to Foxglove, at the loopback "
         "address unless the configuration says another; default port 8765",
+    )
+    parser.add_argument(
+        "--rosbridge",
+        nargs="?",
+        type=int,
+        const=9090,
+        metavar="PORT",
+        help="serve clients of ROS, such as roslibpy and roslibjs, at the loopback "
+        "address unless the configuration says another; default port 9090",
     )
     parser.add_argument("--no-ui", action="store_true", help="run without dashboard")
     parser.add_argument(
@@ -163,8 +172,9 @@ def run(options: Namespace) -> int:
     }
     if options.no_ui:
         flags["ui.enabled"] = False
-    if options.foxglove is not None:
-        flags |= {"foxglove.enabled": True, "foxglove.port": options.foxglove}
+    for tool in ("foxglove", "rosbridge"):
+        if (port := getattr(options, tool)) is not None:
+            flags |= {f"{tool}.enabled": True, f"{tool}.port": port}
     config = load_config(
         options.config if options.robot is None else _robot_of(options),
         controller_files=options.controllers,

@@ -1,0 +1,384 @@
+"""The actions of a station: goals, their feedback, and how they end.
+
+A goal comes by the operation `send_action_goal`, as ROS 2 has it, or by the topics of
+actionlib; both are followed by the same task.
+
+Source: actionlib_msgs/GoalStatus.msg, action_msgs/msg/GoalStatus.msg;
+franka_ros@c11f000 franka_gripper_node.cpp; differs: a gripper's command that did not
+reach its aim is aborted, not succeeded with `success` false.
+"""
+
+import asyncio
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import partial
+from typing import NamedTuple
+
+import anyio.to_thread
+
+from station.api.rosbridge.ros_types import filled
+from station.api.rosbridge.topics import (
+    StationTopics,
+    Topic,
+    arm_namespace,
+    gripper_namespace,
+    seconds_of,
+)
+from station.api.tool_port import ToolClient
+from station.core.errors import InvalidCommandError, StationError
+from station.core.facade.station import Station
+from station.core.franka import FrankaServices, GraspRequest, GripperServices
+from station.core.franka.grippers import DEFAULT_SPEED, Grippers, GripperState
+from station.core.ports.goal import Goal, GoalStatus
+from station.records.cdr import Values
+from station.records.messages import header
+
+FEEDBACK_PERIOD = 0.05
+"""Time between two looks at a goal [s]; joint_trajectory_controller's is 20 Hz."""
+STATUS_PERIOD = 0.2
+"""Time between two messages of the topic `status` [s]; actionlib's default is 5 Hz."""
+KEPT = 5.0
+"""How long a goal that has ended stays in `status` [s]; as actionlib's."""
+MOST_GOALS = 32
+"""Most goals that are followed at a time."""
+_TRAJECTORY = "control_msgs/FollowJointTrajectory"
+_GRIPPER = "control_msgs/GripperCommand"
+REJECTED = 5
+"""actionlib's number of a goal that was refused."""
+ACTIONLIB = {
+    GoalStatus.PENDING: 0,
+    GoalStatus.ACTIVE: 1,
+    GoalStatus.PREEMPTED: 2,
+    GoalStatus.SUCCEEDED: 3,
+    GoalStatus.ABORTED: 4,
+}
+"""actionlib's numbers of the states of a goal."""
+ROS2 = {GoalStatus.SUCCEEDED: 4, GoalStatus.PREEMPTED: 5, GoalStatus.ABORTED: 6}
+"""The numbers of ROS 2 of the states in which a goal has ended."""
+_LEAST_EFFORT = 1e-4
+
+
+class Progress(NamedTuple):
+    """Progress of a goal.
+
+    Attributes:
+        status: State of the goal.
+        values: The action's feedback, or its result once the goal has ended.
+        text: Why it did not succeed.
+    """
+
+    status: GoalStatus
+    values: Mapping[str, object]
+    text: str = ""
+
+
+class Running(NamedTuple):
+    """A goal that has begun. Both functions may wait: for worker threads.
+
+    Attributes:
+        poll: Returns how far it is.
+        cancel: Asks for its end.
+    """
+
+    poll: Callable[[], Progress]
+    cancel: Callable[[], object]
+
+
+@dataclass(frozen=True, slots=True)
+class Action:
+    """An action.
+
+    Attributes:
+        name: Its name.
+        type: Its type.
+        begin: Begins a goal; may wait.
+    """
+
+    name: str
+    type: str
+    begin: Callable[[ToolClient, Values], Running]
+
+
+@dataclass(slots=True, eq=False)
+class TrackedGoal:
+    """A goal of a client.
+
+    Attributes:
+        action: Its action.
+        goal_id: Its `actionlib_msgs/GoalID`.
+        code: actionlib's number of its state.
+        text: Why it did not succeed.
+        running: The goal; None before it has begun, and when it was refused.
+        ended: When it ended [s, clock of the event loop]; None until then.
+        told: Takes each progress of it.
+    """
+
+    action: Action
+    goal_id: Values
+    told: Callable[[Progress], None] = lambda _: None
+    code: int = 0
+    text: str = ""
+    running: Running | None = None
+    ended: float | None = None
+    task: asyncio.Task[None] | None = field(default=None, repr=False)
+
+    def status(self) -> Values:
+        """Return the goal as `actionlib_msgs/GoalStatus`."""
+        return {"goal_id": self.goal_id, "status": self.code, "text": self.text}
+
+
+class StationActions:
+    """Makes the actions of a station and follows the goals of clients.
+
+    Args:
+        station: The station.
+        topics: Its topics, whose clock the goals have.
+        publish: Publishes a message: topic, type, message.
+    """
+
+    def __init__(
+        self,
+        station: Station,
+        topics: StationTopics,
+        publish: Callable[[str, str, Values], None],
+    ) -> None:
+        self._station = station
+        self._clock = topics
+        self._publish = publish
+        self._grippers = Grippers(station.robots)
+        self._goals: list[TrackedGoal] = []
+
+    def all(self) -> Iterator[Action]:
+        """Yield the actions that there are now."""
+        for status in self._station.manager.conditions():
+            try:
+                controller = self._station.manager.get_controller(status.name)
+            except StationError:
+                continue  # unloaded since
+            if controller.goals is not None:
+                follows = controller.trajectories is not None
+                name, kind = (
+                    ("follow_joint_trajectory", _TRAJECTORY)
+                    if follows
+                    else ("gripper_cmd", _GRIPPER)
+                )
+                begin = partial(self._begin_goal, status.name, kind)
+                yield Action(f"/{status.name}/{name}", kind, begin)
+        for arm_id in self._station.robots.names(GripperServices):
+            space = gripper_namespace(self._station, arm_id)
+            for name in ("homing", "stop", "move", "grasp"):
+                begin = partial(self._begin_gripper, arm_id, name)
+                yield Action(f"{space}/{name}", f"franka_msgs/{name.title()}", begin)
+            begin = partial(self._begin_gripper, arm_id, "gripper_action")
+            yield Action(f"{space}/gripper_action", _GRIPPER, begin)
+        for arm_id in self._station.robots.names(FrankaServices):
+            name = f"{arm_namespace(self._station, arm_id)}/error_recovery"
+            yield Action(
+                name, "franka_msgs/ErrorRecovery", partial(self._recover, arm_id)
+            )
+
+    def topics_of(self, action: Action) -> Iterator[Topic]:
+        """Yield the topics of actionlib of an action."""
+        yield Topic(
+            f"{action.name}/status",
+            "actionlib_msgs/GoalStatusArray",
+            lambda frame: self._status(action, frame.stamp),
+            period=STATUS_PERIOD,
+        )
+        for name in ("feedback", "result"):
+            kind = f"{action.type}Action{name.capitalize()}"
+            yield Topic(f"{action.name}/{name}", kind)
+        yield Topic(
+            f"{action.name}/goal",
+            f"{action.type}ActionGoal",
+            write=lambda client, message: self.start(
+                action, client, message["goal"], message["goal_id"]
+            ),
+            is_quick=True,
+        )
+        yield Topic(
+            f"{action.name}/cancel",
+            "actionlib_msgs/GoalID",
+            write=lambda _, message: self.cancel(action, message["id"]),
+            is_quick=True,
+        )
+
+    async def start(
+        self,
+        action: Action,
+        client: ToolClient,
+        goal: Values,
+        goal_id: Values,
+        told: Callable[[Progress], None] = lambda _: None,
+    ) -> None:
+        """Begin a goal and follow it to its end.
+
+        Args:
+            action: Its action.
+            client: Who gives it.
+            goal: The goal message.
+            goal_id: Its `actionlib_msgs/GoalID`.
+            told: Called in the event loop with each progress.
+
+        Raises:
+            InvalidCommandError: Too many goals are followed.
+            StationError: It is refused; those who see the topics learn of it, too.
+        """
+        tracked = TrackedGoal(action, goal_id, told)
+        self._forget()
+        try:
+            if sum(one.ended is None for one in self._goals) >= MOST_GOALS:
+                raise InvalidCommandError(f"There are {MOST_GOALS} goals already.")
+            self._goals.append(tracked)
+            begin = partial(action.begin, client, goal)
+            tracked.running = await anyio.to_thread.run_sync(begin)
+        except StationError as error:
+            tracked.code, tracked.text = REJECTED, error.message
+            # The names of every action's result; each takes its own.
+            values: Values = {"error_string": error.message, "error": error.message}
+            values["error_code"] = error.details.get("error_code", 0)
+            self._end(tracked, self._filled(action, "Result", values))
+            raise
+        tracked.task = asyncio.create_task(self._follow(tracked, tracked.running))
+
+    async def cancel(self, action: Action, goal_id: str) -> None:
+        """Cancel a goal of an action, or all of them without a name."""
+        found = [
+            one.running
+            for one in self._goals
+            if one.action.name == action.name
+            and one.running is not None
+            and one.ended is None
+            and goal_id in {"", one.goal_id["id"]}
+        ]
+        for running in found:
+            await anyio.to_thread.run_sync(running.cancel)
+
+    async def _follow(self, tracked: TrackedGoal, running: Running) -> None:
+        status = GoalStatus.ACTIVE
+        while status in {GoalStatus.PENDING, GoalStatus.ACTIVE}:
+            try:
+                progress = await anyio.to_thread.run_sync(running.poll)
+            except StationError as error:
+                progress = Progress(GoalStatus.ABORTED, {}, error.message)
+            status, tracked.text = progress.status, progress.text
+            tracked.code = ACTIONLIB[status]
+            part = "Result" if status in ROS2 else "Feedback"
+            values = self._filled(tracked.action, part, progress.values)
+            if status in ROS2:
+                self._end(tracked, values)
+            elif progress.values:
+                self._send(tracked, "feedback", values)
+            tracked.told(progress._replace(values=values))
+            await asyncio.sleep(FEEDBACK_PERIOD)
+
+    def _filled(
+        self, action: Action, part: str, values: Mapping[str, object]
+    ) -> Values:
+        return filled(f"{action.type}{part}", values, self._clock.now())
+
+    def _end(self, tracked: TrackedGoal, values: Values) -> None:
+        tracked.ended = asyncio.get_running_loop().time()
+        self._send(tracked, "result", values)
+
+    def _send(self, tracked: TrackedGoal, name: str, values: Values) -> None:
+        """Publish a message of actionlib."""
+        action = tracked.action
+        head = {"header": header(self._clock.now()), "status": tracked.status()}
+        kind = f"{action.type}Action{name.capitalize()}"
+        self._publish(f"{action.name}/{name}", kind, {**head, name: values})
+
+    def _status(self, action: Action, stamp: int) -> Values:
+        self._forget()
+        found = [g.status() for g in self._goals if g.action.name == action.name]
+        return {"header": header(stamp), "status_list": found}
+
+    def _forget(self) -> None:
+        oldest = asyncio.get_running_loop().time() - KEPT
+        self._goals = [g for g in self._goals if g.ended is None or g.ended > oldest]
+
+    def _begin_goal(
+        self, name: str, kind: str, client: ToolClient, goal: Values
+    ) -> Running:
+        control, motion = client.services.control, self._station.motion
+        request = goal
+        if kind == _TRAJECTORY:
+            request = {
+                "trajectory": self._clock.trajectory(goal["trajectory"]),
+                "path_tolerance": goal["path_tolerance"],
+                "goal_tolerance": goal["goal_tolerance"],
+                "goal_time_tolerance": seconds_of(goal["goal_time_tolerance"]),
+            }
+        admit = partial(control.admit, client.access, client.lease, name)
+        given = motion.submit_goal(name, request, admit=admit)
+        return Running(
+            lambda: _progress(given),
+            lambda: motion.cancel_goal(name, given.identifier),
+        )
+
+    def _begin_gripper(
+        self, arm_id: str, name: str, _: ToolClient, goal: Values
+    ) -> Running:
+        grippers = self._grippers
+        if name == "stop":
+            grippers.stop(arm_id)
+            return _done({"success": True, "error": ""})
+        if name == "homing":
+            state = grippers.homing(arm_id)
+        elif name == "move":
+            state = grippers.move(arm_id, goal["width"], goal["speed"])
+        elif name == "grasp":
+            inner, outer = goal["epsilon"]["inner"], goal["epsilon"]["outer"]
+            wanted = GraspRequest(
+                goal["width"], goal["force"], goal["speed"], inner, outer
+            )
+            state = grippers.grasp(arm_id, wanted)
+        else:
+            state = self._begin_gripper_action(arm_id, goal["command"])
+        command = state.command or state.last
+        number = 0 if command is None else command.identifier
+        return Running(
+            lambda: _gripper_progress(name, number, grippers.state(arm_id)),
+            lambda: grippers.stop(arm_id),
+        )
+
+    def _begin_gripper_action(self, arm_id: str, command: Values) -> GripperState:
+        """Move or grasp, whichever franka_gripper's `gripper_action` would do."""
+        width, effort = 2.0 * command["position"], abs(command["max_effort"])
+        if effort < _LEAST_EFFORT or width >= self._grippers.state(arm_id).width:
+            return self._grippers.move(arm_id, width, DEFAULT_SPEED)
+        return self._grippers.grasp(arm_id, GraspRequest(width, effort))
+
+    def _recover(self, arm_id: str, _: ToolClient, __: Values) -> Running:
+        self._station.robots.recover(arm_id)
+        return _done({})
+
+
+def _progress(goal: Goal) -> Progress:
+    """Return the progress of a controller's goal."""
+    result = goal.result
+    if result is not None:
+        facts = {"error_code": result.code, "error_string": result.message}
+        return Progress(goal.status, {**result.details, **facts}, result.message)
+    # It may have ended in between; then its result comes with the next look.
+    is_pending = goal.status is GoalStatus.PENDING
+    status = GoalStatus.PENDING if is_pending else GoalStatus.ACTIVE
+    return Progress(status, goal.feedback())
+
+
+def _done(result: Values) -> Running:
+    return Running(lambda: Progress(GoalStatus.SUCCEEDED, result), lambda: None)
+
+
+def _gripper_progress(name: str, number: int, state: GripperState) -> Progress:
+    """Return the progress of a command of a hand."""
+    known = (state.command, state.last)
+    command = next((c for c in known if c is not None and c.identifier == number), None)
+    status = GoalStatus.PREEMPTED if command is None else command.status
+    text = "" if command is None else command.message
+    is_done = status is GoalStatus.SUCCEEDED
+    if name == "gripper_action":
+        facts = {"effort": 0.0, "stalled": False, "reached_goal": is_done}
+        return Progress(status, {"position": state.width, **facts}, text)
+    values = {"success": is_done, "error": text} if status in ROS2 else {}
+    return Progress(status, values, text)

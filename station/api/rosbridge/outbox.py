@@ -1,0 +1,147 @@
+"""Messages on their way to one client, whose connection may take none for a while."""
+
+import asyncio
+from collections import deque
+from dataclasses import dataclass, field
+
+from station.api.rosbridge.publication import Form, Publication, text_frames
+from station.api.streams.stream_client import StreamPort
+from station.records.cdr import Values
+
+MOST_ANSWERS = 1000
+"""Most answers that wait for a client that does not read."""
+LEVELS = ("none", "error", "warning", "info")
+"""Levels of statuses, each with those before it."""
+
+
+@dataclass(slots=True)
+class Subscription:
+    """A client's subscriptions to one topic.
+
+    Attributes:
+        wishes: Throttle rate [s], queue length and form, by the client's identifier.
+        queue: Messages that wait, the oldest first.
+        due: When the next message may be sent [s, clock of the event loop].
+        lost: How many messages the client has lost because it did not read.
+        throttle: The lowest throttle rate [s].
+        length: The longest queue.
+        form: The form that was asked for last.
+    """
+
+    wishes: dict[str, tuple[float, int, Form]] = field(default_factory=dict)
+    queue: deque[Publication] = field(default_factory=deque)
+    due: float = 0.0
+    lost: int = 0
+    throttle: float = 0.0
+    length: int = 0
+    form: Form = field(default_factory=Form)
+
+    def settle(self) -> None:
+        """Take what the wishes say together."""
+        throttles, lengths, forms = zip(*self.wishes.values(), strict=True)
+        self.throttle, self.length = min(throttles), max(lengths)
+        self.form = forms[-1]
+
+
+class Outbox:
+    """Sends answers at once and messages of topics at their time. For one event loop.
+
+    A client that does not read loses the oldest messages of each topic and learns how
+    many; nobody else waits for it.
+
+    Args:
+        port: The connection.
+        half_tick: Half the time between two ticks [s]: so early a message may be.
+
+    Attributes:
+        subscriptions: What the client has subscribed to, by topic.
+        level: The last of `LEVELS` that the client wants to be told.
+        overflown: Set when too many answers wait.
+    """
+
+    def __init__(self, port: StreamPort, half_tick: float) -> None:
+        self.subscriptions: dict[str, Subscription] = {}
+        self.level = "warning"
+        self.overflown = asyncio.Event()
+        self._port = port
+        self._half_tick = half_tick
+        self._answers: deque[bytes] = deque()
+
+    def offer(self, publication: Publication, now: float) -> None:
+        """Take a message of a topic that the client has subscribed to.
+
+        Args:
+            publication: The message.
+            now: Clock of the event loop [s].
+        """
+        one = self.subscriptions[publication.topic]
+        is_free = self._can_write()
+        # Without a queue, a message that comes too early is left out, as asked for.
+        if is_free and not one.length and now + self._half_tick < one.due:
+            return
+        one.queue.append(publication)
+        while len(one.queue) > max(one.length, 1):
+            one.queue.popleft()
+            one.lost += not is_free
+        self._flush(one, now)
+
+    def flush(self, now: float) -> None:
+        """Send what has waited for its time or for the client.
+
+        Args:
+            now: Clock of the event loop [s].
+        """
+        for topic, one in self.subscriptions.items():
+            if one.queue:
+                self._flush(one, now)
+            if one.lost and self._can_write():
+                text = f"{one.lost} messages of {topic} were lost"
+                self.tell("warning", f"{text}: the client reads too slowly.")
+                one.lost = 0
+
+    def tell(self, level: str, text: str, identifier: object = None) -> None:
+        """Send a status, unless the client does not want its level.
+
+        Args:
+            level: One of `LEVELS`.
+            text: What happened.
+            identifier: Of the client's message; None without one.
+        """
+        if LEVELS.index(level) <= LEVELS.index(self.level):
+            self.answer({"op": "status", "level": level, "msg": text[:500]}, identifier)
+
+    def answer(
+        self, message: Values, identifier: object = None, form: Form | None = None
+    ) -> None:
+        """Send an answer, or keep it until the client reads.
+
+        Args:
+            message: The answer.
+            identifier: Of the client's message; None without one.
+            form: Its form.
+        """
+        if identifier is not None:
+            message["id"] = identifier
+        self._answers.append(text_frames(message, form or Form()))
+        self._send_answers()
+        if len(self._answers) > MOST_ANSWERS:
+            self.overflown.set()
+
+    def resume(self) -> None:
+        """Go on with a client that reads again."""
+        self._send_answers()
+        self.flush(asyncio.get_running_loop().time())
+
+    def _send_answers(self) -> None:
+        while self._answers and self._port.is_writable():
+            self._port.write_frame(self._answers.popleft())
+
+    def _can_write(self) -> bool:
+        return not self._answers and self._port.is_writable()
+
+    def _flush(self, one: Subscription, now: float) -> None:
+        while one.queue and now + self._half_tick >= one.due and self._can_write():
+            # A steady rate: a message that was late does not delay the next one.
+            is_steady = now - one.due < one.throttle
+            one.due = (one.due if is_steady else now) + one.throttle
+            self._port.write_frame(one.queue.popleft().frames(one.form))

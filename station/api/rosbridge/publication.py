@@ -1,0 +1,192 @@
+"""A message on its way to subscribers: as JSON, PNG or CBOR, in WebSocket frames.
+
+Source: RobotWebTools/rosbridge_suite ROSBRIDGE_PROTOCOL.md, 3.1 to 3.4; RFC 8949 (CBOR)
+and RFC 8746 (typed arrays).
+"""
+
+import base64
+import struct
+import zlib
+from array import array
+from collections.abc import Iterable
+from itertools import count
+from math import ceil, isqrt
+from typing import Any, NamedTuple
+
+import orjson
+from websockets.frames import Frame, Opcode
+
+from station.api.rosbridge.ros_types import as_ros1, find_type, serialized
+from station.records.cdr import Values
+
+COMPRESSIONS = ("none", "png", "cbor", "cbor-raw")
+# RFC 8746: tag and code of an array of numbers in little-endian order.
+_TYPED_ARRAYS = {"float64": (86, "d"), "int32": (78, "i"), "uint32": (70, "I")}
+_PIXEL = 3
+_fragment_numbers = count()
+
+
+class Form(NamedTuple):
+    """The form in which a client gets a message.
+
+    Attributes:
+        compression: One of `COMPRESSIONS`.
+        is_ros2: Whether times and headers are those of ROS 2.
+        fragment_size: Most characters of a frame; 0 without limit.
+    """
+
+    compression: str = "none"
+    is_ros2: bool = False
+    fragment_size: int = 0
+
+
+class Publication:
+    """A message of a topic; each form is made once for all who want it.
+
+    Args:
+        topic: Name of the topic.
+        type_name: Type of the message.
+        message: The message.
+        stamp: Its time [ns since 1970].
+    """
+
+    def __init__(self, topic: str, type_name: str, message: Values, stamp: int) -> None:
+        self.topic = topic
+        self._type = type_name
+        self._message = message
+        self._stamp = stamp
+        self._made: dict[Form, bytes] = {}
+
+    def frames(self, form: Form) -> bytes:
+        """Return the WebSocket frames of the message in a form."""
+        found = self._made.get(form)
+        if found is None:
+            found = self._made[form] = self._make(form)
+        return found
+
+    def _make(self, form: Form) -> bytes:
+        message = self._message if form.is_ros2 else as_ros1(self._type, self._message)
+        envelope = {"op": "publish", "topic": self.topic}
+        if form.compression == "cbor":
+            body = _Typed(self._type, message)
+        elif form.compression == "cbor-raw":
+            seconds, rest = divmod(self._stamp, 1_000_000_000)
+            data = serialized(self._type, self._message, ros2=form.is_ros2)
+            found = {**envelope, "msg": {"secs": seconds, "nsecs": rest, "bytes": data}}
+            return Frame(Opcode.BINARY, cbor(found)).serialize(mask=False)
+        else:
+            return text_frames({**envelope, "msg": message}, form)
+        return Frame(Opcode.BINARY, cbor({**envelope, "msg": body})).serialize(
+            mask=False
+        )
+
+
+def text_frames(message: Values, form: Form) -> bytes:
+    """Return the frames of a message as JSON, as a picture or in fragments if asked.
+
+    Args:
+        message: The message; numbers that are not finite become null.
+        form: The form; its compression is `none` or `png`.
+    """
+    data = orjson.dumps(message)
+    if form.compression == "png":
+        data = orjson.dumps({"op": "png", "data": base64.b64encode(png(data)).decode()})
+    if not 0 < form.fragment_size < len(data):
+        return _text(data)
+    text, size = data.decode(), form.fragment_size
+    head = {"op": "fragment", "id": f"fragment_{next(_fragment_numbers)}"}
+    total = ceil(len(text) / size)
+    parts = (text[k * size : (k + 1) * size] for k in range(total))
+    return b"".join(
+        _text(orjson.dumps({**head, "data": part, "num": k, "total": total}))
+        for k, part in enumerate(parts)
+    )
+
+
+def _text(data: bytes) -> bytes:
+    return Frame(Opcode.TEXT, data).serialize(mask=False)
+
+
+def png(data: bytes) -> bytes:
+    """Return data as the pixels of a nearly square picture, padded with line ends."""
+    width = max(1, isqrt(len(data) // _PIXEL))
+    height = ceil(len(data) / _PIXEL / width)
+    padded = data.ljust(width * height * _PIXEL, b"\n")
+    line = width * _PIXEL
+    rows = (padded[k * line : (k + 1) * line] for k in range(height))
+    # Every row begins with its filter: 0, none.
+    pixels = zlib.compress(b"".join(b"\0" + row for row in rows))
+    head = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)  # 8 bits of RGB
+    chunks = ((b"IHDR", head), (b"IDAT", pixels), (b"IEND", b""))
+    return b"\x89PNG\r\n\x1a\n" + b"".join(
+        struct.pack(">I", len(body))
+        + name
+        + body
+        + struct.pack(">I", zlib.crc32(name + body))
+        for name, body in chunks
+    )
+
+
+class _Typed(NamedTuple):
+    """A message with its type, by which its arrays of numbers are packed."""
+
+    type_name: str
+    message: Values
+
+
+def cbor(value: Any) -> bytes:  # noqa: ANN401 - what JSON has, and bytes
+    """Return a value as CBOR."""
+    if isinstance(value, _Typed):
+        return _cbor_message(value)
+    if isinstance(value, bool) or value is None:
+        return {False: b"\xf4", True: b"\xf5", None: b"\xf6"}[value]
+    if isinstance(value, int):
+        return _head(0, value) if value >= 0 else _head(1, -1 - value)
+    if isinstance(value, float):
+        return b"\xfb" + struct.pack(">d", value)
+    if isinstance(value, bytes):
+        return _head(2, len(value)) + value
+    if isinstance(value, str):
+        data = value.encode()
+        return _head(3, len(data)) + data
+    if isinstance(value, dict):
+        return _cbor_map(value.items())
+    return _head(4, len(value)) + b"".join(cbor(one) for one in value)
+
+
+def _cbor_map(items: Iterable[tuple[str, Any]]) -> bytes:
+    found = [cbor(key) + cbor(value) for key, value in items]
+    return _head(5, len(found)) + b"".join(found)
+
+
+def _cbor_message(typed: _Typed) -> bytes:
+    fields = {field.name: field for field in find_type(typed.type_name).fields}
+    found = []
+    for name, value in typed.message.items():
+        field = fields[name]
+        tag, code = _TYPED_ARRAYS.get(field.kind, (0, ""))
+        if field.length is not None and tag:
+            data = array(code, value).tobytes()
+            found.append(cbor(name) + _head(6, tag) + cbor(data))
+        elif "/" in field.kind:
+            many = [value] if field.length is None else value
+            wrapped = [_Typed(field.kind, one) for one in many]
+            body = cbor(wrapped[0] if field.length is None else wrapped)
+            found.append(cbor(name) + body)
+        else:
+            found.append(cbor(name) + cbor(value))
+    return _head(5, len(found)) + b"".join(found)
+
+
+def _head(major: int, number: int) -> bytes:
+    """Return the first bytes of a value: its kind, and its length or number.
+
+    Raises:
+        ValueError: The number has more than 64 bits.
+    """
+    if number < 24:
+        return bytes([major << 5 | number])
+    for code, form in ((24, ">B"), (25, ">H"), (26, ">I"), (27, ">Q")):
+        if number < 1 << 8 * struct.calcsize(form):
+            return bytes([major << 5 | code]) + struct.pack(form, number)
+    raise ValueError(f"{number} is too large for CBOR.")

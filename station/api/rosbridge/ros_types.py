@@ -1,0 +1,429 @@
+"""Types of ROS: definitions of messages, and values that are checked against them.
+
+Inside of this package a message has the fields of ROS 2 and those of ROS 1 under one
+name: times are `{"sec", "nanosec"}`, a header has a stamp and a frame. A client that
+names a type as `sensor_msgs/JointState` gets it as ROS 1 has it (`secs`, `nsecs`, a
+`seq` in the header), one that names `sensor_msgs/msg/JointState` as ROS 2 has it.
+
+Source: the interfaces are those of ros_control, franka_ros@c11f000, rosapi and common
+messages of ROS Noetic, in `ros_interfaces.txt`.
+"""
+
+import base64
+import binascii
+import struct
+from collections.abc import Iterator, Mapping
+from functools import cache
+from importlib.resources import files
+from math import isfinite
+from typing import Any, NoReturn
+
+from station.core.errors import StationError, suggest
+from station.records.cdr import PRIMITIVES, Field, MessageType, Values, read_fields
+from station.records.messages import header
+
+_SEPARATOR = "=" * 80 + "\n"
+# Codes of the seconds and the nanoseconds in a message of ROS 1.
+_TIMES = {"time": "I", "duration": "i"}
+_RANGES = {
+    "uint8": (0, 2**8 - 1),
+    "int32": (-(2**31), 2**31 - 1),
+    "uint32": (0, 2**32 - 1),
+    "uint64": (0, 2**64 - 1),
+}
+_MIDDLES = {"msg", "srv", "action"}
+_HEADER = "std_msgs/Header"
+_ACTION_HEAD = "std_msgs/Header header\nactionlib_msgs/GoalStatus status\n"
+
+
+class RosTypeError(StationError, ValueError):
+    """A type is unknown, or a value does not fit the type of its field."""
+
+    code = "wrong_message"
+
+
+class RosType:
+    """A message type.
+
+    Args:
+        name: Name as ROS 1 has it, `sensor_msgs/JointState`.
+        text: Its definition.
+
+    Attributes:
+        name: As given.
+        fields: The fields in their order.
+        constants: Values of the constants by name.
+    """
+
+    def __init__(self, name: str, text: str) -> None:
+        self.name = name
+        self.fields = read_fields(text)
+        lines = (line.split(maxsplit=1)[1] for line in text.splitlines() if "=" in line)
+        self.constants = dict(line.split("=", 1) for line in lines)
+
+
+def _read_all() -> tuple[dict[str, RosType], dict[str, str]]:
+    """Return the message types, and the kinds of interfaces, both by name."""
+    types: dict[str, RosType] = {}
+    kinds: dict[str, str] = {}
+    text = files(__package__).joinpath("ros_interfaces.txt").read_text("utf-8")
+    for section in text.split(_SEPARATOR)[1:]:
+        title, _, body = section.partition("\n")
+        kind, _, name = title.partition(": ")
+        kinds[f"{kind} {name}"] = kind
+        parts = dict(zip(_PARTS[kind], body.split("---\n"), strict=True))
+        if kind == "ACTION":
+            id_head = "std_msgs/Header header\nactionlib_msgs/GoalID goal_id\n"
+            parts["ActionGoal"] = f"{id_head}{name}Goal goal\n"
+            parts["ActionResult"] = f"{_ACTION_HEAD}{name}Result result\n"
+            parts["ActionFeedback"] = f"{_ACTION_HEAD}{name}Feedback feedback\n"
+        for suffix, part in parts.items():
+            types[name + suffix] = RosType(name + suffix, part)
+    return types, kinds
+
+
+_PARTS = {
+    "MSG": ("",),
+    "SRV": ("Request", "Response"),
+    "ACTION": ("Goal", "Result", "Feedback"),
+}
+_TYPES, _KINDS = _read_all()
+
+
+def split_style(name: str) -> tuple[str, bool]:
+    """Return a type's name as ROS 1 has it, and whether it was given as ROS 2 does."""
+    package, *middle = name.replace("rosapi_msgs/", "rosapi/").split("/")
+    is_ros2 = len(middle) == 2 and middle[0] in _MIDDLES
+    return f"{package}/{middle[1]}" if is_ros2 else name, is_ros2
+
+
+def find_type(name: str) -> RosType:
+    """Return a message type by either name.
+
+    Raises:
+        RosTypeError: There is no such type.
+    """
+    found = _TYPES.get(split_style(name)[0])
+    if found is None:
+        raise RosTypeError(
+            f"There is no type '{name:.80}'.", remedy=suggest(name, _TYPES)
+        )
+    return found
+
+
+def field_names(type_name: str) -> list[str]:
+    """Return the names of a type's fields in their order."""
+    return [field.name for field in _TYPES[type_name].fields]
+
+
+def interfaces() -> list[str]:
+    """Return all interfaces, as ROS 2 names them: `std_srvs/srv/Trigger`."""
+    found = (key.split() for key in _KINDS)
+    return [name.replace("/", f"/{kind.lower()}/") for kind, name in found]
+
+
+def checked(type_name: str, values: object, where: str = "msg") -> Values:
+    """Return a client's message with all its fields; absent ones have their default.
+
+    Args:
+        type_name: Type of the message.
+        values: What the client sent.
+        where: Name of the message in refusals.
+
+    Raises:
+        RosTypeError: A field is unknown or its value does not fit; it is named.
+    """
+    kind = find_type(type_name)
+    if values is None:
+        values = {}
+    if not isinstance(values, Mapping):
+        _refuse(where, values, f"a {kind.name}")
+    names = [field.name for field in kind.fields]
+    unknown = next((key for key in values if key not in names), None)
+    if unknown is not None:
+        raise RosTypeError(
+            f"'{where}' has no field '{unknown!s:.60}'; a {kind.name} has "
+            f"{', '.join(names) or 'none'}.",
+            remedy=suggest(str(unknown), names),
+        )
+    return {
+        field.name: _checked_field(field, values[field.name], f"{where}/{field.name}")
+        if field.name in values
+        else _default(field)
+        for field in kind.fields
+    }
+
+
+def _checked_field(field: Field, value: object, where: str) -> object:
+    if field.length is None:
+        return _checked_one(field.kind, value, where)
+    if field.kind == "uint8" and isinstance(value, str):
+        try:
+            value = list(base64.b64decode(value, validate=True))
+        except binascii.Error:
+            _refuse(where, value, "base64")
+    if not isinstance(value, list):
+        _refuse(where, value, f"a list of {field.kind}")
+    if field.length not in {-1, len(value)}:
+        raise RosTypeError(
+            f"'{where}' has {len(value)} values; it must have {field.length}."
+        )
+    return [
+        _checked_one(field.kind, one, f"{where}/{index}")
+        for index, one in enumerate(value)
+    ]
+
+
+def _checked_one(kind: str, value: object, where: str) -> object:
+    """Return a value that is not a list.
+
+    Raises:
+        RosTypeError: It does not fit its type.
+    """
+    if kind in _TIMES:
+        return _checked_time(kind, value, where)
+    if kind == "float64":
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            _refuse(where, value, "a number")
+        try:
+            return float(value)
+        except OverflowError:
+            _refuse(where, value, "a number")
+    if kind == "string" or kind == "bool":
+        wanted = str if kind == "string" else bool
+        if not isinstance(value, wanted):
+            _refuse(where, value, "a text" if wanted is str else "true or false")
+        return value
+    if kind in _RANGES:
+        return _checked_integer(kind, value, where)
+    return checked(kind, value, where)
+
+
+def _checked_integer(kind: str, value: object, where: str) -> int:
+    # roslibpy's headers have a `seq` that is null.
+    if value is None:
+        return 0
+    low, high = _RANGES[kind]
+    if isinstance(value, float) and isfinite(value) and value == int(value):
+        value = int(value)
+    if isinstance(value, bool) or not isinstance(value, int):
+        _refuse(where, value, f"a whole number ({kind})")
+    if not low <= value <= high:
+        _refuse(where, value, f"{low} to {high} ({kind})")
+    return value
+
+
+def _checked_time(kind: str, value: object, where: str) -> Values:
+    """Return a time or a duration, from the names of ROS 1 or of ROS 2.
+
+    Raises:
+        RosTypeError: It is none.
+    """
+    given = {} if value is None else value
+    if not isinstance(given, Mapping) or given.keys() - {
+        "secs", "nsecs", "sec", "nanosec",
+    }:  # fmt: skip
+        _refuse(where, value, f"a {kind}: secs and nsecs, or sec and nanosec")
+    seconds, rest = given.get("secs", given.get("sec")), given.get("nsecs")
+    rest = given.get("nanosec") if rest is None else rest
+    return {
+        "sec": _checked_integer("int32", seconds, f"{where}/secs"),
+        "nanosec": _checked_integer("int32", rest, f"{where}/nsecs"),
+    }
+
+
+def _refuse(where: str, value: object, wanted: str) -> NoReturn:
+    """Refuse a value.
+
+    Raises:
+        RosTypeError: Always.
+    """
+    raise RosTypeError(f"'{where}' is {_shown(value)}; it must be {wanted}.")
+
+
+def _shown(value: object) -> str:
+    # `repr` raises for deeply nested lists and for numbers of thousands of digits.
+    if isinstance(value, list | Mapping) or (
+        isinstance(value, int) and abs(value) > 2**64
+    ):
+        return {list: "a list", int: "a huge number"}.get(type(value), "an object")
+    return repr(value)[:60]
+
+
+def _default(field: Field) -> object:
+    if field.length is not None:
+        return [_default_of(field.kind) for _ in range(max(field.length, 0))]
+    return _default_of(field.kind)
+
+
+def _default_of(kind: str) -> object:
+    if kind in _TIMES:
+        return {"sec": 0, "nanosec": 0}
+    if kind in _TYPES:
+        return {one.name: _default(one) for one in _TYPES[kind].fields}
+    return {"string": "", "bool": False, "float64": 0.0}.get(kind, 0)
+
+
+def filled(type_name: str, source: Mapping[str, Any], stamp: int) -> Values:
+    """Return a message with values of a report, by the names of their fields.
+
+    A vector or quaternion may be a list, flags may be the list of those that are set,
+    and a message that the report does not have is made of the report's own values.
+
+    Args:
+        type_name: Type of the message.
+        source: The report.
+        stamp: Time for its header [ns].
+    """
+    message: Values = {}
+    for field in _TYPES[type_name].fields:
+        if field.kind == _HEADER:
+            message[field.name] = header(stamp, source.get("frame_id", ""))
+        elif field.length is not None or field.kind not in _TYPES:
+            value = source.get(field.name)
+            message[field.name] = _default(field) if value is None else value
+            if field.kind in _TIMES and isinstance(value, float):
+                message[field.name] = time_of(round(value * 1e9))
+        else:
+            inner = source.get(field.name, source)
+            names = [one.name for one in _TYPES[field.kind].fields]
+            if isinstance(inner, list | tuple):
+                is_flags = all(isinstance(one, str) for one in inner)
+                inner = (
+                    {name: name in inner for name in names}
+                    if is_flags
+                    else dict(zip(names, inner, strict=False))
+                )
+            message[field.name] = filled(field.kind, inner, stamp)
+    return message
+
+
+def time_of(nanoseconds: int) -> dict[str, int]:
+    """Return a time or a duration."""
+    seconds, rest = divmod(nanoseconds, 1_000_000_000)
+    return {"sec": seconds, "nanosec": rest}
+
+
+@cache
+def _changes(kind: str) -> bool:
+    """Return whether a type differs between ROS 1 and ROS 2."""
+    if kind in _TIMES or kind == _HEADER:
+        return True
+    found = _TYPES.get(kind)
+    return found is not None and any(_changes(field.kind) for field in found.fields)
+
+
+def as_ros1(type_name: str, message: Values) -> Values:
+    """Return a message as ROS 1 has it."""
+    return {**message, **dict(_ros1_changes(type_name, message))}
+
+
+def _ros1_changes(type_name: str, message: Values) -> Iterator[tuple[str, object]]:
+    for field in _TYPES[type_name].fields:
+        kind, value = field.kind, message.get(field.name)
+        if field.name == "seq" and type_name == _HEADER:
+            yield "seq", value or 0
+        elif kind in _TIMES:
+            yield field.name, {"secs": value["sec"], "nsecs": value["nanosec"]}  # type: ignore[index]  # a time
+        elif kind in _TYPES and _changes(kind) and value is not None:
+            many = field.length is not None
+            found = [as_ros1(kind, one) for one in (value if many else [value])]
+            yield field.name, found if many else found[0]
+
+
+def serialized(type_name: str, message: Values, *, ros2: bool) -> bytes:
+    """Return a message as bytes: CDR for ROS 2, and as ROS 1 packs it otherwise.
+
+    Raises:
+        struct.error: A value does not fit its field.
+    """
+    if ros2:
+        return message_type(type_name).encode(message)
+    found = bytearray()
+    _pack(type_name, message, found)
+    return bytes(found)
+
+
+def _pack(kind: str, value: Any, found: bytearray) -> None:  # noqa: ANN401 - as its field
+    """Add a value to a message of ROS 1, where nothing is aligned."""
+    if kind in _TIMES:
+        code = _TIMES[kind]
+        found += struct.pack(f"<{code}{code}", value["sec"], value["nanosec"])
+    elif kind == "string":
+        data = value.encode()
+        found += struct.pack("<I", len(data)) + data
+    elif kind in PRIMITIVES:
+        found += struct.pack(f"<{PRIMITIVES[kind]}", value)
+    else:
+        for field in _TYPES[kind].fields:
+            one = value.get(field.name, 0)
+            if field.length == -1:
+                found += struct.pack("<I", len(one))
+            for each in [one] if field.length is None else one:
+                _pack(field.kind, each, found)
+
+
+@cache
+def message_type(type_name: str) -> MessageType:
+    """Return a message type of ROS 2 with its definition and those of its parts."""
+    names = [type_name, *_parts_of(type_name)]
+    texts = [_ros2_text(_TYPES[name]) for name in names]
+    for kind in _TIMES:
+        names.append(f"builtin_interfaces/{kind.capitalize()}")
+        texts.append("int32 sec\nuint32 nanosec\n")
+    parts = zip(names[1:], texts[1:], strict=True)
+    text = texts[0] + "".join(f"{_SEPARATOR}MSG: {n}\n{t}" for n, t in parts)
+    return MessageType(type_name.replace("/", "/msg/"), text)
+
+
+def _parts_of(type_name: str) -> list[str]:
+    """Return the types inside of a type, each once."""
+    found: dict[str, None] = {}
+    for field in _TYPES[type_name].fields:
+        if field.kind in _TYPES:
+            found |= dict.fromkeys([field.kind, *_parts_of(field.kind)])
+    return list(found)
+
+
+def _ros2_text(kind: RosType) -> str:
+    lines = []
+    for field in kind.fields:
+        if kind.name == _HEADER and field.name == "seq":
+            continue
+        name = field.kind
+        if name in _TIMES:
+            name = f"builtin_interfaces/{name.capitalize()}"
+        size = {None: "", -1: "[]"}.get(field.length, f"[{field.length}]")
+        lines.append(f"{name}{size} {field.name}\n")
+    return "".join(lines)
+
+
+def type_definitions(type_name: str) -> list[Values]:
+    """Return a type and the types inside of it as `rosapi/TypeDef`.
+
+    Raises:
+        RosTypeError: There is no such type.
+    """
+    first = find_type(type_name)
+    kinds = [first, *(_TYPES[name] for name in _parts_of(first.name))]
+    return [
+        {
+            "type": kind.name,
+            "fieldnames": [field.name for field in kind.fields],
+            "fieldtypes": [field.kind for field in kind.fields],
+            # rosapi's numbers: -1 for one value, 0 for a list of any length.
+            "fieldarraylen": [
+                -1 if field.length is None else max(field.length, 0)
+                for field in kind.fields
+            ],
+            "examples": [
+                str([] if field.length is not None else _default_of(field.kind))
+                if field.kind not in _TYPES
+                else "{}"
+                for field in kind.fields
+            ],
+            "constnames": list(kind.constants),
+            "constvalues": list(kind.constants.values()),
+        }
+        for kind in kinds
+    ]

@@ -1,0 +1,99 @@
+"""A port of its own for clients of rosbridge."""
+
+import asyncio
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, ClassVar
+
+from fastapi import FastAPI
+from typing_extensions import override
+
+from station.api.host_policy import HostPolicy
+from station.api.rosbridge.publication import Publication
+from station.api.rosbridge.ros_graph import RosGraph
+from station.api.rosbridge.session import RosbridgeSession
+from station.api.rosbridge.topics import LATCHED
+from station.api.tool_port import ToolClient, ToolPort
+from station.core.description.urdf import Urdf
+from station.records.cdr import Values
+
+if TYPE_CHECKING:
+    from station.api.services import Services
+
+_REFRESH_EVERY = 50
+"""Ticks between two looks whether controllers were loaded or unloaded."""
+
+
+class RosbridgePort(ToolPort[RosbridgeSession]):
+    """An application for one port: WebSockets in the words of rosbridge.
+
+    Args:
+        app: The application of the API, whose station, tokens and lease it shares.
+        urdf: The robot for transforms; None sends none.
+        texts: Text by topic, such as `/robot_description`.
+        host: Address to listen at.
+        port: TCP port; 0 for any free one.
+        policy: Which hosts and origins are allowed.
+        anonymous: Whether a client without a token is a viewer.
+    """
+
+    tool: ClassVar[str] = "rosbridge"
+    rate: ClassVar[float] = 100.0
+    most_clients: ClassVar[int] = 32
+
+    def __init__(
+        self,
+        app: FastAPI,
+        urdf: Urdf | None,
+        texts: Mapping[str, str],
+        *,
+        host: str,
+        port: int,
+        policy: HostPolicy,
+        anonymous: bool,
+    ) -> None:
+        super().__init__(app, host=host, port=port, policy=policy, anonymous=anonymous)
+        services: Services = app.state.services
+        self._graph = RosGraph(services.station, urdf, texts, self._publish)
+        self._ticks = 0
+        self._cycle = 0
+
+    @override
+    def open(self, client: ToolClient) -> RosbridgeSession:
+        self._graph.refresh()
+        return RosbridgeSession(client, self._graph, 0.5 / self.rate)
+
+    @override
+    async def tick(self) -> None:
+        self._ticks += 1
+        if self._ticks % _REFRESH_EVERY == 0:
+            self._graph.refresh()
+        frame = self._graph.clock.frame()
+        now = asyncio.get_running_loop().time()
+        if frame is None:
+            return
+        is_new, self._cycle = frame.snapshot.cycle != self._cycle, frame.snapshot.cycle
+        for name in {
+            name for one in self.sessions for name in one.outbox.subscriptions
+        }:
+            topic = self._graph.topics.get(name)
+            if topic is None or topic.read is None or topic.period == LATCHED:
+                continue
+            if not (is_new or topic.period) or now + 0.5 / self.rate < topic.due:
+                continue
+            self._graph.station.loop.right_of_way.give()
+            message = topic.read(frame)
+            if message is not None:
+                topic.due = now + topic.period
+                self._deliver(Publication(name, topic.type, message, frame.stamp), now)
+        for session in self.sessions:
+            session.outbox.flush(now)
+
+    def _publish(self, topic: str, type_name: str, message: Values) -> None:
+        stamp = self._graph.clock.now()
+        now = asyncio.get_running_loop().time()
+        self._deliver(Publication(topic, type_name, message, stamp), now)
+
+    def _deliver(self, publication: Publication, now: float) -> None:
+        for session in self.sessions:
+            if publication.topic in session.outbox.subscriptions:
+                session.outbox.offer(publication, now)

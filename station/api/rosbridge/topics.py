@@ -1,0 +1,356 @@
+"""The topics of a station: what is published, and what clients may publish to."""
+
+import re
+import time
+from collections.abc import Awaitable, Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any, NamedTuple
+
+from station.api.rosbridge.ros_types import filled, time_of
+from station.api.tool_port import ToolClient
+from station.core.control.controller import ControllerBase, ControllerSample
+from station.core.description.urdf import JointType, Urdf
+from station.core.errors import StationError
+from station.core.facade.station import Station
+from station.core.franka import FrankaServices, GripperServices, RobotMode
+from station.core.loop.snapshot import Snapshot
+from station.core.ports.set_point import SetPointPort
+from station.records.cdr import Values
+from station.records.messages import transforms
+
+LATCHED = -1.0
+"""Period of a topic whose message goes to a client when it subscribes, and then never
+again."""
+STATE_PERIOD = 0.02
+"""Time between two states of a controller [s]; joint_trajectory_controller's default
+is 50 Hz."""
+CLOCK_PERIOD = 0.1
+"""Time between two messages of a clock that stands still [s]."""
+_PUBLISHED = {
+    "franka_states": "franka_msgs/FrankaState",
+    "joint_states": "sensor_msgs/JointState",
+    "joint_states_desired": "sensor_msgs/JointState",
+    "F_ext": "geometry_msgs/WrenchStamped",
+    "odom": "nav_msgs/Odometry",
+    "cmd_vel_out": "geometry_msgs/TwistStamped",
+}
+# Where controllers of poses listen that are not the station's own.
+_POSE_TOPICS = {
+    "CartesianImpedanceExampleController": "equilibrium_pose",
+    "DualArmCartesianImpedanceExampleController": "centering_frame_target_pose",
+}
+_POSE = "geometry_msgs/PoseStamped"
+_TWIST = "geometry_msgs/Twist"
+_JOINT_STATE = "sensor_msgs/JointState"
+# Where an element of a set-point is in its message.
+_PLACES = {
+    **{axis: ("pose", "position", axis) for axis in "xyz"},
+    **{f"q{part}": ("pose", "orientation", part) for part in "xyzw"},
+    **{f"v{axis}": ("linear", axis) for axis in "xyz"},
+    **{f"w{axis}": ("angular", axis) for axis in "xyz"},
+    "linear_x": ("linear", "x"),
+    "angular_z": ("angular", "z"),
+}
+
+
+class CycleFrame(NamedTuple):
+    """The newest cycle.
+
+    Attributes:
+        snapshot: What the cycle has left.
+        stamp: Its wall time [ns since 1970].
+    """
+
+    snapshot: Snapshot
+    stamp: int
+
+
+Read = Callable[[CycleFrame], Values | None]
+Write = Callable[[ToolClient, Values], Awaitable[None] | None]
+
+
+@dataclass(slots=True)
+class Topic:
+    """A topic.
+
+    Attributes:
+        name: Its name.
+        type: Type of its messages.
+        read: Returns the message of a cycle, or None; None for a topic that is
+            published elsewhere, or by clients.
+        write: Takes a client's message; None for a topic that clients may not publish
+            to.
+        period: Time between two messages [s]; 0 for every tick, or `LATCHED`.
+        is_quick: Whether `write` returns at once, so that no thread is needed; then it
+            may return what is to be awaited.
+        due: When the next message is due [s, clock of the event loop].
+    """
+
+    name: str
+    type: str
+    read: Read | None = None
+    write: Write | None = None
+    period: float = 0.0
+    is_quick: bool = False
+    due: float = field(default=0.0, compare=False)
+
+
+class StationTopics:
+    """Makes the topics of a station. For one event loop.
+
+    Args:
+        station: The station.
+        urdf: The robot for transforms; None sends none.
+        texts: Text by topic, such as `/robot_description`.
+
+    Attributes:
+        origin: Wall time of station time zero [ns since 1970].
+    """
+
+    def __init__(
+        self, station: Station, urdf: Urdf | None, texts: Mapping[str, str]
+    ) -> None:
+        self._station = station
+        self._urdf = urdf
+        self._texts = dict(texts)
+        self.origin = time.time_ns() - round(station.loop.time * 1e9)
+
+    def frame(self) -> CycleFrame | None:
+        """Return the newest cycle; None before the first."""
+        snapshot = self._station.snapshots.latest()
+        return (
+            None
+            if snapshot is None
+            else CycleFrame(snapshot, self._stamp(snapshot.stamp))
+        )
+
+    def now(self) -> int:
+        """Return the present time of the station [ns since 1970]."""
+        return self._stamp(self._station.loop.time)
+
+    def _stamp(self, seconds: float) -> int:
+        return self.origin + round(seconds * 1e9)
+
+    def all(self) -> Iterator[Topic]:
+        """Yield the topics that there are now, besides those of actions."""
+        names = self._station.joint_names
+        yield Topic("/joint_states", _JOINT_STATE, partial(self._joint_states, names))
+        for name, text in self._texts.items():
+            yield Topic(name, "std_msgs/String", partial(_text, text), period=LATCHED)
+        if self._urdf is not None:
+            fixed, moving = self._split(self._urdf)
+            kind = "tf2_msgs/TFMessage"
+            yield Topic("/tf", kind, partial(self._tf, moving))
+            yield Topic("/tf_static", kind, partial(self._tf, fixed), period=LATCHED)
+        if self._station.simulation.find() is not None:
+            yield Topic(
+                "/clock", "rosgraph_msgs/Clock", self._clock, period=CLOCK_PERIOD
+            )
+        for arm_id, names in self._fingers().items():
+            topic = f"{gripper_namespace(self._station, arm_id)}/joint_states"
+            yield Topic(topic, _JOINT_STATE, partial(self._joint_states, names))
+        for status in self._station.manager.conditions():
+            try:
+                controller = self._station.manager.get_controller(status.name)
+            except StationError:
+                continue  # unloaded since
+            yield from self._of_controller(status.name, status.type, controller)
+
+    def _of_controller(
+        self, name: str, type_name: str, controller: ControllerBase
+    ) -> Iterator[Topic]:
+        kind = type_name.rpartition("/")[2]
+        if kind == "JointStateController":
+            return  # its topic is /joint_states
+        if controller.trajectories is not None:
+            state = "control_msgs/JointTrajectoryControllerState"
+            yield self._published(name, "state", state)
+            yield Topic(
+                f"/{name}/command",
+                "trajectory_msgs/JointTrajectory",
+                write=partial(self._follow, name),
+            )
+        elif len(controller.joint_names) == 1 and "p" in {
+            key.rpartition("/")[2] for key in controller.tunables.values
+        }:
+            yield self._published(name, "state", "control_msgs/JointControllerState")
+        elif controller.joint_names:
+            yield Topic(
+                f"/{name}/state",
+                "control_station_msgs/ControllerState",
+                partial(self._sample, name, controller.joint_names),
+                period=STATE_PERIOD,
+            )
+        for topic, message in controller.published().items():
+            found = _PUBLISHED.get(topic) or _kind_of(message)
+            if found is not None:
+                yield self._published(name, topic, found)
+        if controller.set_points is not None:
+            yield self._set_point_topic(name, kind, controller.set_points)
+
+    def _published(self, name: str, topic: str, kind: str) -> Topic:
+        """Return a topic that a controller publishes, each message once."""
+        last: list[object] = [None]
+
+        def read(_: CycleFrame) -> Values | None:
+            try:
+                message = self._station.published(name).get(topic)
+            except StationError:
+                return None
+            if message is None or message.get("stamp") == last[0]:
+                return None
+            last[0] = message.get("stamp")
+            return self.report(kind, message)
+
+        return Topic(f"/{name}/{topic}", kind, read)
+
+    def report(self, kind: str, message: Mapping[str, Any]) -> Values:
+        """Return a controller's message in the words of ROS."""
+        seconds = message.get("stamp", self._station.loop.time)
+        if isinstance(message.get("robot_mode"), str):
+            mode = RobotMode[str(message["robot_mode"]).upper()].value
+            message = {**message, "robot_mode": mode}
+        return filled(kind, message, self._stamp(seconds))
+
+    def _joint_states(self, names: list[str], frame: CycleFrame) -> Values:
+        state: dict[str, Any] = frame.snapshot._asdict()
+        known = self._station.joint_names
+        if names != known:
+            places = [known.index(name) for name in names]
+            for key in ("position", "velocity", "effort"):
+                state[key] = [state[key][place] for place in places]
+        return filled(_JOINT_STATE, state | {"name": names}, frame.stamp)
+
+    def _fingers(self) -> dict[str, list[str]]:
+        """Return the joints of each gripper's fingers, by arm."""
+        return {
+            arm_id: [
+                name
+                for name in self._station.joint_names
+                if name.startswith(f"{arm_id}_finger_joint")
+            ]
+            for arm_id in self._station.robots.names(GripperServices)
+        }
+
+    def _tf(self, urdf: Urdf, frame: CycleFrame) -> Values:
+        names = self._station.joint_names
+        positions = dict(zip(names, frame.snapshot.position, strict=True))
+        return transforms(urdf, positions, frame.stamp)
+
+    @staticmethod
+    def _split(urdf: Urdf) -> tuple[Urdf, Urdf]:
+        """Return a robot with its fixed joints alone, and one with all others."""
+        joints = urdf.joints.items()
+        fixed = {n: one for n, one in joints if one.type is JointType.FIXED}
+        moving = {n: one for n, one in joints if n not in fixed}
+        return replace(urdf, joints=fixed), replace(urdf, joints=moving)
+
+    def _clock(self, frame: CycleFrame) -> Values | None:
+        """Return the time, while it does not pass as on the wall."""
+        found = self._station.simulation.find()
+        if found is None or (not found.paused and found.real_time_factor == 1.0):
+            return None
+        return {"clock": time_of(frame.stamp)}
+
+    def _sample(self, name: str, names: list[str], frame: CycleFrame) -> Values | None:
+        sample: ControllerSample | None = frame.snapshot.samples.get(name)
+        if sample is None:
+            return None
+        found = sample._asdict() | {"name": list(names)}
+        return filled("control_station_msgs/ControllerState", found, frame.stamp)
+
+    def _set_point_topic(self, name: str, kind: str, port: SetPointPort) -> Topic:
+        names = [element.name for element in port.elements]
+        places = [_PLACES[one] for one in names if one in _PLACES]
+        topic, found = "command", "std_msgs/Float64MultiArray"
+        if len(places) == len(names):
+            found = _POSE if len(places) == 7 else _TWIST
+            topic = _POSE_TOPICS.get(kind, "command")
+            topic = "cmd_vel" if len(places) == 2 else topic
+        elif re.fullmatch(r"Joint(Position|Velocity|Effort)Controller", kind):
+            found = "std_msgs/Float64"
+        whole = places if len(places) == len(names) else None
+        write = partial(self._command, name, whole)
+        return Topic(f"/{name}/{topic}", found, write=write, is_quick=True)
+
+    def _command(
+        self,
+        name: str,
+        places: list[tuple[str, ...]] | None,
+        client: ToolClient,
+        message: Values,
+    ) -> None:
+        """Give a controller the set-point in a message.
+
+        Raises:
+            StationError: It is refused.
+        """
+        if places is None:
+            values = message["data"]
+            values = values if isinstance(values, list) else [values]
+        else:
+            values = [_at(message, place) for place in places]
+        with client.services.control.commanding(client.access, client.lease, name):
+            self._station.motion.set_command(name, values)
+
+    def _follow(self, name: str, client: ToolClient, message: Values) -> None:
+        """Let a controller follow the trajectory in a message.
+
+        Raises:
+            StationError: It is refused.
+        """
+        control = client.services.control
+        admit = partial(control.admit, client.access, client.lease, name)
+        self._station.motion.follow_trajectory(
+            name, self.trajectory(message), admit=admit
+        )
+
+    def trajectory(self, message: Values) -> Values:
+        """Return a `trajectory_msgs/JointTrajectory` as the station wants it."""
+        begin = seconds_of(message["header"]["stamp"])
+        keys = ("positions", "velocities", "accelerations")
+        return {
+            "joint_names": message["joint_names"],
+            "points": [
+                {key: point[key] for key in keys if point[key]}
+                | {"time_from_start": seconds_of(point["time_from_start"])}
+                for point in message["points"]
+            ],
+            # A trajectory begins at a time of the clients' clock, or at once.
+            "stamp": begin - self.origin / 1e9 if begin else 0.0,
+        }
+
+
+def _text(text: str, _: CycleFrame) -> Values:
+    return {"data": text}
+
+
+def arm_namespace(station: Station, arm_id: str) -> str:
+    """Return the namespace of an arm's services: that of franka_control if alone."""
+    alone = len(station.robots.names(FrankaServices)) == 1
+    return "/franka_control" if alone else f"/{arm_id}"
+
+
+def gripper_namespace(station: Station, arm_id: str) -> str:
+    """Return the namespace of a gripper's topics and actions."""
+    alone = len(station.robots.names(GripperServices)) == 1
+    return "/franka_gripper" if alone else f"/{arm_id}/franka_gripper"
+
+
+def seconds_of(found: Mapping[str, int]) -> float:
+    """Return a time or a duration in seconds."""
+    return found["sec"] + found["nanosec"] / 1e9
+
+
+def _at(message: Any, place: tuple[str, ...]) -> float:  # noqa: ANN401 - a message
+    for key in place:
+        message = message[key]
+    return float(message)
+
+
+def _kind_of(message: Mapping[str, object]) -> str | None:
+    """Return the type of a sensor's message."""
+    if {"force", "torque"} <= message.keys():
+        return "geometry_msgs/WrenchStamped"
+    return "sensor_msgs/Imu" if "angular_velocity" in message else None

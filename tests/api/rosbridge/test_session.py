@@ -1,0 +1,288 @@
+"""Operations of rosbridge: topics, services, goals, and what is refused."""
+
+import hashlib
+import json
+import time
+
+import pytest
+
+from station.core.control.switching import SwitchRequest
+from tests.api.conftest import OPERATOR
+from tests.api.rosbridge.conftest import JOINTS, RosClient
+
+TRAJECTORY = {
+    "joint_names": JOINTS,
+    "points": [{"positions": [0.1, 0.2], "time_from_start": {"secs": 0, "nsecs": 2e8}}],
+}
+ACTION = "/arm/follow_joint_trajectory"
+
+
+def state_of(station, name):
+    return station.controller(name).state.value
+
+
+@pytest.mark.parametrize(
+    ("kind", "stamp"),
+    [
+        ("sensor_msgs/JointState", {"secs", "nsecs"}),
+        ("sensor_msgs/msg/JointState", {"sec", "nanosec"}),
+        (None, {"secs", "nsecs"}),
+    ],
+)
+def test_joint_states_come_in_the_style_of_the_type(client, kind, stamp):
+    more = {} if kind is None else {"type": kind}
+    found = client.subscribe("/joint_states", **more)["msg"]
+    assert found["name"] == JOINTS
+    assert len(found["position"]) == 2
+    assert set(found["header"]["stamp"]) == stamp
+    assert ("seq" in found["header"]) is ("secs" in stamp)
+
+
+def test_a_latched_topic_comes_at_once(client):
+    text = client.subscribe("/robot_description")["msg"]["data"]
+    assert text.startswith("<robot")
+
+
+def test_controllers_are_listed_loaded_and_switched(client, station):
+    manager = "/controller_manager"
+    client.values(
+        "/rosapi/set_param",
+        {
+            "name": "/own",
+            "value": json.dumps({
+                "type": "position_controllers/JointGroupPositionController",
+                "joints": JOINTS,
+            }),
+        },
+    )
+    assert client.values(f"{manager}/load_controller", {"name": "own"}) == {"ok": True}
+    listed = client.values(f"{manager}/list_controllers")["controller"]
+    (own,) = [one for one in listed if one["name"] == "own"]
+    assert own["state"] == "initialized"
+    assert own["claimed_resources"][0]["resources"] == JOINTS
+    assert client.switch(start=["own"])
+    assert state_of(station, "own") == "running"
+    assert client.switch(stop=["own"])
+    assert client.values(f"{manager}/unload_controller", ["own"]) == {"ok": True}
+
+
+def test_a_switch_that_is_refused_is_not_ok_and_says_why(client, station):
+    assert client.switch(start=["pose"])
+    assert not client.switch(start=["arm"])
+    assert state_of(station, "arm") == "initialized"
+    assert "pose" in client.statuses[-1]["msg"]
+
+
+def test_a_set_point_reaches_its_controller(client, station):
+    client.switch(start=["pose"])
+    client.send("advertise", topic="/pose/command", type="std_msgs/Float64MultiArray")
+    client.send("publish", topic="/pose/command", msg={"data": [0.25, -0.5]})
+    client.values("/rosapi/get_time")
+    deadline = time.monotonic() + 5.0
+    while station.motion.set_point("pose").values != (0.25, -0.5):
+        assert time.monotonic() < deadline
+    assert client.statuses == []
+
+
+def test_a_goal_of_ros2_reports_feedback_and_its_result(client):
+    client.switch(start=["arm"])
+    client.send(
+        "send_action_goal",
+        action=ACTION,
+        id="g",
+        feedback=True,
+        action_type="control_msgs/action/FollowJointTrajectory",
+        args={"trajectory": TRAJECTORY},
+    )
+    feedback = client.until("action_feedback")
+    assert feedback["values"]["joint_names"] == JOINTS
+    assert "sec" in feedback["values"]["header"]["stamp"]
+    result = client.until("action_result", id="g")
+    assert (result["status"], result["result"]) == (4, True)
+    assert result["values"]["error_code"] == 0
+
+
+def test_a_goal_of_actionlib_reports_on_its_topics(client):
+    client.switch(start=["arm"])
+    assert client.subscribe(f"{ACTION}/status")["msg"]["status_list"] == []
+    client.send("unsubscribe", topic=f"{ACTION}/status")
+    for name in ("feedback", "result"):
+        client.send("subscribe", topic=f"{ACTION}/{name}")
+    goal = {"goal_id": {"id": "one"}, "goal": {"trajectory": TRAJECTORY}}
+    client.send("publish", topic=f"{ACTION}/goal", msg=goal)
+    feedback = client.until("publish", topic=f"{ACTION}/feedback")["msg"]
+    assert feedback["status"]["status"] == 1
+    assert feedback["feedback"]["joint_names"] == JOINTS
+    result = client.until("publish", topic=f"{ACTION}/result")["msg"]
+    assert result["status"]["goal_id"]["id"] == "one"
+    assert result["status"]["status"] == 3
+    assert result["result"]["error_code"] == 0
+
+
+@pytest.mark.parametrize("way", ["operation", "topic"])
+def test_a_goal_is_cancelled(client, way):
+    client.switch(start=["arm"])
+    slow = {
+        "joint_names": JOINTS,
+        "points": [
+            {"positions": [0.1, 0.2], "time_from_start": {"secs": 60, "nsecs": 0}}
+        ],
+    }
+    client.send("subscribe", topic=f"{ACTION}/result")
+    client.send(
+        "send_action_goal",
+        action=ACTION,
+        id="g",
+        feedback=True,
+        args={"trajectory": slow},
+    )
+    client.until("action_feedback")
+    if way == "operation":
+        client.send("cancel_action_goal", action=ACTION, id="g")
+    else:
+        client.send("publish", topic=f"{ACTION}/cancel", msg={})
+    assert client.until("action_result", id="g")["status"] == 5
+
+
+def test_a_goal_that_is_refused_ends_as_rejected(client):
+    client.switch(start=["arm"])
+    client.send("subscribe", topic=f"{ACTION}/result")
+    goal = {"goal": {"trajectory": {**TRAJECTORY, "joint_names": ["joint1", "nose"]}}}
+    client.send("publish", topic=f"{ACTION}/goal", msg=goal)
+    result = client.until("publish")["msg"]
+    assert (result["status"]["status"], result["result"]["error_code"]) == (5, -2)
+    assert "nose" in result["status"]["text"]
+    client.send("send_action_goal", action=ACTION, id="g", args=goal["goal"])
+    refused = client.until("action_result", id="g")
+    assert refused["result"] is False
+    assert "nose" in refused["values"]
+
+
+def test_a_gain_is_set_by_dynamic_reconfigure(client, station):
+    doubles = [{"name": "p", "value": 25.0}]
+    for service in ("/single/joint1/pid/set_parameters", "/single/pid/set_parameters"):
+        if client.values("/rosapi/service_type", {"service": service})["type"]:
+            break
+    answer = client.values(service, {"config": {"doubles": doubles}})
+    assert {"name": "p", "value": 25.0} in answer["config"]["doubles"]
+    assert 25.0 in station.gains("single").values.values()
+
+
+REFUSED = {
+    "unknown topic": ({"op": "subscribe", "topic": "/joint_stats"}, "/joint_states"),
+    "wrong type": (
+        {"op": "subscribe", "topic": "/joint_states", "type": "std_msgs/String"},
+        "sensor_msgs/JointState",
+    ),
+    "wrong compression": (
+        {"op": "subscribe", "topic": "/joint_states", "compression": "zip"}, "zip"
+    ),
+    "unknown field": (
+        {"op": "publish", "topic": "/pose/command", "msg": {"dat": [1.0]}}, "dat"
+    ),
+    "wrong value": (
+        {"op": "publish", "topic": "/pose/command", "msg": {"data": [1.0, "x"]}},
+        "msg/data/1",
+    ),
+    "not to be published": (
+        {"op": "advertise", "topic": "/joint_states"}, "/pose/command"
+    ),
+    "not running": (
+        {"op": "publish", "topic": "/pose/command", "msg": {"data": [1.0, 2.0]}},
+        "initialized",
+    ),
+    "own service": ({"op": "advertise_service", "service": "/x"}, "advertise_service"),
+    "response": ({"op": "service_response", "service": "/x"}, "service_response"),
+    "unknown op": ({"op": "dance"}, "dance"),
+    "no op": ({"topic": "/x"}, "op"),
+    "unknown goal": ({"op": "cancel_action_goal", "id": "nine"}, "nine"),
+    "not authentic": (
+        {"op": "auth", "mac": "0", "client": "c", "dest": "d", "rand": "r", "t": 0,
+         "level": "all", "end": 0},
+        "token",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_is_wrong_is_named_in_a_status(client, case):
+    message, named = REFUSED[case]
+    client.socket.send(json.dumps({**message, "id": message.get("id", "m")}))
+    status = client.until("status")
+    assert status["level"] == "error"
+    assert named in status["msg"]
+    assert status["id"] == message.get("id", "m")
+
+
+def test_a_wrong_request_of_a_service_is_named(client):
+    service = "/controller_manager/load_controller"
+    found = client.call(service, {"nam": "x"})
+    assert found["result"] is False
+    assert "'nam'" in found["values"]
+    assert "'nam'" in client.statuses[-1]["msg"]
+
+
+def test_levels_of_statuses(client):
+    client.send("set_level", level="none")
+    client.send("dance")
+    client.values("/rosapi/get_time")
+    assert client.statuses == []
+
+
+def test_a_message_comes_in_fragments(client):
+    text = json.dumps({"op": "call_service", "service": "/rosapi/nodes", "id": "c"})
+    half = len(text) // 2
+    for num, data in ((1, text[half:]), (0, text[:half])):
+        client.send("fragment", id="f", num=num, total=2, data=data)
+    assert client.until("service_response")["result"]
+
+
+def test_a_throttled_topic_is_slower(client):
+    client.send("subscribe", topic="/joint_states", throttle_rate=200)
+    stamps = []
+    for _ in range(4):
+        stamp = client.until("publish")["msg"]["header"]["stamp"]
+        stamps.append(stamp["secs"] + stamp["nsecs"] / 1e9)
+    assert stamps[-1] - stamps[0] == pytest.approx(0.6, abs=0.1)
+
+
+def test_a_subscription_ends_by_its_identifier(client):
+    for identifier in ("a", "b"):
+        client.subscribe("/joint_states", id=identifier)
+    client.send("unsubscribe", topic="/joint_states", id="a")
+    client.until("publish")
+    client.send("unsubscribe", topic="/joint_states", id="b")
+    client.values("/rosapi/get_time")
+    with pytest.raises(TimeoutError):
+        client.socket.recv(timeout=0.2)
+
+
+def test_a_client_proves_the_operators_token_by_a_mac(serve, station):
+    _, url = serve()
+    with RosClient(url) as client:
+        assert not client.call("/stop/release")["result"]
+        fields = {
+            "client": "c",
+            "dest": "d",
+            "rand": "r",
+            "t": int(time.time()),
+            "level": "admin",
+            "end": 0,
+        }
+        text = OPERATOR + "".join(str(value) for value in fields.values())
+        mac = hashlib.sha512(text.encode()).hexdigest()
+        client.send("auth", mac=mac, **fields)
+        assert client.switch(start=["pose"])
+    assert state_of(station, "pose") == "running"
+
+
+def test_anybody_stops_and_an_operator_releases(serve, station):
+    _, url = serve()
+    station.switch_controllers(SwitchRequest(start=["pose"]))
+    with RosClient(url) as viewer:
+        assert viewer.values("/stop")["success"]
+    assert station.loop.stop_latch.state.value == "stopped"
+    with RosClient(f"{url}?token={OPERATOR}") as operator:
+        assert operator.values("/stop/release")["success"]
+        assert operator.values("/stop/arm")["success"]
+        assert operator.switch(start=["pose"])
