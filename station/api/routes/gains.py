@@ -25,7 +25,7 @@ def etag_of(station: Station, revision: int) -> str:
 @router.get("/controllers/{name}/gains", responses=problems(404))
 def get_gains(name: str, response: Response, station: StationDep) -> Gains:
     """Return the gains, the unit and range of each, and their ETag."""
-    found = station.gains(name)
+    found = station.tuning.gains(name)
     etag = etag_of(station, found.revision)
     response.headers["ETag"] = etag
     return answers.gains(found, etag)
@@ -51,7 +51,7 @@ def patch_gains(
     revision = None
     if if_match is not None and if_match.strip() != "*":
         revision = _matching_revision(station, name, if_match)
-    change = station.set_gains(name, request.values, revision)
+    change = station.tuning.set_gains(name, request.values, revision)
     response.headers["ETag"] = etag_of(station, change.revision)
     return change
 
@@ -78,7 +78,7 @@ def _matching_revision(station: Station, name: str, if_match: str) -> int:
     Raises:
         ProblemError: If-Match names another revision.
     """
-    revision = station.gains(name).revision
+    revision = station.tuning.gains(name).revision
     etag = etag_of(station, revision)
     if etag not in {tag.strip() for tag in if_match.split(",")}:
         raise ProblemError(
