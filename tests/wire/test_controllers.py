@@ -1,18 +1,20 @@
 """Wire models of controllers."""
 
 import pytest
-from pydantic import ValidationError
+from pydantic import TypeAdapter, ValidationError
 
 from station.reports import examples_of
 from station.wire import (
     CommandRequest,
     Gains,
+    GainSetRequest,
     GainsPatch,
     LoadRequest,
     SwitchRequest,
     SwitchResult,
     Tunable,
 )
+from station.wire.controllers import GainSetName
 
 
 @pytest.mark.parametrize(
@@ -44,3 +46,15 @@ def test_a_switch_is_strict_unless_asked_otherwise():
 def test_a_switch_does_not_wait_for_ever(timeout):
     with pytest.raises(ValidationError):
         SwitchRequest(start=["a"], timeout=timeout)
+
+
+def test_no_controllers_are_not_the_same_as_all():
+    assert GainSetRequest().controllers is None
+    with pytest.raises(ValidationError):
+        GainSetRequest(controllers=[])
+
+
+@pytest.mark.parametrize("name", ["", ".", "-a", "a/b", "a b", "x" * 101])
+def test_names_are_segments_of_a_path(name):
+    with pytest.raises(ValidationError):
+        TypeAdapter(GainSetName).validate_python(name)

@@ -22,7 +22,7 @@ from station.wire import (
     GainSets,
     GainsPatch,
 )
-from station.wire.gain_sets import GainSetName, GainsOfControllersPatch
+from station.wire.controllers import GainSetName, GainsOfControllersPatch
 
 router = APIRouter(tags=["gains"], dependencies=[Viewer], route_class=JsonRoute)
 

@@ -8,7 +8,7 @@ import pytest
 
 from station.core.clock import ManualClock, SystemClock
 from station.core.errors import LoopError, StoppedError
-from station.core.hardware.simulated_world import SimulatedWorld
+from station.core.hardware.robot_hw import SimulatedWorld
 from station.core.loop.stop_latch import StopState
 from station.reports import LoopState
 from tests.core.loop.one_joint import PERIOD, OneJoint, make_loop, run_thread
