@@ -11,7 +11,7 @@ from starlette.middleware.cors import CORSMiddleware
 from starlette.routing import BaseRoute
 
 import station as package
-from station.api import docs_page, index, metrics
+from station.api import index, metrics
 from station.api.audit import Audit, EventRecorder
 from station.api.auth import Authenticator
 from station.api.control import Control
@@ -157,7 +157,6 @@ def _shared_routes() -> tuple[BaseRoute, ...]:
     shared = APIRouter(generate_unique_id_function=operation_id)
     shared.include_router(api_router)
     shared.include_router(login_page)
-    shared.include_router(docs_page.router)
     shared.include_router(index.router)
     shared.include_router(metrics.router)
     return tuple(shared.routes)

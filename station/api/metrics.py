@@ -111,7 +111,7 @@ class StationCollector(Collector):
         )
 
     def _loop_figures(self) -> Iterator[Metric]:
-        loop, report = self._station.loop, self._station.loop_report()
+        loop, report = self._station.loop, self._station.loop.report()
         yield GaugeMetricFamily(
             "station_loop_running",
             "Whether the control thread runs.",

@@ -257,11 +257,11 @@ class InProcessStation:
 
     def gains(self, name: str) -> Mapping[str, float]:
         """Return the gains of a controller by name."""
-        return self.facade.gains(name).values
+        return self.facade.tuning.gains(name).values
 
     def set_gains(self, name: str, values: Mapping[str, float]) -> None:
         """Change gains of a controller between two cycles; the others stay."""
-        self.facade.set_gains(name, values)
+        self.facade.tuning.set_gains(name, values)
 
     def reset(self, positions: Mapping[str, float] | None = None) -> None:
         """Put the simulated world back to its start; see `SimulationControl.reset`."""

@@ -160,7 +160,7 @@ class StationRun:
             # Once more, although it is on the stack: it comes before all else.
             stack.callback(_hold, station)
             # Starting the server holds the interpreter; that says nothing of the loop.
-            station.reset_loop_statistics()
+            station.loop.reset_statistics()
             stack.callback(self._watchdog.expect_end)
             self._watchdog.guard(station)
             self._watch(station, announcement, signals)
@@ -267,7 +267,7 @@ class StationRun:
             running.ui_url,
             token,
             str(path),
-            scheduler=station.loop_report().scheduler,
+            scheduler=station.loop.report().scheduler,
             kernel=self._extensions.start(),
             robot=station.status().robot_label,
         )

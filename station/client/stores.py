@@ -6,6 +6,7 @@ from pathlib import Path
 
 from station import wire
 from station.client.connection import AsyncConnection, Query, segment
+from station.wire.controllers import GainsOfControllersPatch
 from station.wire.experiments import (
     Experiment,
     ExperimentApplyRequest,
@@ -17,7 +18,6 @@ from station.wire.experiments import (
     ExperimentTrial,
     ExperimentTrials,
 )
-from station.wire.gain_sets import GainsOfControllersPatch
 
 _RECORDINGS, _INCIDENTS = "/recordings", "/incidents"
 _GAIN_SETS, _WAYPOINT_PATHS = "/gain-sets", "/waypoint-paths"

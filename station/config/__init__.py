@@ -2,4 +2,4 @@
 
 from station.config.loading import load_config as load_config
 from station.config.models import StationConfig as StationConfig
-from station.core.config_error import ConfigError as ConfigError
+from station.core.errors import ConfigError as ConfigError

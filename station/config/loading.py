@@ -15,7 +15,7 @@ from station.config.ros_parameters import (
     substitute,
 )
 from station.config.validation import validate
-from station.core.config_error import ConfigError
+from station.core.errors import ConfigError
 from station.core.yaml_reader import (
     KeyPath,
     YamlDocument,

@@ -10,8 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, NoReturn, TypeVar
 
-from station.core.config_error import ConfigError
-from station.core.errors import show
+from station.core.errors import ConfigError, show
 
 _SUBSTITUTION = re.compile(r"\$\((\w+)\s*([^)]*)\)")
 _ONE_MANAGER = (

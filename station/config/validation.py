@@ -12,8 +12,7 @@ from station.config.models import (
     PLUGIN_PATTERN,
     StationConfig,
 )
-from station.core.config_error import ConfigError, key_text
-from station.core.errors import show
+from station.core.errors import ConfigError, key_text, show
 from station.core.yaml_reader import KeyPath
 
 # Names in the parameter tree that controllers cannot have.

@@ -5,7 +5,8 @@ StationError
 ├── HardwareInterfaceError        a handle or interface cannot be built or used
 │   └── ResourceNotFoundError     no such resource in that interface (KeyError)
 ├── ParameterError                a parameter is missing or impossible (ValueError)
-│   └── ParameterNotFoundError    the tree has no such parameter (KeyError)
+│   ├── ParameterNotFoundError    the tree has no such parameter (KeyError)
+│   └── ConfigError               all that is wrong with a configuration
 ├── ControllerNotFoundError       no controller of that name is loaded (KeyError)
 ├── ControllerTypeNotFoundError   no loader knows that type (KeyError)
 ├── ControllerLoadError           a controller cannot be created or initialised
@@ -46,7 +47,7 @@ StationError
 """
 
 import difflib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from numbers import Real
 from typing import NoReturn
 
@@ -388,3 +389,33 @@ class RobotDescriptionError(StationError, ValueError):
     """A robot description (URDF, mesh) is missing or cannot be used."""
 
     code = "robot_description"
+
+
+class ConfigError(ParameterError):
+    """A configuration cannot be read, or holds something that is not allowed.
+
+    Args:
+        problems: One sentence each: where, which key, its value, what is allowed.
+        remedy: Advice to the user.
+
+    Attributes:
+        problems: The sentences.
+    """
+
+    code = "invalid_configuration"
+
+    def __init__(self, problems: Sequence[str], *, remedy: str) -> None:
+        super().__init__(
+            "\n".join(problems), remedy=remedy, details={"errors": list(problems)}
+        )
+        self.problems = tuple(problems)
+
+
+def key_text(path: Sequence[str | int]) -> str:
+    """Return the path of a key as a message names it, such as `robot.arms[0].base`.
+
+    Args:
+        path: Keys of mappings and indices of lists, from the root.
+    """
+    parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)
+    return "".join(parts).removeprefix(".")

@@ -21,8 +21,7 @@ import yaml
 from typing_extensions import override
 from yaml.composer import ComposerError
 
-from station.core.config_error import ConfigError, key_text
-from station.core.errors import show
+from station.core.errors import ConfigError, key_text, show
 
 _OPERATIONS: dict[type[ast.operator], Callable[[float, float], float]] = {
     ast.Add: operator.add,

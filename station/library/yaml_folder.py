@@ -10,8 +10,7 @@ from pathlib import Path
 
 import yaml
 
-from station.core.config_error import ConfigError
-from station.core.errors import StationError, show, suggest
+from station.core.errors import ConfigError, StationError, show, suggest
 from station.core.user_files import (
     changing,
     make_private_folder,

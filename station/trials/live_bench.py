@@ -393,7 +393,7 @@ class LiveBench:
             controller=controller,
             joint=request.excitation.joint,
             kind=request.excitation.kind,
-            gains=dict(self._station.gains(controller).values),
+            gains=dict(self._station.tuning.gains(controller).values),
             time=trace.time[::every].tolist(),
             desired=column(trace.desired),
             position=column(trace.position),

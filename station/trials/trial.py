@@ -17,8 +17,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from station.config import StationConfig, load_config
 from station.config.models import Controller
-from station.core.config_error import ConfigError
-from station.core.errors import show
+from station.core.errors import ConfigError, show
 from station.core.yaml_reader import read_yaml
 from station.trials.errors import ExperimentError, ImpossibleRangeError
 from station.wire.excitations import Command, Motion, Push

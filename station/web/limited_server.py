@@ -19,8 +19,9 @@ from enum import Enum
 from typing import Any, cast
 
 import uvicorn
+from starlette.datastructures import Headers
 from starlette.responses import PlainTextResponse
-from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from typing_extensions import override
 from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.protocols.websockets.websockets_sansio_impl import (
@@ -245,3 +246,35 @@ def connection_share(descriptors: int = 1) -> int:
     beyond = EXTRA_CONNECTIONS + ACCEPTED_AT_ONCE
     free = limit - len(os.listdir("/dev/fd")) - RESERVED_DESCRIPTORS - beyond
     return max(LEAST_CONNECTIONS, min(MOST_CONNECTIONS, free // descriptors))
+
+
+def announces_more_than(scope: Scope, most: int) -> bool:
+    """Return whether a request announces a body of more than `most` bytes.
+
+    A length that is not a number counts as one that is too large.
+    """
+    lengths = Headers(scope=scope).getlist("content-length")
+    # Of several headers each counts. Longer numbers would take time to convert.
+    return any(not n.isdecimal() or len(n) > 18 or int(n) > most for n in lengths)
+
+
+def limited(receive: Receive, most: int, too_large: Exception) -> Receive:
+    """Return a `receive` that raises when a body without a length grows too large.
+
+    Args:
+        receive: Channel by which the server hands the body over.
+        most: Largest body [bytes].
+        too_large: Error of a body that is too large.
+    """
+    size = 0
+
+    async def receive_limited() -> Message:
+        nonlocal size
+        message = await receive()
+        size += len(message.get("body", b""))
+        # A body may be longer than announced, or come in chunks without a length.
+        if size > most:
+            raise too_large
+        return message
+
+    return receive_limited

@@ -46,6 +46,10 @@ from station.wire.controllers import (
     DeclaredParameter as DeclaredParameter,
     DesiredState as DesiredState,
     Gains as Gains,
+    GainsChanges as GainsChanges,
+    GainSet as GainSet,
+    GainSetRequest as GainSetRequest,
+    GainSets as GainSets,
     GainsPatch as GainsPatch,
     Goal as Goal,
     GoalRequest as GoalRequest,
@@ -69,12 +73,6 @@ from station.wire.events import (
     SeverityName as SeverityName,
 )
 from station.wire.experiments import ExperimentRequest as ExperimentRequest
-from station.wire.gain_sets import (
-    GainsChanges as GainsChanges,
-    GainSet as GainSet,
-    GainSetRequest as GainSetRequest,
-    GainSets as GainSets,
-)
 from station.wire.hardware import (
     Clamp as Clamp,
     Hardware as Hardware,

@@ -59,7 +59,7 @@ def test_counters_never_go_back(figures, spring, station):
     counters = {key for key in before if key[0].endswith("_total")}
     assert len(counters) == 9
     assert all(after[key] >= before[key] for key in counters)
-    assert station.loop_report().skipped == 0
+    assert station.loop.report().skipped == 0
     station.loop.step(2)
     assert (
         figures()["station_controller_updates_total", "spring"]

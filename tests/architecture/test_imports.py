@@ -37,7 +37,7 @@ VIOLATIONS = {
     "wire-stands-alone": ("station/wire/base.py", "import station.core.errors"),
     "client-speaks-the-wire": ("station/client/sync.py", "import station.core"),
     "api-serves": ("station/api/app.py", "import viser"),
-    "web-stands-alone": ("station/web/body_limit.py", "import station.core"),
+    "web-stands-alone": ("station/web/limited_server.py", "import station.core"),
     "records-read-the-core": ("station/records/cdr.py", "import fastapi"),
     "trials-are-data": ("station/trials/trial.py", "import mujoco"),
     "experiments-run-in-process": (

@@ -6,7 +6,7 @@ Environment variables name keys of the configuration.
 import pytest
 
 from station.config.loading import load_config, read_environment
-from station.core.config_error import ConfigError
+from station.core.errors import ConfigError
 
 
 @pytest.fixture

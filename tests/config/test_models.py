@@ -5,7 +5,7 @@ from pydantic import ValidationError
 
 from station.config.loading import load_config
 from station.config.models import ApiSection, LoopSection
-from station.core.config_error import ConfigError
+from station.core.errors import ConfigError
 
 
 @pytest.mark.parametrize("rate", [0.5, 1e5, True, "1000", float("nan"), float("inf")])

@@ -3,7 +3,7 @@
 import pytest
 
 from station.config.ros_parameters import controllers_of_list, split_ros_parameters
-from station.core.config_error import ConfigError
+from station.core.errors import ConfigError
 
 JOINTS = ["a", "b"]
 ARM = {"name": "arm", "action_ns": "follow_joint_trajectory", "joints": JOINTS}

@@ -3,7 +3,7 @@
 import pytest
 
 from station.config.ros_parameters import split_ros_parameters, substitute
-from station.core.config_error import ConfigError
+from station.core.errors import ConfigError
 
 ARM = {"type": "effort_controllers/JointTrajectoryController", "joints": ["j1"]}
 

@@ -6,7 +6,7 @@ import pytest
 
 from station.config.loading import load_config
 from station.config.validation import validate
-from station.core.config_error import ConfigError
+from station.core.errors import ConfigError
 
 MINIMAL = {
     "station": {

@@ -3,7 +3,7 @@
 import pytest
 
 from station.core import errors
-from station.core.errors import suggest
+from station.core.errors import ConfigError, key_text, show, suggest
 from tests.for_each import for_each
 
 LEAVES = [
@@ -11,6 +11,8 @@ LEAVES = [
     for value in vars(errors).values()
     if isinstance(value, type) and issubclass(value, errors.StationError)
 ]
+# Its message is made of its problems.
+WORDED = [leaf for leaf in LEAVES if leaf is not ConfigError]
 
 
 @for_each(
@@ -38,7 +40,7 @@ def test_a_conflict_is_a_refused_switch():
     assert issubclass(errors.ResourceConflictError, errors.SwitchRefusedError)
 
 
-@for_each("error", LEAVES)
+@for_each("error", WORDED)
 def test_the_message_is_shown_as_written(error):
     assert str(error("it's 'x'")) == "it's 'x'"
 
@@ -79,3 +81,34 @@ def test_of_many_names_the_nearest_three_are_told():
     assert told.endswith("? There are 38 in all.")
     assert told.count("'") == 6
     assert suggest("zzz", names).count("'") == 6
+
+
+def test_all_problems_are_in_message_and_details():
+    error = ConfigError(["a is 1.", "b is 2."], remedy="Correct it.")
+
+    assert str(error) == "a is 1.\nb is 2."
+    assert error.details == {"errors": ["a is 1.", "b is 2."]}
+    assert error.remedy == "Correct it."
+    assert isinstance(error, ValueError)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        ("a", "'a'"),
+        ("x" * 100, f"'{'x' * 78}…"),
+        (1 << 16_609, "an integer of 16610 bits"),
+        (-7, "-7"),
+    ],
+    ids=["text", "long text", "long integer", "integer"],
+)
+def test_long_values_are_shown_in_part(value, text):
+    assert show(value) == text
+
+
+@pytest.mark.parametrize(
+    ("path", "text"),
+    [(("robot", "arms", 0, "base"), "robot.arms[0].base"), ((0, "a"), "[0].a")],
+)
+def test_path_of_a_key_is_written_with_dots_and_indices(path, text):
+    assert key_text(path) == text

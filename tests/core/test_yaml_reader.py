@@ -7,7 +7,7 @@ import math
 
 import pytest
 
-from station.core.config_error import ConfigError
+from station.core.errors import ConfigError
 from station.core.yaml_reader import parse_angle, parse_value, parse_yaml, read_yaml
 
 

@@ -50,7 +50,7 @@ def test_differences_are_those_to_the_gains_in_force(station, sets):
     sets.save("soft")
     assert sets.differences("soft") == []
 
-    station.set_gains("one", {"k": 5.0})
+    station.tuning.set_gains("one", {"k": 5.0})
     station.unload_controller("two")
 
     assert sets.differences("soft") == [
@@ -62,37 +62,37 @@ def test_differences_are_those_to_the_gains_in_force(station, sets):
 def test_a_set_is_applied_whole_in_one_cycle(station, sets):
     sets.save("soft")
     for name in ("one", "two"):
-        station.set_gains(name, {"k": 5.0})
+        station.tuning.set_gains(name, {"k": 5.0})
 
     changes = sets.apply("soft")
 
     assert {change.cycle for change in changes.values()} == {station.loop.cycle}
     assert sets.differences("soft") == []
     station.tuning.undo()
-    assert station.gains("two").values == {"k": 5.0}
+    assert station.tuning.gains("two").values == {"k": 5.0}
 
 
 def test_some_controllers_of_a_set_are_applied(station, sets):
     sets.save("soft")
     for name in ("one", "two"):
-        station.set_gains(name, {"k": 5.0})
+        station.tuning.set_gains(name, {"k": 5.0})
 
     sets.apply("soft", ["two"])
 
-    assert station.gains("one").values == {"k": 5.0}
-    assert station.gains("two").values == {"k": 2.0}
+    assert station.tuning.gains("one").values == {"k": 5.0}
+    assert station.tuning.gains("two").values == {"k": 2.0}
     with pytest.raises(InvalidGainError, match="no gains of controller 'three'"):
         sets.apply("soft", ["three"])
 
 
 def test_a_set_of_a_controller_that_is_not_loaded_changes_nothing(station, sets):
     sets.save("soft")
-    station.set_gains("one", {"k": 5.0})
+    station.tuning.set_gains("one", {"k": 5.0})
     station.unload_controller("two")
 
     with pytest.raises(ControllerNotFoundError):
         sets.apply("soft")
-    assert station.gains("one").values == {"k": 5.0}
+    assert station.tuning.gains("one").values == {"k": 5.0}
 
 
 def test_a_set_is_deleted(sets):

@@ -89,7 +89,7 @@ def test_gains_are_recorded_when_they_change_and_inputs_with_their_cycle(
     station.load_controller("arm", "test/Spring", {"joint": "j", "k": 2.0})
     recorder.start()
     _run(station, recorder, 10, every=5)
-    station.set_gains("arm", {"k": 3.0})
+    station.tuning.set_gains("arm", {"k": 3.0})
     _run(station, recorder, 10, every=5)
     path = store.file(recorder.stop().identifier)
 

@@ -47,7 +47,7 @@ def test_a_pose_0_3_rad_away_is_reached_within_two_seconds(station, step):
 
 
 def test_gains_that_make_the_arm_swing_do_not_end_the_motion(station):
-    station.set_gains(NAME, {"panda_joint1/p": 500.0, "panda_joint1/d": 10.0})
+    station.tuning.set_gains(NAME, {"panda_joint1/p": 500.0, "panda_joint1/d": 10.0})
     station.motion.set_command(NAME, [0.1, *station.latest().position[1:7]])
     swing = []
     for _ in range(400):
@@ -61,8 +61,9 @@ def test_gains_that_make_the_arm_swing_do_not_end_the_motion(station):
 def test_a_step_that_throws_a_joint_at_its_velocity_limit_ends_as_on_a_franka(
     station, step
 ):
-    gains = station.gains("effort_joint_trajectory_controller").values
-    station.set_gains(NAME, {k: v for k, v in gains.items() if k[-2:] in {"/p", "/d"}})
+    gains = station.tuning.gains("effort_joint_trajectory_controller").values
+    p_and_d = {k: v for k, v in gains.items() if k[-2:] in {"/p", "/d"}}
+    station.tuning.set_gains(NAME, p_and_d)
     positions = station.latest().position[:7]
     goal = [q + dq for q, dq in zip(positions, step, strict=True)]
     station.motion.set_command(NAME, goal)

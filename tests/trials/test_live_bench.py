@@ -99,7 +99,7 @@ def test_a_step_is_followed_and_taken_back(bench, station):
     time = np.array(found.time)
     rise = time[np.argmax(way >= 0.9)] - time[np.argmax(way >= 0.1)]
     assert found.metrics["rise_time"] == pytest.approx(rise, abs=0.005)
-    assert found.gains == dict(station.gains(GROUP).values)
+    assert found.gains == dict(station.tuning.gains(GROUP).values)
     station.loop.step(500)
     assert station.latest().position[6] == pytest.approx(before, abs=0.005)
 

@@ -4,7 +4,7 @@ import asyncio
 
 import pytest
 
-from station.web.body_limit import announces_more_than, limited
+from station.web.limited_server import announces_more_than, limited
 
 
 def scope(*lengths):

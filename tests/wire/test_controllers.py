@@ -15,6 +15,7 @@ from station.wire import (
     CommandRequest,
     ControllerType,
     Gains,
+    GainSetName,
     GainSetRequest,
     GainsPatch,
     Goal,
@@ -26,7 +27,6 @@ from station.wire import (
     TrajectoryRequest,
     Tunable,
 )
-from station.wire.gain_sets import GainSetName
 
 
 @pytest.mark.parametrize(

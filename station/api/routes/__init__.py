@@ -4,15 +4,12 @@ from fastapi import APIRouter
 
 from station.api.routes import (
     access,
-    alarms,
     control,
     controllers,
     events,
     experiments,
-    gain_sets,
     gains,
     goals,
-    grippers,
     parameters,
     recordings,
     robots,
@@ -32,7 +29,6 @@ for _module in (
     access,
     controllers,
     gains,
-    gain_sets,
     set_points,
     goals,
     waypoint_paths,
@@ -40,13 +36,11 @@ for _module in (
     recordings,
     experiments,
     robots,
-    grippers,
     simulation,
     stop,
     control,
     tokens,
     events,
-    alarms,
     streams,
 ):
     api_router.include_router(_module.router)

@@ -130,7 +130,8 @@ def list_controller_types(station: StationDep) -> ControllerTypes:
     """List the types of controllers that can be loaded, each with its parameters."""
     return ControllerTypes(
         controller_types=[
-            ControllerType.model_validate(each) for each in station.controller_types()
+            ControllerType.model_validate(each)
+            for each in station.manager.describe_controller_types()
         ]
     )
 
@@ -149,4 +150,5 @@ def reload_controller_types(
     are loaded are a reason to refuse, unless `force_kill` stops and unloads them.
     """
     force_kill = request is not None and request.force_kill
-    return Reloaded(unloaded=station.reload_controller_types(force_kill=force_kill))
+    unloaded = station.manager.reload_controller_libraries(force_kill=force_kill)
+    return Reloaded(unloaded=unloaded)

@@ -1,17 +1,19 @@
-"""Routes of events, whose answers are pages or endless."""
+"""Events, whose answers are pages or endless, and alarms: what asks for a person."""
 
 import asyncio
 from typing import TYPE_CHECKING, Annotated
 
-from fastapi import APIRouter, Header, Query, Request
+from fastapi import APIRouter, Header, Path, Query, Request
 from fastapi.responses import StreamingResponse
 
-from station.api.dependencies import AccessDep, ServicesDep, Viewer
+from station.api import answers
+from station.api.audit import origin_of
+from station.api.dependencies import AccessDep, Operator, ServicesDep, Viewer
 from station.api.event_feed import MEDIA_TYPE
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
 from station.events import EventKind, Severity
-from station.wire import EventKindName, Events, SeverityName
+from station.wire import Alarm, Alarms, EventKindName, Events, SeverityName
 
 if TYPE_CHECKING:
     from station.api.auth import Access
@@ -107,3 +109,34 @@ async def _first_end(access: "Access", broadcaster: "Broadcaster") -> None:
     finally:
         for each in ends:
             each.cancel()
+
+
+Number = Annotated[
+    int, Path(ge=1, le=2**53, description="Number of the alarm.", examples=[3])
+]
+
+
+@router.get("/alarms", responses=problems())
+def list_alarms(services: ServicesDep) -> Alarms:
+    """List the alarms, newest first.
+
+    An alarm leaves the list once its cause is gone and somebody has acknowledged it, in
+    either order.
+    """
+    found = [answers.alarm(each) for each in services.alarms.all()]
+    unseen = sum(each.acknowledged_at is None for each in found)
+    return Alarms(alarms=found, unacknowledged=unseen)
+
+
+@router.post(
+    "/alarms/{number}/acknowledge",
+    dependencies=[Operator],
+    responses=problems(404, 422),
+)
+def acknowledge_alarm(number: Number, request: Request, services: ServicesDep) -> Alarm:
+    """Say that the alarm was seen, under the name of the caller's token.
+
+    It clears no cause and moves nothing. A second acknowledgement changes nothing.
+    """
+    services.alarms.look()
+    return answers.alarm(services.alarms.acknowledge(number, origin_of(request)))

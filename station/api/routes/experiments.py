@@ -172,7 +172,7 @@ def preview_experiment(
     with Results.open(file_of(name)) as results:
         chosen = reports.chosen_trial(results, trial)
         wanted = gains_of(results, chosen)
-    present = {controller: station.gains(controller) for controller in wanted}
+    present = {controller: station.tuning.gains(controller) for controller in wanted}
     return ExperimentPreview.model_validate({
         "experiment": name,
         "trial": chosen.hash,

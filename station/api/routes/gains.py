@@ -1,18 +1,28 @@
-"""Run-time parameters of controllers: read and change them while they run."""
+"""Run-time parameters of controllers: read, changed, kept in sets, taken back."""
 
+from collections.abc import Mapping
 from typing import Annotated
 
-from fastapi import APIRouter, Header, Response
+from fastapi import APIRouter, Header, Path, Response
 
 from station.api import answers
-from station.api.dependencies import Operator, StationDep, Viewer
+from station.api.dependencies import Operator, ServicesDep, StationDep, Viewer
 from station.api.errors import ProblemError
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
+from station.api.services import Services
 from station.core.facade.station import Station
+from station.library import gain_sets
 from station.reports import GainsChange
-from station.wire import Gains, GainsChanges, GainsPatch
-from station.wire.gain_sets import GainsOfControllersPatch
+from station.wire import (
+    Gains,
+    GainsChanges,
+    GainSet,
+    GainSetRequest,
+    GainSets,
+    GainsPatch,
+)
+from station.wire.controllers import GainSetName, GainsOfControllersPatch
 
 router = APIRouter(tags=["gains"], dependencies=[Viewer], route_class=JsonRoute)
 
@@ -25,7 +35,7 @@ def etag_of(station: Station, revision: int) -> str:
 @router.get("/controllers/{name}/gains", responses=problems(404))
 def get_gains(name: str, response: Response, station: StationDep) -> Gains:
     """Return the gains, the unit and range of each, and their ETag."""
-    found = station.gains(name)
+    found = station.tuning.gains(name)
     etag = etag_of(station, found.revision)
     response.headers["ETag"] = etag
     return answers.gains(found, etag)
@@ -51,7 +61,7 @@ def patch_gains(
     revision = None
     if if_match is not None and if_match.strip() != "*":
         revision = _matching_revision(station, name, if_match)
-    change = station.set_gains(name, request.values, revision)
+    change = station.tuning.set_gains(name, request.values, revision)
     response.headers["ETag"] = etag_of(station, change.revision)
     return change
 
@@ -78,7 +88,7 @@ def _matching_revision(station: Station, name: str, if_match: str) -> int:
     Raises:
         ProblemError: If-Match names another revision.
     """
-    revision = station.gains(name).revision
+    revision = station.tuning.gains(name).revision
     etag = etag_of(station, revision)
     if etag not in {tag.strip() for tag in if_match.split(",")}:
         raise ProblemError(
@@ -88,3 +98,80 @@ def _matching_revision(station: Station, name: str, if_match: str) -> int:
             "Read them again and repeat the change.",
         )
     return revision
+
+
+Name = Annotated[GainSetName, Path(description="Name of the set.", examples=["stiff"])]
+
+
+@router.get("/gain-sets", responses=problems())
+def list_gain_sets(services: ServicesDep) -> GainSets:
+    """List the saved sets of gains."""
+    return GainSets(gain_sets=services.gain_sets.names())
+
+
+@router.post("/gain-sets/undo", dependencies=[Operator], responses=problems(409, 503))
+def undo_gains(services: ServicesDep) -> GainsChanges:
+    """Take the last change of gains back, whether it set gains or applied a set.
+
+    A hundred changes are remembered, and each call takes one more back.
+    """
+    return _changes(services.station.tuning.undo())
+
+
+@router.get("/gain-sets/{name}", responses=problems(404, 422))
+def get_gain_set(name: Name, services: ServicesDep) -> GainSet:
+    """Return a set, and where it differs from the gains in force."""
+    return _gain_set(services, services.gain_sets.get(name))
+
+
+@router.put(
+    "/gain-sets/{name}", dependencies=[Operator], responses=problems(404, 413, 422)
+)
+def save_gain_set(
+    name: Name, services: ServicesDep, request: GainSetRequest | None = None
+) -> GainSet:
+    """Save the gains in force under a name; a set of that name is replaced."""
+    saved = services.gain_sets.save(name, _chosen(request))
+    return _gain_set(services, saved)
+
+
+@router.delete(
+    "/gain-sets/{name}", dependencies=[Operator], responses=problems(404, 422)
+)
+def delete_gain_set(name: Name, services: ServicesDep) -> GainSet:
+    """Delete a set; return its last content."""
+    found = _gain_set(services, services.gain_sets.get(name))
+    services.gain_sets.delete(name)
+    return found
+
+
+@router.post(
+    "/gain-sets/{name}/apply",
+    dependencies=[Operator],
+    responses=problems(404, 413, 422, 503),
+)
+def apply_gain_set(
+    name: Name, services: ServicesDep, request: GainSetRequest | None = None
+) -> GainsChanges:
+    """Put a set into force: all gains of all its controllers in the same cycle.
+
+    When one value is not allowed, or a controller is not loaded, nothing changes.
+    """
+    return _changes(services.gain_sets.apply(name, _chosen(request)))
+
+
+def _chosen(request: GainSetRequest | None) -> list[str] | None:
+    return None if request is None else request.controllers
+
+
+def _gain_set(services: Services, found: gain_sets.GainSet) -> GainSet:
+    return GainSet.model_validate({
+        "name": found.name,
+        "saved_at": found.saved_at,
+        "gains": found.gains,
+        "differences": services.gain_sets.differences(found.name),
+    })
+
+
+def _changes(changes: Mapping[str, GainsChange]) -> GainsChanges:
+    return GainsChanges.model_validate({"changes": changes})

@@ -1,15 +1,25 @@
-"""Arms: state, model, services of franka_control, and controls of simulations."""
+"""Arms and their grippers: state, model, services, and controls of simulations."""
+
+from dataclasses import fields
 
 from fastapi import APIRouter
 
 from station import wire
-from station.api import answers, requests
-from station.api.dependencies import ArmsDep, Operator, StationDep, Viewer
+from station.api import answers
+from station.api.dependencies import ArmsDep, GrippersDep, Operator, StationDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
 from station.api.service_routes import add_service, describe, services_of
 from station.core.facade.station import Station
-from station.core.franka import Frame, FrankaServices, GripperServices
+from station.core.franka import (
+    CollisionBehavior,
+    FaultKind,
+    Frame,
+    FrankaServices,
+    GraspRequest,
+    GripperServices,
+    SimulatedFault,
+)
 from station.core.franka.arms import Arms
 
 router = APIRouter(
@@ -120,7 +130,7 @@ def set_force_torque_collision_behavior(
     arm_id: str, request: wire.ForceTorqueCollisionBehavior, arms: ArmsDep
 ) -> wire.ArmReport:
     """Set the thresholds of every phase; refused while the arm moves."""
-    arms.set_collision_behavior(arm_id, requests.collision_behavior(request))
+    arms.set_collision_behavior(arm_id, collision_thresholds(request))
     return _report(arms, arm_id)
 
 
@@ -131,7 +141,7 @@ def set_full_collision_behavior(
     arm_id: str, request: wire.FullCollisionBehavior, arms: ArmsDep
 ) -> wire.ArmReport:
     """Set the thresholds of both phases; refused while the arm moves."""
-    arms.set_collision_behavior(arm_id, requests.collision_behavior(request))
+    arms.set_collision_behavior(arm_id, collision_thresholds(request))
     return _report(arms, arm_id)
 
 
@@ -189,7 +199,7 @@ def external_force(
 @router.post("/{arm_id}/faults", dependencies=[Operator], responses=_WRITE)
 def inject_fault(arm_id: str, request: wire.Fault, arms: ArmsDep) -> wire.ArmReport:
     """Inject a fault; in simulation only."""
-    arms.inject(arm_id, requests.fault(request))
+    arms.inject(arm_id, fault_of(request))
     return _report(arms, arm_id)
 
 
@@ -210,3 +220,97 @@ def clear_faults(arm_id: str, arms: ArmsDep) -> wire.Faults:
 
 def _faults(arms: Arms, arm_id: str) -> wire.Faults:
     return wire.Faults.model_validate({"faults": arms.faults(arm_id)})
+
+
+@router.get("/{arm_id}/gripper", responses=problems(404, 503))
+def get_gripper(arm_id: str, grippers: GrippersDep) -> wire.Gripper:
+    """Return the gripper's state: its activity, and how the last command ended."""
+    return answers.gripper(arm_id, grippers.state(arm_id))
+
+
+@router.post(
+    "/{arm_id}/gripper/homing",
+    status_code=202,
+    dependencies=[Operator],
+    responses=_WRITE,
+)
+def home_gripper(arm_id: str, grippers: GrippersDep) -> wire.Gripper:
+    """Begin to close and to open the gripper all the way; answers at once."""
+    return answers.gripper(arm_id, grippers.homing(arm_id))
+
+
+@router.post(
+    "/{arm_id}/gripper/move", status_code=202, dependencies=[Operator], responses=_WRITE
+)
+def move_gripper(
+    arm_id: str, request: wire.GripperMoveRequest, grippers: GrippersDep
+) -> wire.Gripper:
+    """Begin to open or close the gripper to a width; answers at once.
+
+    It ends the command before, as every command of a gripper does.
+    """
+    found = grippers.move(arm_id, request.width, request.speed)
+    return answers.gripper(arm_id, found)
+
+
+@router.post(
+    "/{arm_id}/gripper/grasp",
+    status_code=202,
+    dependencies=[Operator],
+    responses=_WRITE,
+)
+def grasp(
+    arm_id: str, request: wire.GripperGraspRequest, grippers: GrippersDep
+) -> wire.Gripper:
+    """Begin to grasp an object; answers at once.
+
+    The fingers close, or open when they are too close for the width, until an object
+    stops them. When its width is the expected one, they press it with the force.
+    """
+    found = grippers.grasp(arm_id, grasp_request(request))
+    return answers.gripper(arm_id, found)
+
+
+@router.post(
+    "/{arm_id}/gripper/stop",
+    dependencies=[Operator],
+    responses=problems(404, 413, 422, 503),
+)
+def stop_gripper(arm_id: str, grippers: GrippersDep) -> wire.Gripper:
+    """Hold the fingers still without force: a grasped object can fall.
+
+    Possible at any time, also while the station is stopped.
+    """
+    return answers.gripper(arm_id, grippers.stop(arm_id))
+
+
+def collision_thresholds(
+    request: wire.ForceTorqueCollisionBehavior,
+) -> CollisionBehavior:
+    """Return the thresholds; the nominal ones serve while accelerating if alone."""
+    given = request.model_dump()
+    chosen = {
+        one.name: given.get(
+            one.name, given[one.name.replace("acceleration", "nominal")]
+        )
+        for one in fields(CollisionBehavior)
+    }
+    return CollisionBehavior(**{name: tuple(v) for name, v in chosen.items()})
+
+
+def fault_of(request: wire.Fault) -> SimulatedFault:
+    """Return the fault to inject."""
+    x, y, z = request.force
+    kind = FaultKind(request.kind)
+    return SimulatedFault(kind, request.cycles, request.joint, (x, y, z))
+
+
+def grasp_request(request: wire.GripperGraspRequest) -> GraspRequest:
+    """Return the width, the force and the tolerances of a grasp."""
+    return GraspRequest(
+        width=request.width,
+        force=request.force,
+        speed=request.speed,
+        epsilon_inner=request.epsilon.inner,
+        epsilon_outer=request.epsilon.outer,
+    )

@@ -91,7 +91,7 @@ def hardware(station: StationDep) -> Hardware:
 @router.get("/loop", tags=["loop"], dependencies=[Viewer], responses=problems())
 def loop(station: StationDep) -> LoopReport:
     """Return rate, lateness, skipped cycles and the time that each phase takes."""
-    return station.loop_report()
+    return station.loop.report()
 
 
 @router.post(
@@ -102,5 +102,5 @@ def loop(station: StationDep) -> LoopReport:
 )
 def reset_statistics(station: StationDep) -> LoopReport:
     """Start the statistics anew."""
-    station.reset_loop_statistics()
-    return station.loop_report()
+    station.loop.reset_statistics()
+    return station.loop.report()

@@ -252,7 +252,7 @@ class LoopTopic(ReportTopic):
     @override
     def report(self) -> Data:
         return {
-            "loop": self._station.loop_report(),
+            "loop": self._station.loop.report(),
             "stop": answers.stop_state(self._station).model_dump(),
             "robot_mode": self._station.status().robot_mode,
         }

@@ -15,8 +15,8 @@ from typing_extensions import override
 from station.core.control.controller import Controller, ControllerSample
 from station.core.declared_parameter import DeclaredParameter, NameKind, ParameterType
 from station.core.description.robot_description import ROBOT_DESCRIPTION
+from station.core.description.urdf import wheel_radius, wheel_separation
 from station.core.description.urdf_parser import parse_urdf
-from station.core.description.wheels import wheel_radius, wheel_separation
 from station.core.errors import ParameterError
 from station.core.hardware.interfaces import JointGroup, VelocityJointInterface
 from station.core.parameters import Parameters

@@ -11,7 +11,8 @@ holds up other switches alone (`switch_caller.py`).
 """
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 
 from station.core.clock import Clock
 from station.core.control.controller import (
@@ -54,7 +55,7 @@ asks for it answers the stop, too."""
 class ControllerManager:
     """The controllers of one robot.
 
-    `update`, `stop_all`, `void_commands` and `samples` are for the control thread.
+    `update`, `stop_all` and `samples` are for the control thread.
     Everything else is for any other thread, waits for other callers if need be, and
     either does the whole thing or raises and changes nothing.
 
@@ -65,7 +66,9 @@ class ControllerManager:
         clock: Wall time.
 
     Attributes:
-        controller_update: Does the same as `update`, for a loop.
+        lifecycle: Starts and stops the controllers, and has the list of them.
+        controller_update: Does the same as `update`, for a loop, and keeps who was
+            interrupted and how long an update may take.
     """
 
     def __init__(
@@ -78,8 +81,8 @@ class ControllerManager:
         self._hw = hw
         self._factory = ControllerFactory(hw, parameters, loaders)
         self._clock = clock
-        self._lifecycle = ControllerLifecycle(hw)
-        self.controller_update = ControllerUpdate(self._lifecycle)
+        self.lifecycle = ControllerLifecycle(hw)
+        self.controller_update = ControllerUpdate(self.lifecycle)
         self._lock = threading.Lock()
         self._switches = SwitchCaller(hw, self.controller_update, clock, self._lock)
         self._loading: dict[str, Loading] = {}
@@ -95,46 +98,15 @@ class ControllerManager:
         self._switches.pump = pump
 
     @property
-    def start_gate(self) -> Callable[[], None] | None:
-        """Called before a start, in the control thread; raises when none may be."""
-        return self._lifecycle.start_gate
-
-    @start_gate.setter
-    def start_gate(self, gate: Callable[[], None] | None) -> None:
-        self._lifecycle.start_gate = gate
-
-    @property
-    def update_budget(self) -> float:
-        """Return the longest allowed update of a controller [s wall time], > 0.
-
-        Infinite until somebody sets it: cycles that are stepped take no wall time into
-        account.
-        """
-        return self.controller_update.update_budget
-
-    @update_budget.setter
-    def update_budget(self, budget: float) -> None:
-        self.controller_update.update_budget = budget
-
-    @property
     def command_violations(self) -> tuple[int, str | None]:
         """Return the number of commands written without a claim, and the last one."""
-        gate = self._lifecycle.gate
+        gate = self.lifecycle.gate
         return gate.violations, gate.last_violation
 
     @property
     def cycle(self) -> int:
         """Number of updates so far."""
         return self.controller_update.cycle
-
-    @property
-    def interrupted(self) -> tuple[str, ...]:
-        """Names of the controllers that the last interruption of the robot stopped."""
-        return self.controller_update.interrupted
-
-    def forget_interrupted(self) -> None:
-        """Note that nothing is to be started again any more."""
-        self.controller_update.interrupted = ()
 
     def update(
         self,
@@ -156,10 +128,6 @@ class ControllerManager:
             self.controller_update.resets = True
         self.controller_update.update_controllers(time, period)
 
-    def reset_next(self) -> None:
-        """Restart every running controller in the next cycle, once. Control thread."""
-        self.controller_update.resets = True
-
     def stop_all(self, time: float) -> None:
         """Stop every controller now and rest the robot; ends a pending switch.
 
@@ -168,26 +136,18 @@ class ControllerManager:
         """
         self.controller_update.stop_all(time)
 
-    def void_commands(self, reason: str) -> None:
-        """Void every set-point that has not been picked up, and every goal.
-
-        Args:
-            reason: Why, one sentence; the goals that end say it.
-        """
-        self._lifecycle.void_commands(reason)
-
     def samples(self) -> dict[str, ControllerSample]:
         """Return the last sample of each running controller, by name."""
         found = {
             one.info.name: one.controller.sample
-            for one in self._lifecycle.loaded
+            for one in self.lifecycle.loaded
             if one.controller.state is ControllerState.RUNNING
         }
         return {name: sample for name, sample in found.items() if sample is not None}
 
     def running_names(self) -> list[str]:
         """Return the names of the running controllers; takes no lock."""
-        loaded = self._lifecycle.loaded
+        loaded = self.lifecycle.loaded
         return [one.info.name for one in loaded if one.controller.is_running()]
 
     # Loading
@@ -212,34 +172,56 @@ class ControllerManager:
             ControllerLoadError: The controller cannot be made (CM-25 … CM-29),
                 or not in time, or the loading was cancelled.
         """
+        with self.announce(name, strict=strict) as loading:
+            self.finish_loading(loading, timeout)
+
+    @contextmanager
+    def announce(self, name: str, *, strict: bool = False) -> Iterator[Loading]:
+        """Hold a name as being loaded, for as long as the context lasts.
+
+        `finish_loading` loads the controller; the name is held until then, so whoever
+        changes its parameters before can put them back if that fails.
+
+        Raises:
+            ControllerExistsError: That name is loaded already (CM-22), or being loaded.
+        """
         self._refuse_control_thread("load")
         loading = Loading(name, lambda: self._factory.build(name, strict=strict))
         with self._lock:
-            self._refuse_duplicate(name)
+            is_loading = name in self._loading
+            if is_loading or self._is_loaded(name):
+                state = "is being loaded" if is_loading else "is loaded already"
+                way_out = "Unload it first" if not is_loading else "Unload it to cancel"
+                raise ControllerExistsError(
+                    f"Controller '{name}' {state}.",
+                    remedy=f"{way_out}, or choose another name.",
+                    details={"controller": name},
+                )
             self._loading[name] = loading
         try:
-            loaded = loading.load(timeout)
+            yield loading
         finally:
             with self._lock:
-                # After a cancellation another caller may be loading the same name.
+                # Once it was loaded, another caller may be loading the same name.
                 if self._loading.get(name) is loading:
                     del self._loading[name]
+
+    def finish_loading(self, loading: Loading, timeout: float = LOAD_TIMEOUT) -> None:
+        """Load the controller that was announced, as `load_controller` does."""
+        loaded = loading.load(timeout)
         # The port judges the age of set-points by the station's clock.
         if loaded.controller.set_points is not None:
             loaded.controller.set_points.clock = self._clock
         with self._lock:
-            self._refuse_duplicate(name)
-            self._lifecycle.loaded = (*self._lifecycle.loaded, loaded)
+            self.lifecycle.loaded = (*self.lifecycle.loaded, loaded)
+            del self._loading[loading.name]
 
-    def _refuse_duplicate(self, name: str) -> None:
-        is_loading = name in self._loading
-        if is_loading or any(one.info.name == name for one in self._lifecycle.loaded):
-            state = "is being loaded" if is_loading else "is loaded already"
-            raise ControllerExistsError(
-                f"Controller '{name}' {state}.",
-                remedy="Unload it first, or choose another name.",
-                details={"controller": name},
-            )
+    def is_loading(self, name: str) -> bool:
+        """Return whether a controller of that name is being loaded."""
+        return name in self._loading
+
+    def _is_loaded(self, name: str) -> bool:
+        return any(one.info.name == name for one in self.lifecycle.loaded)
 
     def unload_controller(self, name: str) -> None:
         """Unload a controller that does not run (CM-34 … CM-36).
@@ -255,9 +237,9 @@ class ControllerManager:
         self._refuse_control_thread("unload")
         with self._lock:
             if name in self._loading:
-                self._loading.pop(name).cancel()
+                self._loading[name].cancel()
                 return
-            self._unload(self._lifecycle.find(name))
+            self._unload(self.lifecycle.find(name))
 
     def list_controllers(self) -> list[ControllerStatus]:
         """Return the loaded controllers in load order (CM-81), then those loading.
@@ -279,14 +261,14 @@ class ControllerManager:
             # cannot wait for itself.
             if before % 2 == 0 or is_inside:
                 # If the count has not moved meanwhile, the statuses are of one moment.
-                found = [one.status() for one in self._lifecycle.loaded]
+                found = [one.status() for one in self.lifecycle.loaded]
                 if changes.count == before:
                     self._listed = {status.name: status for status in found}
                     return found
             now = clock.now()
             # Better a list of a moment ago than an event loop that waits.
             if now >= deadline:
-                loaded, listed = self._lifecycle.loaded, self._listed
+                loaded, listed = self.lifecycle.loaded, self._listed
                 return [listed.get(o.info.name) or o.status() for o in loaded]
             clock.sleep_until(now + _PATIENCE / 20.0)
 
@@ -296,11 +278,11 @@ class ControllerManager:
         Computing the statistics of `list_controllers` holds the interpreter too long
         for a reader that looks many times a second.
         """
-        return [one.condition() for one in self._lifecycle.loaded]
+        return [one.condition() for one in self.lifecycle.loaded]
 
     def running(self) -> list[ControllerInfo]:
         """Return the running controllers with their claims, in load order."""
-        loaded = self._lifecycle.loaded
+        loaded = self.lifecycle.loaded
         return [one.info for one in loaded if one.controller.is_running()]
 
     def is_switching(self) -> bool:
@@ -313,7 +295,7 @@ class ControllerManager:
         Raises:
             ControllerNotFoundError: None of that name is loaded.
         """
-        return self._lifecycle.find(name).controller
+        return self.lifecycle.find(name).controller
 
     def list_controller_types(self) -> list[tuple[str, str]]:
         """Return (type, base class) of everything the loaders declare (CM-86)."""
@@ -347,7 +329,7 @@ class ControllerManager:
         """
         self._refuse_control_thread("reload", waits=True)
         with self._switches.one_at_a_time(SWITCH_BOUND):
-            names = [loaded.info.name for loaded in self._lifecycle.loaded]
+            names = [loaded.info.name for loaded in self.lifecycle.loaded]
             if names and not force_kill:
                 raise ControllerStateError(
                     f"Cannot reload: {len(names)} controllers are loaded: "
@@ -362,18 +344,18 @@ class ControllerManager:
                 )
             with self._lock:
                 for name in names:
-                    self._unload(self._lifecycle.find(name))
+                    self._unload(self.lifecycle.find(name))
             self._factory.reload()
             return names
 
     def controller_statistics(self) -> list[ControllerStatistics]:
         """Return the times of all loaded controllers, in load order."""
         time = self.controller_update.time
-        return [loaded.statistics(time) for loaded in self._lifecycle.loaded]
+        return [loaded.statistics(time) for loaded in self.lifecycle.loaded]
 
     def reset_statistics(self) -> None:
         """Start the statistics of all controllers anew."""
-        for loaded in self._lifecycle.loaded:
+        for loaded in self.lifecycle.loaded:
             loaded.reset_statistics()
 
     # Switching
@@ -434,6 +416,6 @@ class ControllerManager:
                 remedy=f"Stop '{name}' first.",
                 details={"controller": name, "state": loaded.controller.state.value},
             )
-        self._lifecycle.loaded = tuple(
-            one for one in self._lifecycle.loaded if one is not loaded
+        self.lifecycle.loaded = tuple(
+            one for one in self.lifecycle.loaded if one is not loaded
         )

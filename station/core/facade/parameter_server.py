@@ -5,7 +5,7 @@ controller that is loaded already.
 """
 
 import threading
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 
 from station.core.errors import (
     ControllerExistsError,
@@ -24,7 +24,7 @@ class ParameterServer:
     Args:
         parameters: The root of the tree.
         change_lock: Held while somebody loads or unloads a controller.
-        loading: Names of the controllers that are being loaded at the moment.
+        is_loading: Returns whether a controller of a name is being loaded.
         reserved: Names at the root that cannot be changed while the station runs.
     """
 
@@ -32,12 +32,12 @@ class ParameterServer:
         self,
         parameters: Parameters,
         change_lock: threading.Lock,
-        loading: Collection[str],
+        is_loading: Callable[[str], bool],
         reserved: Collection[str] = (),
     ) -> None:
         self._tree = parameters.tree
         self._change_lock = change_lock
-        self._loading = loading
+        self._is_loading = is_loading
         self._reserved = reserved
 
     def get(self, path: str = "") -> object:
@@ -109,7 +109,7 @@ class ParameterServer:
                 remedy="Change it in the configuration and start the station again.",
                 details={"parameter": path},
             )
-        if parts[0] in self._loading:
+        if self._is_loading(parts[0]):
             raise ControllerExistsError(
                 f"Controller '{parts[0]}' is being loaded with these parameters.",
                 remedy="Wait until it is loaded, or unload it to cancel.",

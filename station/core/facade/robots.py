@@ -161,7 +161,7 @@ class Robots:
 
     def forget_interrupted(self) -> None:
         """Forget which controllers an error has stopped: no recovery restarts them."""
-        self._manager.forget_interrupted()
+        self._manager.controller_update.interrupted = ()
 
     def recover(self, name: str, *, restart: bool = False) -> tuple[str, ...]:
         """Clear a robot's errors; every command from before is void.
@@ -225,7 +225,7 @@ class Robots:
             return ()
         for robot in robots:
             self.wait_until_recovered(robot)
-        names = self._manager.interrupted if restart else ()
+        names = self._manager.controller_update.interrupted if restart else ()
         if names:
             receipt = Receipt(lambda: self._loop.cycle)
             request = SwitchRequest(names, (), zero_period=True, receipt=receipt)
@@ -234,7 +234,7 @@ class Robots:
             )
             names = self._manager.switch_controller(request).started
         if restart or all(one.remedy() is None for one in self._recoverable()):
-            self._manager.forget_interrupted()
+            self._manager.controller_update.interrupted = ()
         return names
 
     def wait_until_recovered(self, robot: RecoverableRobot) -> None:

@@ -13,7 +13,7 @@ from station.core.errors import (
 )
 from station.core.facade.input_log import InputLog
 from station.core.hardware.limits import JointLimits
-from station.core.hardware.simulated_world import SimulatedWorld
+from station.core.hardware.robot_hw import SimulatedWorld
 from station.core.loop.control_loop import ControlLoop
 from station.core.loop.pace import check_real_time_factor
 from station.reports import LoopState, Simulation

@@ -7,16 +7,15 @@ the whole thing or raises an error of `station.core.errors` and changes nothing.
 import threading
 import uuid
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 
 from station.compiled import CompilationStatus, present_status
 from station.core.control.controller import ControllerSample, ControllerState
-from station.core.control.controller_factory import ControllerType
 from station.core.control.controller_manager import ControllerManager
 from station.core.control.controller_status import ControllerStatus
 from station.core.control.loading import LOAD_TIMEOUT
 from station.core.control.switching import SwitchRequest, SwitchResult
-from station.core.control.tunables import Gains
 from station.core.description.repair import Repair
 from station.core.errors import (
     ControllerExistsError,
@@ -42,7 +41,6 @@ from station.core.loop.snapshot import Snapshot, SnapshotRing
 from station.core.loop.stop_latch import StopState
 from station.core.parameters import Parameters
 from station.reports import (
-    GainsChange,
     HardwareInterface,
     HardwareResource,
     HardwareTransmission,
@@ -206,10 +204,9 @@ class Station:
         self._robot_type = robot_type
         self._reserved = reserved
         self._change_lock = threading.Lock()
-        self._loading: set[str] = set()
         self.tuning = GainTuning(loop, manager, self._change_lock, self.inputs)
         self.parameter_server = ParameterServer(
-            parameters, self._change_lock, self._loading, reserved
+            parameters, self._change_lock, manager.is_loading, reserved
         )
 
     @property
@@ -310,14 +307,6 @@ class Station:
             return f"The last cycle is {age:.2f} s old; the loop hangs."
         return self.watchdog_failure
 
-    def loop_report(self) -> LoopReport:
-        """Return state and statistics of the loop."""
-        return self.loop.report()
-
-    def reset_loop_statistics(self) -> None:
-        """Reset the loop's statistics."""
-        self.loop.reset_statistics()
-
     def controllers(self) -> list[ControllerStatus]:
         """Return all loaded controllers in the order of loading."""
         return self.manager.list_controllers()
@@ -333,26 +322,6 @@ class Station:
                 return status
         self.manager.get_controller(name)  # raises, and says which ones are loaded
         return self.controller(name)  # it was loaded in between
-
-    def controller_types(self) -> list[ControllerType]:
-        """Return every type that can be loaded, with its parameters."""
-        return self.manager.describe_controller_types()
-
-    def reload_controller_types(self, *, force_kill: bool = False) -> list[str]:
-        """Let the next load of each type read its Python module anew.
-
-        Args:
-            force_kill: Stop and unload all controllers first.
-
-        Returns:
-            Names of the controllers that were unloaded.
-
-        Raises:
-            ControllerStateError: Controllers are loaded and `force_kill` is false.
-            SwitchRefusedError: The hardware does not let them be stopped.
-            SwitchTimeoutError: The controllers could not be stopped in time.
-        """
-        return self.manager.reload_controller_libraries(force_kill=force_kill)
 
     def load_controller(
         self,
@@ -387,37 +356,32 @@ class Station:
                 loading was cancelled; nothing stays loaded.
             ParameterError: A parameter is missing or impossible.
         """
-        with self._change_lock:
-            before = self.parameters.get(name)
-            wanted = self._wanted_parameters(name, controller_type, params, before)
-            if name in self._loading:
-                raise ControllerExistsError(
-                    f"Controller '{name}' is being loaded.",
-                    remedy="Wait until it is loaded, or unload it to cancel.",
-                    details={"controller": name},
-                )
-            if any(s.name == name for s in self.manager.list_controllers()):
-                if wanted == before:
-                    return self.controller(name)
-                raise ControllerExistsError(
-                    f"Controller '{name}' is loaded already, with other parameters.",
-                    remedy="Unload it first, or choose another name.",
-                    details={"controller": name},
-                )
-            self.parameters.set(name, wanted)
-            self._loading.add(name)
-        # Without the lock: the controller's code may take long, or hang.
-        is_loaded = False
-        try:
-            self.manager.load_controller(name, timeout, strict=strict)
-            is_loaded = True
-        finally:
+        with ExitStack() as stack:
             with self._change_lock:
-                self._loading.discard(name)
-                if is_loaded:
-                    self.tuning.begin_revision(name)
-                else:
+                before = self.parameters.get(name)
+                wanted = self._wanted_parameters(name, controller_type, params, before)
+                is_known = any(s.name == name for s in self.manager.list_controllers())
+                if is_known and not self.manager.is_loading(name):
+                    if wanted == before:
+                        return self.controller(name)
+                    raise ControllerExistsError(
+                        f"Controller '{name}' is loaded already, with other "
+                        "parameters.",
+                        remedy="Unload it first, or choose another name.",
+                        details={"controller": name},
+                    )
+                announced = self.manager.announce(name, strict=strict)
+                loading = stack.enter_context(announced)
+                self.parameters.set(name, wanted)
+            try:
+                # Without the lock: the controller's code may take long, or hang.
+                self.manager.finish_loading(loading, timeout)
+            except BaseException:
+                with self._change_lock:
                     self._restore(name, before)
+                raise
+            with self._change_lock:
+                self.tuning.begin_revision(name)
         self.inputs.note("load", name=name, params=wanted)
         return self.controller(name)
 
@@ -457,32 +421,6 @@ class Station:
             timeout=request.timeout,
         )
         return self.manager.switch_controller(replace(request, receipt=receipt))
-
-    def gains(self, name: str) -> Gains:
-        """Return the run-time parameters of a controller.
-
-        Raises:
-            ControllerNotFoundError: No controller of that name is loaded.
-        """
-        return self.tuning.gains(name)
-
-    def set_gains(
-        self, name: str, changes: Mapping[str, float], revision: int | None = None
-    ) -> GainsChange:
-        """Change run-time parameters, all of them between the same two cycles.
-
-        Args:
-            name: The controller.
-            changes: New values by name; the others stay.
-            revision: Revision the caller has read; any when None.
-
-        Raises:
-            ControllerNotFoundError: No controller of that name is loaded.
-            GainsChangedError: `revision` is not the present one.
-            InvalidGainError: A name or value is not allowed; nothing changed.
-            LoopError: The loop died or hangs.
-        """
-        return self.tuning.set_gains(name, changes, revision)
 
     def controller_sample(self, name: str) -> ControllerSample | None:
         """Return the sample of a controller's last update; None before the first.

@@ -16,6 +16,7 @@ from station.core.hardware.robot_hw import (
     InterfaceResources,
     ResourceConflict,
     RobotHW,
+    SimulatedWorld,
     SwitchState,
 )
 from station.core.hardware.robot_report import (
@@ -25,7 +26,6 @@ from station.core.hardware.robot_report import (
     MovingBaseReport,
     SceneObjectReport,
 )
-from station.core.hardware.simulated_world import SimulatedWorld
 from station.core.parameters import Parameters
 from station.reports import HardwareTransmission
 

@@ -210,7 +210,7 @@ class ControlCycle:
             reason: Why, one sentence; the goals and gripper motions that end say it.
         """
         self.epoch += 1
-        self.manager.void_commands(reason)
+        self.controllers.lifecycle.void_commands(reason)
         # They run in threads of their own and may be in the middle of a motion.
         for services in self.interruptible:
             services.interrupt(reason)
@@ -222,4 +222,4 @@ class ControlCycle:
         For a world that was put somewhere else; control thread or between cycles.
         """
         self.next_epoch("A reset put the simulated world back to its start.")
-        self.manager.reset_next()
+        self.controllers.resets = True

@@ -124,7 +124,7 @@ class ControlLoop:
         self._scheduler = ""
         manager.pump = self.step
         # A switch posted before a stop must not start anything after it.
-        manager.start_gate = self.stop_latch.check
+        manager.lifecycle.start_gate = self.stop_latch.check
 
     @property
     def time(self) -> float:
@@ -173,7 +173,7 @@ class ControlLoop:
         self.heartbeat.life = LoopLife.RUNNING
         # From here on the thread makes the cycles that a switch waits for.
         self.manager.pump = None
-        self.manager.update_budget = self._update_budget
+        self.manager.controller_update.update_budget = self._update_budget
         self._thread = threading.Thread(target=self._run, name="control", daemon=True)
         self._thread.start()
 
@@ -195,7 +195,9 @@ class ControlLoop:
             )
         self._thread = None
         self.manager.pump = self.step
-        self.manager.update_budget = inf  # steps do not follow the wall clock
+        self.manager.controller_update.update_budget = (
+            inf  # steps do not follow the wall clock
+        )
         if self._state is LoopState.RUNNING:
             self._state = LoopState.STOPPED
 

@@ -31,8 +31,12 @@ from station.core.hardware.interfaces import (
     PosVelJointInterface,
     VelocityJointInterface,
 )
-from station.core.hardware.robot_hw import ControllerInfo, RobotHW, SwitchState
-from station.core.hardware.simulated_world import SimulatedWorld
+from station.core.hardware.robot_hw import (
+    ControllerInfo,
+    RobotHW,
+    SimulatedWorld,
+    SwitchState,
+)
 from station.core.parameters import Parameters
 from station.hw.mock.mock_world import IDLE, MockJoints, MockWorld
 

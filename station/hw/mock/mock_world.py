@@ -12,7 +12,7 @@ from station.core.hardware.interfaces import (
     PosVelJointInterface,
     VelocityJointInterface,
 )
-from station.core.hardware.simulated_world import SimulatedWorld
+from station.core.hardware.robot_hw import SimulatedWorld
 
 POSITION_MODES = frozenset({
     PositionJointInterface.type_name,

@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Literal
 
 import mujoco
 
-from station.core.description.urdf import JointType, Pose, Urdf, multiply
-from station.core.description.wheels import wheel_radius
+from station.core.description.urdf import JointType, Pose, Urdf, multiply, wheel_radius
 from station.core.errors import RobotDescriptionError
 from station.core.hardware.robot_report import MovingBaseReport
 

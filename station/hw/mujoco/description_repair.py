@@ -22,7 +22,7 @@ from station.core.hardware.transmissions.hardware_interface_kind import (
 )
 from station.core.hardware.transmissions.transmission_loader import load_transmission
 from station.hw.mujoco.bases import BaseType
-from station.hw.mujoco.inertia_repair import repair_inertias
+from station.hw.mujoco.inertia import repair_inertias
 from station.hw.mujoco.robot_transmissions import driven_joints, with_package
 from station.hw.urdf_loader import load_urdf
 

@@ -6,7 +6,6 @@ from dataclasses import replace
 from math import inf
 
 from station.core.description.urdf import Joint
-from station.core.description.urdf_parser import parse_urdf
 from station.core.errors import ParameterError
 from station.core.hardware.interfaces import JointHandle
 from station.core.hardware.limits import (
@@ -43,7 +42,7 @@ class JointCommandLimits:
     velocity limit of 0 in the URDF means that the joint has no velocity limit.
 
     Args:
-        xml: The URDF.
+        joints: The joints of the URDF.
         params: The namespace that has `joint_limits`.
         mode: Kind of the handles that enforce the limits.
 
@@ -53,14 +52,15 @@ class JointCommandLimits:
     Raises:
         ParameterError: An entry of `joint_limits` in the robot's own parameters limits
             nothing. Those at the root may be of files written for ROS: the log tells.
-        RobotDescriptionError: The URDF cannot be read.
 
     Source: gazebo_ros_control@2.9.2 default_robot_hw_sim.cpp, registerJointLimits;
     differs: one handle per kind of command, of which those in use act.
     """
 
-    def __init__(self, xml: str, params: Parameters, mode: LimitMode) -> None:
-        self._joints = parse_urdf(xml).joints
+    def __init__(
+        self, joints: Mapping[str, Joint], params: Parameters, mode: LimitMode
+    ) -> None:
+        self._joints = joints
         _tell_limits_without_effect(params, self._joints)
         self._params = params
         self._mode = mode

@@ -64,6 +64,7 @@ from station.hw.mujoco.simulated_pid import read_simulated_pids
 from station.hw.mujoco.world import World
 from station.hw.mujoco.world_joints import UnpoweredJoints
 from station.hw.mujoco.world_step import CalledPreparation
+from station.hw.urdf_loader import load_urdf
 from station.memory.doubles import put
 from station.reports import HardwareTransmission
 
@@ -158,7 +159,7 @@ class MujocoRobotHW(RobotHW):
             [*joints_of_base(parameters.base_type), *_others(urdf, self._names)],
             interface_of(self, JointStateInterface),
         )
-        self._add_limits(description.xml, urdf, limited, parameters.limit_mode)
+        self._add_limits(description, urdf, limited, parameters.limit_mode)
         model, data = self.world.model, self.world.data
         self._sensors = WorldSensors(model, data, parameters.sensors)
         for interface in self._sensors.interfaces():
@@ -359,9 +360,11 @@ class MujocoRobotHW(RobotHW):
         self._motors.connect(info, loader.loaded[-1].transmission)
 
     def _add_limits(
-        self, xml: str, urdf: Urdf, params: Parameters, mode: LimitMode
+        self, description: RobotFiles, urdf: Urdf, params: Parameters, mode: LimitMode
     ) -> None:
-        self._limits = JointCommandLimits(xml, params, mode)
+        # As described: `urdf` has effort limits of the parameters already.
+        described = load_urdf(description).joints
+        self._limits = JointCommandLimits(described, params, mode)
         commands: dict[str, dict[str, JointHandle]] = {n: {} for n in self._names}
         for quantity, interface in COMMAND_INTERFACES.items():
             # Not by `get_handle`: that would claim the joints.

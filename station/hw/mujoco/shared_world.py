@@ -8,12 +8,12 @@ import mujoco
 import numpy as np
 from typing_extensions import override
 
+from station.core.hardware.robot_hw import SimulatedWorld
 from station.core.hardware.robot_report import (
     ContactReport,
     MovingBaseReport,
     SceneObjectReport,
 )
-from station.core.hardware.simulated_world import SimulatedWorld
 from station.hw.mujoco.bases import moving_bases
 from station.hw.mujoco.world import World
 

@@ -9,7 +9,7 @@ from starlette.exceptions import HTTPException
 from starlette.responses import PlainTextResponse
 from starlette.websockets import WebSocketClose
 
-from station.web.body_limit import announces_more_than, limited
+from station.web.limited_server import announces_more_than, limited
 from station.wire.protocol import MAX_BODY_BYTES as MAX_API_BODY_BYTES, PREFIX
 
 if TYPE_CHECKING:

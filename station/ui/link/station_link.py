@@ -21,8 +21,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from station.client import ApiError, AsyncStationClient
-from station.ui.link.arm_facts import ARM_FIELDS, arm_facts
-from station.ui.link.station_view import StationView, moves_hand
+from station.ui.link.station_view import ARM_FIELDS, StationView, arm_facts, moves_hand
 from station.wire import (
     CommandElement,
     Contact,

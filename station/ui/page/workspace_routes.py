@@ -12,7 +12,7 @@ from pydantic import JsonValue, ValidationError
 from starlette.responses import JSONResponse, Response
 from starlette.routing import WebSocketRoute
 
-from station.core.config_error import ConfigError
+from station.core.errors import ConfigError
 from station.core.yaml_reader import FORM, parse_yaml
 from station.ui.link.station_view import StationView
 from station.ui.page.control_routes import ControlRoutes

@@ -27,7 +27,7 @@ def test_who_holds_control_changes_and_the_event_says_who(
             while not isinstance(answer := one.recv(timeout=5.0), bytes):
                 assert json.loads(answer)["op"] != "serviceCallFailure"
 
-    assert station.gains("arm").values == {"k": 3.0}
+    assert station.tuning.gains("arm").values == {"k": 3.0}
     assert running(station) == []
     events = app.state.services.event_recorder.log.recent(0)
     found = {e.what: e for e in events if e.kind is EventKind.REQUEST}

@@ -95,7 +95,7 @@ def test_nobody_changes_anything_who_may_not(
 
     assert WHY[intruder] in refused
     assert running(station) == ["arm"]
-    assert station.gains("arm").values == {"k": 2.0}
+    assert station.tuning.gains("arm").values == {"k": 2.0}
 
 
 def test_a_rebound_host_does_not_get_in(serve, station):

@@ -81,7 +81,7 @@ def test_parameters_are_the_gains(client, station):
     (answer,) = set_gains(client, k=3.5)
 
     assert answer["parameters"][0]["value"] == 3.5
-    assert station.gains("arm").values == {"k": 3.5}
+    assert station.tuning.gains("arm").values == {"k": 3.5}
 
 
 def test_a_refused_parameter_is_told_and_the_good_ones_are_set(client, station):
@@ -97,7 +97,7 @@ def test_a_refused_parameter_is_told_and_the_good_ones_are_set(client, station):
     assert "There is no gain 'leg/k2'." in told[1]
     assert "99" in told[2]
     assert {one["name"]: one["value"] for one in answer} == {"arm/k": 2.0, "leg/k": 5.0}
-    assert station.gains("leg").values == {"k": 5.0}
+    assert station.tuning.gains("leg").values == {"k": 5.0}
 
 
 def test_a_gain_that_somebody_else_changes_is_sent_to_who_subscribed(client, station):
@@ -105,7 +105,7 @@ def test_a_gain_that_somebody_else_changes_is_sent_to_who_subscribed(client, sta
     client.send(json.dumps(asked))
     client.send(json.dumps({"op": "getParameters", "parameterNames": [], "id": "a"}))
     until(client, "parameterValues")
-    station.set_gains("arm", {"k": 4.0})
+    station.tuning.set_gains("arm", {"k": 4.0})
 
     (found,) = until(client, "parameterValues")["parameters"]
     assert (found["name"], found["value"]) == ("arm/k", 4.0)

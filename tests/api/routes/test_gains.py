@@ -33,7 +33,7 @@ def test_a_change_answers_values_before_and_after(spring, station):
 
     assert change.previous == {"k": 2.0}
     assert change.values == {"k": 3.0}
-    assert station.gains("spring").values == {"k": 3.0}
+    assert station.tuning.gains("spring").values == {"k": 3.0}
 
 
 def test_the_etag_lets_the_first_of_two_editors_win(spring, station):
@@ -44,7 +44,7 @@ def test_the_etag_lets_the_first_of_two_editors_win(spring, station):
         spring.set_gains("spring", {"k": 4.0}, etag)
 
     assert (caught.value.status, caught.value.code) == (412, "gains_changed")
-    assert station.gains("spring").values == {"k": 3.0}
+    assert station.tuning.gains("spring").values == {"k": 3.0}
     assert spring.set_gains("spring", {"k": 4.0}, spring.gains("spring").etag)
 
 
@@ -65,7 +65,7 @@ def test_an_etag_of_something_else_is_refused(spring, station, tag):
         spring.set_gains("spring", {"k": 3.0}, tag.format(etag=etag))
 
     assert caught.value.status == 412
-    assert station.gains("spring").values == {"k": 2.0}
+    assert station.tuning.gains("spring").values == {"k": 2.0}
 
 
 @pytest.mark.parametrize(
@@ -97,7 +97,7 @@ def test_gains_with_one_bad_value_change_nothing(operator, station, values, code
 
     problem = problem_of(answer, 422, code)
     assert problem["errors"][0]["field"]
-    assert station.gains("spring").values == {"k": 2.0}
+    assert station.tuning.gains("spring").values == {"k": 2.0}
 
 
 def test_gains_of_an_unknown_controller(spring):

@@ -22,7 +22,7 @@ def test_a_controller_is_loaded_with_what_was_set(client, station):
 
     client.load_controller("spring")
 
-    assert station.gains("spring").values == {"k": 4.0}
+    assert station.tuning.gains("spring").values == {"k": 4.0}
 
 
 def test_an_unknown_parameter_is_404(client):

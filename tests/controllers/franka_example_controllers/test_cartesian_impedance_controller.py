@@ -47,7 +47,7 @@ def test_arm_follows_the_equilibrium_pose(station):
 
 
 def test_stiffness_is_a_gain(station):
-    change = station.set_gains("example", {"translational_stiffness": 300.0})
+    change = station.tuning.set_gains("example", {"translational_stiffness": 300.0})
 
     assert change.values["translational_stiffness"] == 300.0
     assert change.values["rotational_stiffness"] == 10.0

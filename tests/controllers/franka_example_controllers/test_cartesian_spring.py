@@ -33,7 +33,7 @@ def test_torques_follow_the_formula_when_the_spring_is_deflected():
     rest = np.array(Arms(station.robots).state("panda").q)
     pose = Arms(station.robots).state("panda").O_T_EE
     station.loop.step(5)
-    station.set_gains("example", {"nullspace_stiffness": 20.0})
+    station.tuning.set_gains("example", {"nullspace_stiffness": 20.0})
     Arms(station.robots).apply_force(
         "panda", "panda_hand", [5.0, 4.0, 0], [0, 0.5, 0], 10
     )

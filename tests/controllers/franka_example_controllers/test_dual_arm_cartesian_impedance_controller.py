@@ -77,7 +77,7 @@ def test_relative_pose_is_kept_while_the_centering_frame_moves(station):
 @pytest.mark.slow
 def test_torques_follow_the_formula(station):
     start = {arm: Arms(station.robots).state(arm) for arm in "lr"}
-    station.set_gains("example", {"right_nullspace_stiffness": 20.0})
+    station.tuning.set_gains("example", {"right_nullspace_stiffness": 20.0})
     Arms(station.robots).apply_force("r", "r_hand", [3.0, 4.0, 0], [0, 0.5, 0], 10)
     station.loop.step(2_500)
 
@@ -97,11 +97,11 @@ def test_torques_follow_the_formula(station):
 
 
 def test_stiffnesses_of_both_arms_are_gains(station):
-    schema = station.gains("example").schema
+    schema = station.tuning.gains("example").schema
 
     assert schema["left_translational_stiffness"].maximum == 400.0
     assert schema["right_rotational_stiffness"].unit == "Nm/rad"
-    assert station.gains("example").values["left_nullspace_stiffness"] == 0.0
+    assert station.tuning.gains("example").values["left_nullspace_stiffness"] == 0.0
 
 
 def test_arms_that_are_not_described_together_are_refused(station):

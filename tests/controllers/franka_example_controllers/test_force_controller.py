@@ -41,7 +41,7 @@ def test_table_carries_the_weight(k_p, k_i):
     station = start_example("Force", objects=[TABLE])
     # What the table carries at the start is no part of what the integrator sees.
     unseen = force_on_table(station)[2] if k_i else 0.0
-    station.set_gains("example", {"desired_mass": 1.0, "k_p": k_p, "k_i": k_i})
+    station.tuning.set_gains("example", {"desired_mass": 1.0, "k_p": k_p, "k_i": k_i})
     run_without_errors(station, 8.0)
 
     pressed = force_on_table(station)
@@ -60,7 +60,7 @@ def test_torques_follow_the_formula():
     bias = np.subtract(
         state.tau_J, Arms(station.robots).model("panda", Frame.FLANGE).gravity
     )
-    station.set_gains("example", gains)
+    station.tuning.set_gains("example", gains)
     present, integral = dict.fromkeys(gains, 0.0), np.zeros(7)
     for _ in range(200):
         station.loop.step()
@@ -84,5 +84,5 @@ def test_start_presses_with_nothing():
     station.loop.step(100)
 
     assert Arms(station.robots).state("panda").q == pytest.approx(before, abs=1e-4)
-    assert station.gains("example").values["desired_mass"] == 0.0
-    assert station.gains("example").schema["desired_mass"].maximum == 2.0
+    assert station.tuning.gains("example").values["desired_mass"] == 0.0
+    assert station.tuning.gains("example").schema["desired_mass"].maximum == 2.0

@@ -370,7 +370,7 @@ def test_a_closed_gate_keeps_the_fallback_from_starting(bench):
     def closed():
         raise StoppedError("stopped")
 
-    bench.manager.start_gate = closed
+    bench.manager.lifecycle.start_gate = closed
 
     bench.step()
 

@@ -123,7 +123,7 @@ def test_a_closed_gate_refuses_to_start_and_lets_stop(bench):
     def closed():
         raise StoppedError("stopped")
 
-    bench.manager.start_gate = closed
+    bench.manager.lifecycle.start_gate = closed
 
     assert bench.switch(stop=["arm"]).ok
     with pytest.raises(StoppedError):
@@ -197,7 +197,7 @@ def test_voided_commands_are_not_picked_up(bench):
     arm.set_points = SetPointPort([SetPointElement("j1", "Nm")])
     arm.set_points.post([1.0])
 
-    bench.manager.void_commands("A reset.")
+    bench.manager.lifecycle.void_commands("A reset.")
 
     assert arm.set_points.take() is None
 
@@ -243,7 +243,7 @@ def test_a_controller_that_keeps_taking_too_long_is_stopped_alone(bench, stopwat
     bench.load("slow", "j1", fallback=["hold"])
     bench.load("hold", "j1")
     bench.switch(["slow"])
-    bench.manager.update_budget = 0.001
+    bench.manager.controller_update.update_budget = 0.001
     stopwatch.duration = 0.002
 
     bench.step(99)
@@ -259,7 +259,7 @@ def test_a_controller_that_keeps_taking_too_long_is_stopped_alone(bench, stopwat
 def test_a_controller_that_is_late_now_and_then_goes_on(bench, stopwatch):
     bench.load("arm", "j1")
     bench.switch(["arm"])
-    bench.manager.update_budget = 0.001
+    bench.manager.controller_update.update_budget = 0.001
     for cycle in range(500):
         stopwatch.duration = 0.0 if cycle % 50 == 0 else 0.002
         bench.step()
@@ -278,7 +278,7 @@ def _stall(bench, stopwatch):
 def test_two_updates_of_a_quarter_of_a_second_are_enough(bench, stopwatch):
     bench.load("arm", "j1")
     bench.switch(["arm"])
-    bench.manager.update_budget = 0.001
+    bench.manager.controller_update.update_budget = 0.001
 
     _stall(bench, stopwatch)
     assert bench.state("arm") == "running"
@@ -291,7 +291,7 @@ def test_two_updates_of_a_quarter_of_a_second_are_enough(bench, stopwatch):
 def test_a_machine_that_stalls_now_and_then_stops_no_controller(bench, stopwatch):
     bench.load("arm", "j1")
     bench.switch(["arm"])
-    bench.manager.update_budget = 0.001
+    bench.manager.controller_update.update_budget = 0.001
     for _ in range(3):
         _stall(bench, stopwatch)
         bench.step(11_000)

@@ -5,7 +5,6 @@ import threading
 import pytest
 
 from station.core.control.controller_loader import TableLoader
-from station.core.control.loading import Loading
 from station.core.errors import (
     ControllerExistsError,
     ControllerLoadError,
@@ -115,35 +114,18 @@ def test_what_a_given_up_init_returns_later_is_thrown_away(bench, slow):
     assert names(bench) == {"slow": "initialized"}
 
 
-def test_a_cancelled_loading_leaves_the_next_one_of_its_name_alone(bench, monkeypatch):
-    entered = [threading.Event(), threading.Event()]
-    go_on = [threading.Event(), threading.Event()]
-    numbers = iter(range(2))
+def test_a_loading_that_ends_leaves_the_next_one_of_its_name_alone(bench):
+    bench.load("arm", "j1")
+    bench.manager.unload_controller("arm")
+    first = bench.manager.announce("arm")
+    bench.manager.finish_loading(first.__enter__())
+    bench.manager.unload_controller("arm")
 
-    def wait_and_fail(*_):
-        number = next(numbers)
-        entered[number].set()
-        assert go_on[number].wait(PATIENCE)
-        raise ControllerLoadError(f"Loading {number} ends.")
+    with bench.manager.announce("arm"):
+        first.__exit__(None, None, None)
 
-    def load():
-        with pytest.raises(ControllerLoadError):
-            bench.manager.load_controller("slow")
-
-    monkeypatch.setattr(Loading, "load", wait_and_fail)
-    threads = [threading.Thread(target=load) for _ in range(2)]
-    threads[0].start()
-    assert entered[0].wait(PATIENCE)
-    bench.manager.unload_controller("slow")
-    threads[1].start()
-    assert entered[1].wait(PATIENCE)
-
-    go_on[0].set()
-    threads[0].join(PATIENCE)
-
-    assert names(bench) == {"slow": "loading"}
-    go_on[1].set()
-    threads[1].join(PATIENCE)
+        assert names(bench) == {"arm": "loading"}
+    assert names(bench) == {}
 
 
 def test_a_hanging_init_ends_at_its_deadline(bench):

@@ -2,8 +2,8 @@
 
 import pytest
 
+from station.core.description.urdf import wheel_radius, wheel_separation
 from station.core.description.urdf_parser import parse_urdf
-from station.core.description.wheels import wheel_radius, wheel_separation
 from station.core.errors import RobotDescriptionError
 
 WHEEL = """<link name="{0}_link"><collision><geometry>{2}</geometry></collision></link>

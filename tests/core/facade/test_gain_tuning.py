@@ -31,7 +31,7 @@ def test_several_controllers_change_in_one_cycle(station):
     assert stiffness(station) == {"one": 3.0, "two": 4.0}
     assert changes["one"].cycle == changes["two"].cycle == station.loop.cycle
     assert changes["one"].previous == {"k": 2.0}
-    assert station.gains("one").revision == changes["one"].revision
+    assert station.tuning.gains("one").revision == changes["one"].revision
 
 
 @pytest.mark.parametrize(
@@ -52,7 +52,7 @@ def test_one_impossible_value_leaves_all_as_they_were(station, changes, error):
 
 
 def test_changes_are_taken_back_one_after_the_other(station):
-    station.set_gains("one", {"k": 3.0})
+    station.tuning.set_gains("one", {"k": 3.0})
     station.tuning.set_many({"one": {"k": 4.0}, "two": {"k": 5.0}})
 
     assert station.tuning.undo()["two"].values == {"k": 2.0}
@@ -64,8 +64,8 @@ def test_changes_are_taken_back_one_after_the_other(station):
 
 
 def test_a_change_of_a_controller_that_was_loaded_anew_is_dropped(station):
-    station.set_gains("two", {"k": 5.0})
-    station.set_gains("one", {"k": 3.0})
+    station.tuning.set_gains("two", {"k": 5.0})
+    station.tuning.set_gains("one", {"k": 3.0})
     station.unload_controller("one")
     station.load_controller("one", "test/Spring", {"joint": "j", "k": 7.0})
 
@@ -77,7 +77,7 @@ def test_a_change_of_a_controller_that_was_loaded_anew_is_dropped(station):
 
 def test_only_the_latest_changes_are_remembered(station):
     for number in range(HISTORY + 5):
-        station.set_gains("one", {"k": number / 1000.0})
+        station.tuning.set_gains("one", {"k": number / 1000.0})
     for _ in range(HISTORY):
         station.tuning.undo()
     with pytest.raises(NothingToUndoError):
@@ -94,8 +94,8 @@ def test_a_gain_without_effect_is_told_with_the_change_and_the_controller():
     assert station.controller("pid").notes == ()
 
     bounds = {"j1/i_clamp_max": 0.0, "j1/i_clamp_min": 0.0}
-    (note,) = station.set_gains("pid", bounds).notes
+    (note,) = station.tuning.set_gains("pid", bounds).notes
 
     assert "'j1/i' is 5 and has no effect" in note
     assert station.controller("pid").notes == (note,)
-    assert station.set_gains("pid", {"j1/i": 0.0}).notes == ()
+    assert station.tuning.set_gains("pid", {"j1/i": 0.0}).notes == ()

@@ -17,7 +17,7 @@ def test_inputs_are_noted_with_the_last_cycle_before_them():
     station.switch_controllers(SwitchRequest(start=["arm"]))
     station.loop.step()
     station.motion.set_command("arm", [0.5])
-    station.set_gains("arm", {"k": 3.0})
+    station.tuning.set_gains("arm", {"k": 3.0})
     station.loop.step(2)
     station.stop("why")
     station.release_stop(arm=False)

@@ -1,5 +1,7 @@
 """The tree of parameters, read and changed while the station runs."""
 
+import threading
+
 import pytest
 
 from station.core.errors import (
@@ -66,7 +68,7 @@ def test_a_namespace_is_deleted_whole(server):
 def test_the_root_and_the_robot_are_not_changed(path):
     station = make_station()
     server = type(station.parameter_server)(
-        station.parameters, station._change_lock, (), {"robot"}
+        station.parameters, threading.Lock(), lambda _: False, {"robot"}
     )
 
     with pytest.raises(ParameterError, match="while the station runs"):
@@ -76,7 +78,6 @@ def test_the_root_and_the_robot_are_not_changed(path):
 
 
 def test_parameters_that_are_being_read_are_not_changed(station, server):
-    station._loading.add("slow")
-
-    with pytest.raises(ControllerExistsError, match="being loaded"):
+    announced = station.manager.announce("slow")
+    with announced, pytest.raises(ControllerExistsError, match="being loaded"):
         server.set("slow/p", 1)

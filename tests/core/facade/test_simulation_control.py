@@ -57,10 +57,10 @@ def test_time_stands_still_while_paused_and_goes_on_without_a_leap(station):
     assert station.ready() is None
 
     station.simulation.change(paused=False)
-    skipped = station.loop_report().skipped
+    skipped = station.loop.report().skipped
     _let_the_wall_clock_run(station, 0.01)
     assert station.loop.time > time
-    assert station.loop_report().skipped == skipped
+    assert station.loop.report().skipped == skipped
 
 
 def test_a_step_is_exactly_so_many_cycles(station):
@@ -122,7 +122,7 @@ def test_the_pace_can_be_changed(station):
     report = station.simulation.change(real_time_factor=0.5)
 
     assert report.real_time_factor == 0.5
-    assert station.loop_report().rate == pytest.approx(500.0)
+    assert station.loop.report().rate == pytest.approx(500.0)
 
 
 @pytest.mark.parametrize(

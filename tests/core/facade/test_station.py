@@ -117,7 +117,7 @@ def test_loading_something_else_under_a_used_name_is_refused(station):
     station.load_controller("spring", "test/Spring", {"joint": "j"})
     with pytest.raises(ControllerExistsError, match="'spring'"):
         station.load_controller("spring", "test/Spring", {"joint": "j", "k": 3.0})
-    assert station.gains("spring").values == {"k": 1.0}
+    assert station.tuning.gains("spring").values == {"k": 1.0}
 
 
 def test_a_failed_load_leaves_the_parameters_as_they_were(station):
@@ -178,32 +178,32 @@ def test_a_set_point_of_an_older_epoch_is_void(running):
 
 
 def test_unknown_controllers_are_named(station):
-    for call in (station.gains, station.controller, station.motion.set_point):
+    for call in (station.tuning.gains, station.controller, station.motion.set_point):
         with pytest.raises(ControllerNotFoundError, match="nobody"):
             call("nobody")
 
 
 def test_gains_change_as_a_whole_and_count_revisions(running):
-    before = running.gains("spring")
-    change = running.set_gains("spring", {"k": 4.0}, before.revision)
+    before = running.tuning.gains("spring")
+    change = running.tuning.set_gains("spring", {"k": 4.0}, before.revision)
     assert change.previous == {"k": 2.0}
-    assert running.gains("spring").values == {"k": 4.0}
-    assert running.gains("spring").revision == change.revision > before.revision
+    assert running.tuning.gains("spring").values == {"k": 4.0}
+    assert running.tuning.gains("spring").revision == change.revision > before.revision
 
 
 def test_gains_read_before_somebody_elses_change_are_refused(running):
-    revision = running.gains("spring").revision
-    running.set_gains("spring", {"k": 4.0})
+    revision = running.tuning.gains("spring").revision
+    running.tuning.set_gains("spring", {"k": 4.0})
     with pytest.raises(GainsChangedError):
-        running.set_gains("spring", {"k": 5.0}, revision)
-    assert running.gains("spring").values == {"k": 4.0}
+        running.tuning.set_gains("spring", {"k": 5.0}, revision)
+    assert running.tuning.gains("spring").values == {"k": 4.0}
 
 
 @pytest.mark.parametrize("value", [float("nan"), -1.0, 11.0, float("inf"), True])
 def test_an_impossible_gain_is_refused_and_changes_nothing(running, value):
     with pytest.raises(InvalidGainError, match="'k'"):
-        running.set_gains("spring", {"k": value})
-    assert running.gains("spring").values == {"k": 2.0}
+        running.tuning.set_gains("spring", {"k": value})
+    assert running.tuning.gains("spring").values == {"k": 2.0}
 
 
 def test_a_stop_stops_the_controllers_and_refuses_motion(running):
@@ -256,10 +256,10 @@ def _die(station):
     "ask",
     [
         lambda station: station.motion.set_command("spring", [0.5]),
-        lambda station: station.set_gains("spring", {"k": 1.0}),
+        lambda station: station.tuning.set_gains("spring", {"k": 1.0}),
         lambda station: station.switch_controllers(SwitchRequest(start=("spring",))),
         lambda station: station.switch_controllers(SwitchRequest(stop=("spring",))),
-        lambda station: station.reset_loop_statistics(),
+        lambda station: station.loop.reset_statistics(),
     ],
 )
 def test_a_dead_loop_refuses_everything_that_needs_it_and_says_why(running, ask):

@@ -4,7 +4,7 @@ from math import inf
 
 import pytest
 
-from station.core.hardware.simulated_world import SimulatedWorld
+from station.core.hardware.robot_hw import SimulatedWorld
 
 
 class Clockwork(SimulatedWorld):

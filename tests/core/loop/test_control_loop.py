@@ -8,7 +8,7 @@ import pytest
 
 from station.core.clock import ManualClock, SystemClock
 from station.core.errors import LoopError, StoppedError
-from station.core.hardware.simulated_world import SimulatedWorld
+from station.core.hardware.robot_hw import SimulatedWorld
 from station.core.loop.stop_latch import StopState
 from station.reports import LoopState
 from tests.core.loop.one_joint import PERIOD, OneJoint, make_loop, run_thread
@@ -169,7 +169,7 @@ def test_a_loop_that_dies_carries_a_stop_out_and_lists_nothing_as_running():
 def test_a_switch_that_comes_after_a_stop_starts_nothing():
     loop = make_loop(OneJoint())
     loop.stop_latch.engage("test")
-    gate = loop.manager.start_gate
+    gate = loop.manager.lifecycle.start_gate
     assert gate is not None
     with pytest.raises(StoppedError):
         gate()
@@ -179,12 +179,12 @@ def test_a_switch_that_comes_after_a_stop_starts_nothing():
 def test_updates_have_a_budget_of_wall_time_while_the_thread_runs(given, budget):
     hw = OneJoint()
     loop = make_loop(hw, update_budget=given)
-    assert loop.manager.update_budget == inf
+    assert loop.manager.controller_update.update_budget == inf
     loop.start()
-    while_running = loop.manager.update_budget
+    while_running = loop.manager.controller_update.update_budget
     loop.stop()
     assert while_running == budget
-    assert loop.manager.update_budget == inf
+    assert loop.manager.controller_update.update_budget == inf
 
 
 def test_step_is_refused_while_the_thread_runs():

@@ -3,7 +3,7 @@
 import pytest
 
 from station.core.description.urdf_parser import parse_urdf
-from station.hw.mujoco.inertia_repair import repair_inertias
+from station.hw.mujoco.inertia import repair_inertias
 
 INERTIAL = (
     '<inertial><origin xyz="{x} 0 0"/><mass value="1"/>'

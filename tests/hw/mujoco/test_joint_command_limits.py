@@ -4,6 +4,7 @@ from math import inf
 
 import pytest
 
+from station.core.description.urdf_parser import parse_urdf
 from station.core.hardware.interfaces import JointHandle, JointStateHandle
 from station.core.hardware.limits import JointLimitsError, LimitMode
 from station.core.parameters import Parameters, ParameterTree
@@ -28,7 +29,7 @@ class Bench:
         )
         values = {"joint_limits": {"j": entry}} if entry else {}
         params = Parameters(ParameterTree(values))
-        self.limits = JointCommandLimits(xml, params, mode)
+        self.limits = JointCommandLimits(parse_urdf(xml).joints, params, mode)
         self.position, self.velocity = [0.0], [0.0]
         state = JointStateHandle("j", self.position, self.velocity, [0.0])
         self.commands = {q: [0.0] for q in ("position", "velocity", "effort")}

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from station.core.description.urdf import Pose
-from station.ui.link.arm_facts import arm_facts, pose_of
+from station.ui.link.station_view import arm_facts, pose_of
 
 TURN = math.sqrt(0.5)
 IDENTITY = [1.0, 0, 0, 0, 0, 1.0, 0, 0, 0, 0, 1.0, 0, 0, 0, 0, 1.0]

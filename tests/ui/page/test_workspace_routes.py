@@ -9,7 +9,7 @@ from starlette.applications import Starlette
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from station.core.config_error import ConfigError
+from station.core.errors import ConfigError
 from station.ui.page import workspace_routes
 from station.ui.page.workspace_routes import WorkspaceParts, WorkspaceRoutes
 from station.ui.sessions.sessions import Role, Sessions

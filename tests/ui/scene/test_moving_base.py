@@ -6,8 +6,7 @@ import pytest
 
 from station.core.description.urdf import multiply
 from station.ui.scene.joint_frames import link_poses
-from station.ui.scene.moving_base import base_positions
-from station.ui.scene.robot_model import load_robot
+from station.ui.scene.robot_model import base_positions, load_robot
 from station.wire import MovingBase
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.ui.teleoperation.slider_scale import SliderScale, command_scale, gain_scale
+from station.ui.teleoperation.viser_panel import SliderScale, command_scale, gain_scale
 
 
 def test_a_command_slider_stays_inside_the_limits():

@@ -2,6 +2,9 @@ cdef long _BIT
 cdef double _POSITION, _VELOCITY, _ACCELERATION, _EFFORT, _SOFT_POSITION, _INFINITY
 
 
+cdef double approach(double distance, double gain, double speed) noexcept
+
+
 cdef class LimitedJoints:
     cdef double[::1] position, velocity, command
     cdef double[::1] min_position, max_position, max_velocity, max_acceleration

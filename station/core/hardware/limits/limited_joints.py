@@ -148,6 +148,22 @@ def free_range(
     return soft_min + way, soft_max - way
 
 
+def approach(distance: float, gain: float, speed: float) -> float:
+    """Return the velocity towards an end of a range, `clip(-gain*distance, -v, v)`.
+
+    Args:
+        distance: Of the joint from that end [rad or m].
+        gain: Velocity per distance [1/s].
+        speed: Largest velocity [rad/s or m/s]; NaN if there is none.
+    """
+    velocity = -gain * distance
+    if velocity < -speed:
+        velocity = -speed
+    if speed < velocity:
+        velocity = speed
+    return velocity
+
+
 class EffortSaturation(LimitedJoints):
     """Effort commands clipped to the hard limits."""
 
@@ -220,17 +236,9 @@ class EffortSoftLimits(SoftLimitedJoints):
             low_velocity = -speed
             bound = soft_min[i]
             if bound == bound:  # not NaN: the joint has a range
-                gain = -k_position[i]
-                low_velocity = gain * (p - bound)
-                if low_velocity < -speed:
-                    low_velocity = -speed
-                if speed < low_velocity:
-                    low_velocity = speed
-                high_velocity = gain * (p - soft_max[i])
-                if high_velocity < -speed:
-                    high_velocity = -speed
-                if speed < high_velocity:
-                    high_velocity = speed
+                gain = k_position[i]
+                low_velocity = approach(p - bound, gain, speed)
+                high_velocity = approach(p - soft_max[i], gain, speed)
             low = damping * (v - low_velocity)
             if low < -effort:
                 low = -effort
@@ -318,18 +326,10 @@ class VelocitySoftLimits(LimitedJoints):
             range_high = speed
             bound = soft_min[i]
             if bound == bound:  # not NaN: the joint has a range
-                gain = -k_position[i]
+                gain = k_position[i]
                 p = position[i]
-                range_low = gain * (p - bound)
-                if range_low < -speed:
-                    range_low = -speed
-                if speed < range_low:
-                    range_low = speed
-                range_high = gain * (p - soft_max[i])
-                if range_high < -speed:
-                    range_high = -speed
-                if speed < range_high:
-                    range_high = speed
+                range_low = approach(p - bound, gain, speed)
+                range_high = approach(p - soft_max[i], gain, speed)
             low = range_low
             high = range_high
             acceleration = max_acceleration[i]
@@ -434,17 +434,9 @@ class PositionSoftLimits(SoftLimitedJoints):
             high_velocity = speed
             bound = soft_min[i]
             if bound == bound:  # not NaN: the joint has a range
-                gain = -k_position[i]
-                low_velocity = gain * (before - bound)
-                if low_velocity < -speed:
-                    low_velocity = -speed
-                if speed < low_velocity:
-                    low_velocity = speed
-                high_velocity = gain * (before - soft_max[i])
-                if high_velocity < -speed:
-                    high_velocity = -speed
-                if speed < high_velocity:
-                    high_velocity = speed
+                gain = k_position[i]
+                low_velocity = approach(before - bound, gain, speed)
+                high_velocity = approach(before - soft_max[i], gain, speed)
             low = before + low_velocity * period
             if low < min_position[i]:
                 low = min_position[i]

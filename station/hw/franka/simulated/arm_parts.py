@@ -5,11 +5,13 @@ from collections.abc import Sequence
 from station.core.franka.franka_robot_state import RobotState
 from station.core.franka.joint_memory import JointMemory
 from station.hw.franka.arm.arm_limits import ArmLimits
-from station.hw.franka.arm.franka_kinematics import CHAIN
+from station.hw.franka.arm.franka_kinematics import (
+    CHAIN,
+    compose,
+)
+from station.hw.franka.arm.load import Load, combine_loads
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
-from station.hw.franka.simulated.arm_frames import MAX_EXTENSION, ArmFrames
 from station.hw.franka.simulated.arm_motors import ArmMotors
-from station.hw.franka.simulated.arm_sensors import ArmSensors
 from station.hw.franka.simulated.arm_step import ArmStep
 from station.hw.franka.simulated.arm_supervisor import ArmSupervisor
 from station.hw.franka.simulated.cartesian_step import CartesianStep
@@ -26,7 +28,169 @@ from station.hw.franka.simulated.motion_check import MotionCheck
 from station.hw.franka.simulated.realism import Realism
 from station.hw.franka.simulated.sensor_faults import SensorFaults
 from station.hw.mujoco.world import World
-from station.memory.doubles import zeros
+from station.hw.mujoco.world_joints import WorldJoints
+from station.memory.doubles import Doubles, put, zeros
+
+_ZEROS = [0.0] * 7
+
+
+class ArmSensors:
+    """Reads the joints of one arm into its state. Control thread only.
+
+    Args:
+        joints: The arm's joints in the world.
+        state: The arm's state; time, measured positions, velocities and torques are
+            written.
+        positions: Positions of the joints as they are [rad], shape (7,); written.
+        step: Reads the joints.
+        load: The configured load.
+        faults: The faults that change readings.
+        period: Duration of a cycle [s], > 0.
+    """
+
+    def __init__(
+        self,
+        joints: WorldJoints,
+        state: RobotState,
+        *,
+        positions: Doubles,
+        step: ArmStep,
+        load: ArmLoad,
+        faults: SensorFaults,
+        period: float,
+    ) -> None:
+        self._joints = joints
+        self._state = state
+        self._positions = positions
+        self._step = step
+        self._load = load
+        self._faults = faults
+        self._period = period
+        self._ddq = _ZEROS
+
+    def read(self, time: float) -> int:
+        """Bring the measured fields of the state up to date.
+
+        Args:
+            time: Time of the arm [s].
+
+        Returns:
+            What `ArmStep.read_joints` has found.
+        """
+        step, state = self._step, self._state
+        # Before the joints are read: the state still has the velocities of the last
+        # step.
+        if step.has_load:
+            self._ddq = [
+                (new - old) / self._period
+                for new, old in zip(
+                    self._joints.read_velocities(), state.dtheta, strict=True
+                )
+            ]
+        found = step.read_joints(time)
+        state.time = time
+        if step.has_faults:
+            self._faults.disturb(state)
+        return found
+
+    def rest(self) -> None:
+        """Read the pose to which the world was set, with all velocities zero."""
+        state = self._state
+        state.dq = state.dtheta = _ZEROS
+        state.q = state.theta = self._joints.read_positions()
+        put(self._positions, state.q)
+
+    def load_torques(self) -> list[float] | None:
+        """Return the torques for the configured load [Nm], (7,); None without a load.
+
+        The accelerations are differences of the last two measured velocities.
+        """
+        if not self._step.has_load:
+            return None
+        state = self._state
+        return self._load.torques(list(self._positions), state.dtheta, self._ddq)
+
+
+MAX_EXTENSION = -0.467002423653011
+"""Position of joint 4 at which the arm is stretched out most [rad]."""
+
+
+class ArmFrames:
+    """Keeps the derived fields of a state. Control thread only.
+
+    Args:
+        state: The arm's state.
+
+    Attributes:
+        is_cartesian: Whether a Cartesian motion runs. The commanded pose, twist and
+            elbow are then the client's; otherwise they follow the joint motion.
+    """
+
+    def __init__(self, state: RobotState) -> None:
+        self._state = state
+        self._end_effector = EndEffectorState(state.doubles, CHAIN, MAX_EXTENSION)
+        self._refreshed_at = -1.0
+        self.is_cartesian = False
+
+    def set_end_effector(
+        self, end_effector: Load, nominal_frame: Sequence[float]
+    ) -> None:
+        """Set the end effector that is mounted at the flange.
+
+        Args:
+            end_effector: Mass, centre of mass and inertia of the end effector.
+            nominal_frame: Nominal end effector in the flange frame, 16 numbers.
+        """
+        state = self._state
+        state.m_ee = end_effector.mass
+        state.F_x_Cee = end_effector.center_of_mass
+        state.I_ee = end_effector.inertia
+        state.F_T_NE = nominal_frame
+        self.set_frame(state.NE_T_EE)
+        self.set_load(Load())
+
+    def set_frame(self, frame: Sequence[float]) -> None:
+        """Set the end effector in the nominal end effector frame, 16 numbers."""
+        state = self._state
+        state.NE_T_EE = frame
+        state.F_T_EE = compose(state.F_T_NE, state.NE_T_EE)
+        self._refreshed_at = -1.0
+
+    def set_stiffness_frame(self, frame: Sequence[float]) -> None:
+        """Set the stiffness frame in the end effector frame, 16 numbers."""
+        self._state.EE_T_K = frame
+
+    def set_load(self, load: Load) -> None:
+        """Set the load that the end effector holds."""
+        state = self._state
+        state.m_load = load.mass
+        state.F_x_Cload = load.center_of_mass
+        state.I_load = load.inertia
+        total = combine_loads(
+            Load(state.m_ee, tuple(state.F_x_Cee), tuple(state.I_ee)), load
+        )
+        state.m_total = total.mass
+        state.F_x_Ctotal = total.center_of_mass
+        state.I_total = total.inertia
+
+    def invalidate(self) -> None:
+        """Let the next `refresh` compute, even if no time has passed."""
+        self._refreshed_at = -1.0
+
+    def refresh(self) -> bool:
+        """Bring the derived fields up to date; return False when they were."""
+        state = self._state
+        # Few cycles have a reader of poses: they are computed for the first one that
+        # asks.
+        if self._refreshed_at == state.time:
+            return False
+        self._refreshed_at = state.time
+        self._end_effector.refresh()
+        # In a Cartesian motion `CartesianStep` writes the commanded fields.
+        if not self.is_cartesian:
+            self._end_effector.command_desired()
+        return True
+
 
 _FIELDS = (
     "q", "dq", "dtheta", "tau_J", "dtau_J", "q_d", "dq_d", "ddq_d", "tau_J_d"

@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 import viser
 
 from station.core.description.urdf import Pose, Vector3
-from station.ui.link.arm_facts import ArmFacts
-from station.ui.link.station_view import Limits
+from station.ui.link.station_view import ArmFacts, Limits
 from station.ui.scene.joint_frames import is_drawn_moving, link_path, link_poses
 from station.ui.scene.robot_model import RobotModel
 from station.wire import Contact

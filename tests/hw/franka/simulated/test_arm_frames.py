@@ -4,7 +4,7 @@ import pytest
 
 from station.core.franka import RobotState
 from station.hw.franka.arm.load import Load
-from station.hw.franka.simulated.arm_frames import MAX_EXTENSION, ArmFrames
+from station.hw.franka.simulated.arm_parts import MAX_EXTENSION, ArmFrames
 
 
 def shifted(z: float) -> list[float]:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from station.core.description.urdf import Pose
-from station.ui.link.arm_facts import ArmFacts
+from station.ui.link.station_view import ArmFacts
 from station.ui.scene.layers.forces_layer import ForcesLayer
 from station.ui.scene.layers.layer import SceneFacts
 from station.wire import Contact

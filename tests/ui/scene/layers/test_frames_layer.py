@@ -3,7 +3,7 @@
 import pytest
 
 from station.core.description.urdf import Pose
-from station.ui.link.arm_facts import ArmFacts
+from station.ui.link.station_view import ArmFacts
 from station.ui.scene.layers.frames_layer import FramesLayer
 from station.ui.scene.layers.layer import SceneFacts
 

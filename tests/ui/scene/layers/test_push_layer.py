@@ -7,7 +7,7 @@ import pytest
 
 from station.client import ApiError
 from station.core.description.urdf import Pose
-from station.ui.link.arm_facts import ArmFacts
+from station.ui.link.station_view import ArmFacts
 from station.ui.scene.layers.layer import SceneFacts
 from station.ui.scene.layers.push_layer import (
     ALIVE_FOR,

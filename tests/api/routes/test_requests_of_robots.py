@@ -1,7 +1,7 @@
 """Requests become the core's values."""
 
 from station import wire
-from station.api import requests
+from station.api.routes import robots
 from station.core.franka import FaultKind, GraspRequest
 
 NOMINAL = {
@@ -15,14 +15,14 @@ NOMINAL = {
 def test_nominal_thresholds_count_for_both_phases():
     request = wire.ForceTorqueCollisionBehavior(**NOMINAL)
 
-    found = requests.collision_behavior(request)
+    found = robots.collision_thresholds(request)
 
     assert found.upper_force_thresholds_acceleration == (30.0,) * 6
     assert found.lower_torque_thresholds_nominal == (20.0,) * 7
 
 
 def test_fault_keeps_its_kind():
-    found = requests.fault(wire.Fault(kind="stuck_joint", joint=3))
+    found = robots.fault_of(wire.Fault(kind="stuck_joint", joint=3))
 
     assert (found.kind, found.joint) == (FaultKind.STUCK_JOINT, 3)
 
@@ -33,4 +33,4 @@ def test_the_request_of_a_grasp_is_read_back_unchanged():
         width=0.03, force=9.0, speed=0.05, epsilon=epsilon
     )
 
-    assert requests.grasp(request) == GraspRequest(0.03, 9.0, 0.05, 0.001, 0.002)
+    assert robots.grasp_request(request) == GraspRequest(0.03, 9.0, 0.05, 0.001, 0.002)
