@@ -130,7 +130,7 @@ class StationServices:
                 "control_msgs/QueryTrajectoryState",
                 partial(self._query_state, name),
             )
-        # ros_control has a server for the gains of each joint; here is one for all, too.
+        # ros_control serves the gains of each joint; here one serves all, too.
         joints = {key.rpartition("/")[0] for key in controller.tunables.values} - {""}
         form = "/gains/{}" if controller.trajectories is not None else "/{}/pid"
         places = {"": ""} | {f"{one}/": form.format(one) for one in sorted(joints)}
