@@ -15,7 +15,6 @@ from station.wire import (
     CommandRequest,
     ControllerType,
     Gains,
-    GainSetName,
     GainSetRequest,
     GainsPatch,
     Goal,
@@ -27,6 +26,7 @@ from station.wire import (
     TrajectoryRequest,
     Tunable,
 )
+from station.wire.controllers import GainSetName
 
 
 @pytest.mark.parametrize(
