@@ -30,8 +30,11 @@ def test_fixture_opens_the_station_of_the_project(tmp_path):
     (tmp_path / "pytest.ini").write_text("[pytest]\nstation_config = mock.yaml\n")
     (tmp_path / "test_mine.py").write_text(TESTS)
 
+    # The plug-ins of these tests take longer to import than the station.
+    others = ("schemathesis", "hypothesispytest", "playwright", "xdist", "anyio")
+    options = [f"-pno:{name}" for name in others]
     done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "--strict-markers", "-W", "error"],
+        [sys.executable, "-mpytest", "-q", "--strict-markers", "-Werror", *options],
         cwd=tmp_path,
         capture_output=True,
         text=True,

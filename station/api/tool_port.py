@@ -52,7 +52,7 @@ class ToolClient:
     Args:
         tool: Name of the tool, for events.
         websocket: Its connection.
-        access: What it may do.
+        access: Rights of the client.
         lease: The lease of control that it names; None without one.
 
     Attributes:

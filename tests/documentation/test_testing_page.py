@@ -33,8 +33,11 @@ def test_the_examples_pass(folder):
     for name, example in zip(names, EXAMPLES, strict=True):
         (folder / f"{name}.py").write_text(example)
 
+    # The plug-ins of these tests take seconds to import.
+    others = ("cacheprovider", "schemathesis", "playwright", "xdist", "anyio")
+    options = [f"-pno:{name}" for name in others]
     result = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-rA", "-p", "no:cacheprovider", "."],
+        [sys.executable, "-mpytest", "-q", "-rA", *options, "."],
         cwd=folder,
         env={**os.environ, "PYTHONPATH": os.pathsep.join([str(folder), str(ROOT)])},
         capture_output=True,

@@ -1,9 +1,10 @@
 """A process that plays the part of an experiment, as its first argument says.
 
 `quick` begins, tells progress and ends; `refuse` refuses; `die` is killed after it has
-begun; `wait` ends when it is interrupted; `silent` ends without a word. The other
-arguments are the file of the experiment and the one that it becomes a copy of: to
-import the station takes longer than all the rest.
+begun; `wait` ends when it is interrupted; `silent` ends without a word. With two more
+arguments the file of the experiment, the first, becomes a copy of the second. Without
+them the file has the setup of the order; to write that the station is imported, which
+takes longer than all the rest.
 """
 
 import json
@@ -19,7 +20,7 @@ def tell(**facts):
     sys.stdout.flush()
 
 
-def main(what, file, empty):
+def main(what, file=None, empty=None):
     """Play the part."""
     # As the process of an experiment does: what runs in the background ignores it.
     signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -36,7 +37,10 @@ def main(what, file, empty):
         }
         tell(refused=refused)
         sys.exit(1)
-    shutil.copy(empty, file)
+    if file is not None:
+        shutil.copy(empty, file)
+    else:
+        _create(name, order)
     tell(begun=name)
     told = {"ended": 1, "total": 2, "failed": 0, "resumed": 0, "reason": ""}
     tell(progress=told)
@@ -50,6 +54,15 @@ def main(what, file, empty):
         return
     tell(progress={**told, "ended": 2})
     tell(end={"state": "done", "reason": "No trial was better in 15 generations."})
+
+
+def _create(name, order):
+    from station.trials.results import Results, file_of
+    from station.trials.trial import Setup
+
+    request = order["request"]
+    plan = {"trials": request["trials"], "controller": request["controller"]}
+    Results.create(file_of(name), request["kind"], Setup(order["setup"]), plan).close()
 
 
 if __name__ == "__main__":

@@ -77,7 +77,7 @@ class Door(ThreadingHTTPServer):
 
         Args:
             digest: SHA-256 of the token, hexadecimal.
-            role: What it may do; empty for a token that has ended.
+            role: Role of a token; empty for a token that has ended.
             expires: Wall time when it ends [s since 1970]; None when it does not.
         """
         if role:
