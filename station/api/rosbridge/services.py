@@ -7,9 +7,9 @@ from functools import partial
 from pydantic import ValidationError
 
 from station import wire
-from station.api import requests
 from station.api.rosbridge.ros_types import RosTypeError
 from station.api.rosbridge.topics import StationTopics, arm_namespace, seconds_of
+from station.api.routes.robots import collision_thresholds
 from station.api.service_routes import call_service
 from station.api.tool_port import ToolClient
 from station.core.control.controller import ControllerBase
@@ -130,7 +130,7 @@ class StationServices:
                 "control_msgs/QueryTrajectoryState",
                 partial(self._query_state, name),
             )
-        # ros_control has a server for the gains of each joint; here is one for all, too.
+        # ros_control has a server for the gains of each joint; here is one for all.
         joints = {key.rpartition("/")[0] for key in controller.tunables.values} - {""}
         form = "/gains/{}" if controller.trajectories is not None else "/{}/pid"
         places = {"": ""} | {f"{one}/": form.format(one) for one in sorted(joints)}
@@ -162,7 +162,7 @@ class StationServices:
         }
 
     def _types(self, _: ToolClient, __: Values) -> Values:
-        found = self._station.controller_types()
+        found = self._station.manager.describe_controller_types()
         return {
             "types": [one.type for one in found],
             "base_classes": [one.base_class for one in found],
@@ -189,7 +189,9 @@ class StationServices:
         return {"ok": result.ok}
 
     def _reload(self, _: ToolClient, request: Values) -> None:
-        self._station.reload_controller_types(force_kill=request["force_kill"])
+        self._station.manager.reload_controller_libraries(
+            force_kill=request["force_kill"]
+        )
 
     def _stop(self, client: ToolClient, _: Values) -> Values:
         self._station.stop(
@@ -222,7 +224,7 @@ class StationServices:
             first = error.errors()[0]
             where = "/".join(str(part) for part in first["loc"])
             raise RosTypeError(f"'args/{where}': {first['msg']}.") from error
-        behavior = requests.collision_behavior(wanted)
+        behavior = collision_thresholds(wanted)
         Arms(self._station.robots).set_collision_behavior(arm_id, behavior)
 
     def _query_state(self, name: str, _: ToolClient, request: Values) -> Values:
@@ -257,8 +259,8 @@ class StationServices:
             for one in (*config["doubles"], *config["ints"])
         }
         if wanted:
-            self._station.set_gains(name, wanted)
-        values = self._station.gains(name).values.items()
+            self._station.tuning.set_gains(name, wanted)
+        values = self._station.tuning.gains(name).values.items()
         doubles = [
             {"name": key.removeprefix(prefix), "value": value}
             for key, value in values
