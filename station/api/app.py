@@ -18,12 +18,7 @@ from station.api.control import Control
 from station.api.errors import add_error_handlers
 from station.api.event_feed import EventFeed
 from station.api.guard import Guard
-from station.api.host_policy import (
-    ANSWER_HEADERS,
-    METHODS,
-    REQUEST_HEADERS,
-    HostPolicy,
-)
+from station.api.host_policy import ANSWER_HEADERS, METHODS, REQUEST_HEADERS, HostPolicy
 from station.api.idempotency import IdempotentAnswers
 from station.api.openapi import StationApi, operation_id
 from station.api.representation import Representation

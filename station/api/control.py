@@ -17,9 +17,6 @@ from station.api.auth import Access
 from station.core.errors import StationError
 from station.events import EventKind, EventLog, Origin, Severity
 
-DEFAULT_TTL = 10.0
-"""Default time that a lease lasts without a heartbeat [s]."""
-
 
 class ControlHeldError(StationError, PermissionError):
     """Another client holds control."""

@@ -8,9 +8,7 @@ the client does not take.
 from collections.abc import Callable
 
 from typing_extensions import override
-from uvicorn.protocols.websockets.websockets_sansio_impl import (
-    WebSocketsSansIOProtocol,
-)
+from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 from websockets.http11 import Request
 
 from station.api.streams.broadcaster import PORT

@@ -7,14 +7,8 @@ never suspends, and runs to its end when it is begun.
 import ssl
 import threading
 import time
-from collections.abc import (
-    AsyncIterator,
-    Awaitable,
-    Callable,
-    Coroutine,
-)
+from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine
 from functools import wraps
-from types import TracebackType
 from typing import Any, Concatenate, Generic, ParamSpec, Self, TypeVar, cast
 
 import httpx
@@ -344,13 +338,8 @@ class ControlLease(_Client[AsyncControlLease]):
         _run(self._source.__aenter__())
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        _run(self._source.__aexit__(kind, error, trace))
+    def __exit__(self, *_: object) -> None:
+        _run(self._source.__aexit__())
 
     renew = _waited_for(AsyncControlLease.renew)
     hand_over = _waited_for(AsyncControlLease.hand_over)
@@ -440,12 +429,7 @@ class StationClient(_Client[AsyncStationClient]):
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     _repr_html_ = _made(AsyncStationClient._repr_html_, _same)

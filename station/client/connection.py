@@ -16,12 +16,7 @@ from pydantic import BaseModel, JsonValue
 from station.client.errors import ApiError, StationUnreachableError
 from station.client.streams import CommandOptions, Rate, StreamOptions, bearer
 from station.wire.base import reader_of
-from station.wire.protocol import (
-    CLOCK_HEADER,
-    LEASE_HEADER,
-    NOT_AFTER_HEADER,
-    PREFIX,
-)
+from station.wire.protocol import CLOCK_HEADER, LEASE_HEADER, NOT_AFTER_HEADER, PREFIX
 
 _ANSWERS = 20
 """Answers that tell how far the station's clock is ahead."""

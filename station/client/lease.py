@@ -1,6 +1,5 @@
 """Control of the station: for a block with heartbeats, or call by call."""
 
-from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
 from station import wire
@@ -62,12 +61,7 @@ class AsyncControlLease:
         self._stop_beating = self._connection.repeat(self._beat, self._period)
         return self
 
-    async def __aexit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    async def __aexit__(self, *_: object) -> None:
         if self._stop_beating is not None:
             await self._stop_beating()
         try:

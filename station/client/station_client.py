@@ -2,7 +2,6 @@
 
 import ssl
 from collections.abc import Sequence
-from types import TracebackType
 from typing import Self
 
 import httpx
@@ -101,12 +100,7 @@ class AsyncStationClient(AsyncControllersClient):
     async def __aenter__(self) -> Self:
         return self
 
-    async def __aexit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    async def __aexit__(self, *_: object) -> None:
         await self.close()
 
     def _repr_html_(self) -> str:

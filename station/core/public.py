@@ -23,11 +23,7 @@ from station.core.control.controller_status import (
 )
 from station.core.control.switching import Strictness, SwitchRequest, SwitchResult
 from station.core.control.tunables import Tunable, Tunables
-from station.core.declared_parameter import (
-    DeclaredParameter,
-    NameKind,
-    ParameterType,
-)
+from station.core.declared_parameter import DeclaredParameter, NameKind, ParameterType
 from station.core.errors import (
     ControllerLoadError,
     HardwareInterfaceError,

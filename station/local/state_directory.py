@@ -8,7 +8,6 @@ first that no running station has, so that one station always finds its own agai
 import fcntl
 import os
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 from station.core.errors import StationError
@@ -69,12 +68,7 @@ class StateDirectory:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def close(self) -> None:

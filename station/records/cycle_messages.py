@@ -159,7 +159,6 @@ class FrankaLayout:
                 self._sources.append(SCALARS.index(field.name))
             elif field.length is not None:
                 self._sources.append(places[field.name])
-        self._flags = messages.error_places()
 
     def pack(
         self,
@@ -179,6 +178,6 @@ class FrankaLayout:
         ]
         mode = int(memoryview(block[self._mode]).cast("d")[0])
         half = len(flags) // 2
-        current = [flags[place] for place in self._flags]
-        last = [flags[half + place] for place in self._flags]
+        current = [flags[place] for place in messages.ERROR_ORDER]
+        last = [flags[half + place] for place in messages.ERROR_ORDER]
         return self._layout.pack(*stamp, *values, mode, *current, *last)

@@ -18,14 +18,7 @@ from typing import TYPE_CHECKING, BinaryIO
 
 from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
-from mcap.records import (
-    Channel,
-    DataEnd,
-    Footer,
-    Header,
-    MessageIndex,
-    Statistics,
-)
+from mcap.records import Channel, DataEnd, Footer, Header, MessageIndex, Statistics
 
 from station.core.errors import RecordingFileError, RecordingRefusedError
 from station.core.user_files import open_regular

@@ -10,61 +10,19 @@ from collections.abc import Mapping
 from math import cos, sin
 
 from station.core.description.urdf import Joint, JointType, Pose, Urdf
-from station.core.franka.franka_errors import ERROR_INDEX
+from station.core.franka.franka_errors import ERROR_NAMES
 from station.records.cdr import MessageType, Values
 
 _SEPARATOR = "=" * 80
 _TIME = "int32 sec\nuint32 nanosec\n"
 _HEADER = "builtin_interfaces/Time stamp\nstring frame_id\n"
-# In the order of franka_msgs/Errors.msg, because a message has no names: readers go by
-# the order. libfranka, and `ERROR_NAMES` with it, has another one.
-_ERRORS = (
-    "joint_position_limits_violation",
-    "cartesian_position_limits_violation",
-    "self_collision_avoidance_violation",
-    "joint_velocity_violation",
-    "cartesian_velocity_violation",
-    "force_control_safety_violation",
-    "joint_reflex",
-    "cartesian_reflex",
-    "max_goal_pose_deviation_violation",
-    "max_path_pose_deviation_violation",
-    "cartesian_velocity_profile_safety_violation",
-    "joint_position_motion_generator_start_pose_invalid",
-    "joint_motion_generator_position_limits_violation",
-    "joint_motion_generator_velocity_limits_violation",
-    "joint_motion_generator_velocity_discontinuity",
-    "joint_motion_generator_acceleration_discontinuity",
-    "cartesian_position_motion_generator_start_pose_invalid",
-    "cartesian_motion_generator_elbow_limit_violation",
-    "cartesian_motion_generator_velocity_limits_violation",
-    "cartesian_motion_generator_velocity_discontinuity",
-    "cartesian_motion_generator_acceleration_discontinuity",
-    "cartesian_motion_generator_elbow_sign_inconsistent",
-    "cartesian_motion_generator_start_elbow_invalid",
-    "cartesian_motion_generator_joint_position_limits_violation",
-    "cartesian_motion_generator_joint_velocity_limits_violation",
-    "cartesian_motion_generator_joint_velocity_discontinuity",
-    "cartesian_motion_generator_joint_acceleration_discontinuity",
-    "cartesian_position_motion_generator_invalid_frame",
-    "force_controller_desired_force_tolerance_violation",
-    "controller_torque_discontinuity",
-    "start_elbow_sign_inconsistent",
-    "communication_constraints_violation",
-    "power_limit_violation",
-    "joint_p2p_insufficient_torque_for_planning",
-    "tau_j_range_violation",
-    "instability_detected",
-    "joint_move_in_wrong_direction",
-    "cartesian_spline_motion_generator_violation",
-    "joint_via_motion_generator_planning_joint_limit_violation",
-    "base_acceleration_initialization_timeout",
-    "base_acceleration_invalid_reading",
-)
+ERROR_ORDER = (*range(23), *range(27, 32), 23, 32, 24, 25, 26, *range(33, 41))
+"""Places in `ERROR_NAMES`, which has the order of libfranka, of the flags of
+franka_msgs/Errors.msg. A message has no names: readers go by the order."""
 _PARTS = {
     "builtin_interfaces/Time": _TIME,
     "std_msgs/Header": _HEADER,
-    "franka_msgs/Errors": "".join(f"bool {name}\n" for name in _ERRORS),
+    "franka_msgs/Errors": "".join(f"bool {ERROR_NAMES[k]}\n" for k in ERROR_ORDER),
     "geometry_msgs/Vector3": "float64 x\nfloat64 y\nfloat64 z\n",
     "geometry_msgs/Quaternion": "float64 x\nfloat64 y\nfloat64 z\nfloat64 w\n",
     "geometry_msgs/Transform": (
@@ -158,14 +116,6 @@ TYPES = {
     )
 }
 """All of them by name."""
-
-
-def error_places() -> tuple[int, ...]:
-    """Return the place of each flag of the message among the flags of libfranka.
-
-    Both have the same names in another order.
-    """
-    return tuple(ERROR_INDEX[name] for name in _ERRORS)
 
 
 def header(stamp: int, frame_id: str = "") -> dict[str, object]:

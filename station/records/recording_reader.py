@@ -2,7 +2,7 @@
 
 import json
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -115,21 +115,6 @@ def read_messages(
             kind = None if schema is None else TYPES.get(schema.name)
             if kind is not None:
                 yield channel.topic, kind.decode(message.data)
-
-
-def read_facts(path: Path) -> Mapping[str, str]:
-    """Return a recording's description of itself.
-
-    Raises:
-        RecordingFileError: The file is no whole recording.
-    """
-    with reading(path) as file:
-        for record in make_reader(file).iter_metadata():
-            if record.name == "control_station":
-                return dict(record.metadata)
-    raise RecordingFileError(
-        f"{path} is no recording of a station.", remedy="Record one with the station."
-    )
 
 
 def read_texts(path: Path, topic: str) -> list[str]:

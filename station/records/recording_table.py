@@ -16,11 +16,7 @@ from mcap.reader import make_reader
 from mcap.records import Channel, Chunk, ChunkIndex
 from mcap.stream_reader import get_chunk_data_stream
 
-from station.core.errors import (
-    RecordingDamagedError,
-    RecordingRefusedError,
-    suggest,
-)
+from station.core.errors import RecordingDamagedError, RecordingRefusedError, suggest
 from station.records.cdr import Form, MessageType
 from station.records.cycle_messages import CYCLES
 from station.records.mcap_scan import HEAD, MESSAGE

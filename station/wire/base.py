@@ -29,6 +29,10 @@ ControllerName = Annotated[
     str, Field(min_length=1, max_length=128, pattern=r"^[A-Za-z0-9_][A-Za-z0-9_.-]*$")
 ]
 """A name that is also one segment of a URL."""
+FileName = Annotated[
+    str, Field(min_length=1, max_length=100, pattern=r"^[A-Za-z0-9_][A-Za-z0-9_.-]*$")
+]
+"""A name that is also one segment of a URL and the name of a file."""
 
 ItemT = TypeVar("ItemT")
 ReadT = TypeVar("ReadT")

@@ -561,12 +561,6 @@ class DesiredState(ResponseModel):
     acceleration: Measurements
 
 
-GainSetName = Annotated[
-    str, Field(min_length=1, max_length=100, pattern=r"^[A-Za-z0-9_][A-Za-z0-9_.-]*$")
-]
-"""A name that is also one segment of a URL and the name of a file."""
-
-
 class GainSet(ResponseModel):
     """A saved set of gains, and where it differs from the gains in force.
 

@@ -16,10 +16,6 @@ from station.wire.base import (
 )
 from station.wire.excitations import Command
 
-ExperimentName = Annotated[
-    str, Field(min_length=1, max_length=100, pattern=r"^[A-Za-z0-9_][A-Za-z0-9_.-]*$")
-]
-"""A name that is also one segment of a URL and the name of a file."""
 ExperimentKind = Literal["sweep", "robustness", "tune"]
 ExperimentStateName = Literal["running", "done", "cancelled", "failed", "unfinished"]
 TrialHash = Annotated[str, Field(pattern=r"^[0-9a-f]{4,16}$")]

@@ -4,13 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from station.wire.base import (
-    Items,
-    Measurements,
-    Reason,
-    RequestModel,
-    ResponseModel,
-)
+from station.wire.base import Items, Measurements, Reason, RequestModel, ResponseModel
 
 RecordingId = Annotated[
     str, Field(min_length=1, max_length=120, pattern=r"^[A-Za-z0-9_][A-Za-z0-9_.-]*$")

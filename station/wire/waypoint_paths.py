@@ -1,25 +1,17 @@
 """Wire models of waypoint paths and their playing."""
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import Field
 
 from station.reports import Playback
 from station.wire.base import (
     ControllerName,
-    FromEnum,
     Items,
     RequestModel,
     ResponseModel,
 )
 
-PathName = Annotated[
-    str, Field(min_length=1, max_length=100, pattern=r"^[A-Za-z0-9_][A-Za-z0-9_.-]*$")
-]
-"""A name that is also one segment of a URL and the name of a file."""
-PlaybackStateName = Annotated[
-    Literal["playing", "paused", "succeeded", "cancelled", "aborted"], FromEnum
-]
 _WaypointName = Annotated[str, Field(min_length=1, max_length=100)]
 _Duration = Annotated[float, Field(gt=0.0, le=600.0, allow_inf_nan=False)]
 _Speed = Annotated[float, Field(ge=0.05, le=2.0, allow_inf_nan=False)]

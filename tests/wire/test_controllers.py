@@ -26,7 +26,7 @@ from station.wire import (
     TrajectoryRequest,
     Tunable,
 )
-from station.wire.controllers import GainSetName
+from station.wire.base import FileName
 
 
 @pytest.mark.parametrize(
@@ -158,4 +158,4 @@ def test_no_controllers_are_not_the_same_as_all():
 @pytest.mark.parametrize("name", ["", ".", "-a", "a/b", "a b", "x" * 101])
 def test_names_are_segments_of_a_path(name):
     with pytest.raises(ValidationError):
-        TypeAdapter(GainSetName).validate_python(name)
+        TypeAdapter(FileName).validate_python(name)

@@ -13,7 +13,7 @@ from station.wire import (
     RecordingRequest,
     WaypointRequest,
 )
-from station.wire.waypoint_paths import PathName
+from station.wire.base import FileName
 
 
 @pytest.mark.parametrize(
@@ -47,7 +47,7 @@ def test_a_speed_has_bounds(speed):
 @pytest.mark.parametrize("name", ["", ".", "-a", "a/b", "a b", "x" * 101])
 def test_names_are_segments_of_a_path(name):
     with pytest.raises(ValidationError):
-        TypeAdapter(PathName).validate_python(name)
+        TypeAdapter(FileName).validate_python(name)
 
 
 def test_a_recording_without_an_error_says_so():

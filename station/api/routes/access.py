@@ -5,16 +5,8 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import RedirectResponse
 
-from station.api.auth import (
-    SESSION_LIFETIME,
-    TICKET_LIFETIME,
-    Access,
-    Authenticator,
-)
-from station.api.dependencies import (
-    AccessDep,
-    ServicesDep,
-)
+from station.api.auth import SESSION_LIFETIME, TICKET_LIFETIME, Access, Authenticator
+from station.api.dependencies import AccessDep, ServicesDep
 from station.api.errors import ProblemError
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems

@@ -15,10 +15,10 @@ from station.trials.errors import ExperimentError
 from station.trials.metrics import UNITS
 from station.trials.results import Results, file_of, names
 from station.wire import ExperimentRequest, GainsChanges
+from station.wire.base import FileName
 from station.wire.experiments import (
     Experiment,
     ExperimentApplyRequest,
-    ExperimentName,
     ExperimentPreview,
     ExperimentResponses,
     Experiments,
@@ -43,7 +43,7 @@ async def get_background(services: ServicesDep) -> BackgroundExperiments:
 
 BackgroundDep = Annotated[BackgroundExperiments, Depends(get_background)]
 Name = Annotated[
-    ExperimentName,
+    FileName,
     Path(description="Name of the experiment.", examples=["better"]),
 ]
 ChosenTrial = Annotated[

@@ -22,7 +22,8 @@ from station.wire import (
     GainSets,
     GainsPatch,
 )
-from station.wire.controllers import GainSetName, GainsOfControllersPatch
+from station.wire.base import FileName
+from station.wire.controllers import GainsOfControllersPatch
 
 router = APIRouter(tags=["gains"], dependencies=[Viewer], route_class=JsonRoute)
 
@@ -100,7 +101,7 @@ def _matching_revision(station: Station, name: str, if_match: str) -> int:
     return revision
 
 
-Name = Annotated[GainSetName, Path(description="Name of the set.", examples=["stiff"])]
+Name = Annotated[FileName, Path(description="Name of the set.", examples=["stiff"])]
 
 
 @router.get("/gain-sets", responses=problems())

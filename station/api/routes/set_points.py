@@ -17,12 +17,7 @@ from station.api.errors import ProblemError
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
 from station.core.control import controller as core_controller
-from station.wire import (
-    CommandAccepted,
-    CommandInfo,
-    CommandRequest,
-    ControllerSample,
-)
+from station.wire import CommandAccepted, CommandInfo, CommandRequest, ControllerSample
 from station.wire.excitations import BenchRequest, BenchResponse
 
 router = APIRouter(tags=["set-points"], dependencies=[Viewer], route_class=JsonRoute)

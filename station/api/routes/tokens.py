@@ -6,11 +6,7 @@ from fastapi import APIRouter, Path, Request
 
 from station.api.audit import origin_of
 from station.api.auth import Access
-from station.api.dependencies import (
-    AccessDep,
-    OperatorAnyway,
-    ServicesDep,
-)
+from station.api.dependencies import AccessDep, OperatorAnyway, ServicesDep
 from station.api.errors import ProblemError
 from station.api.json_route import JsonRoute
 from station.api.named_tokens import NamedToken

@@ -17,12 +17,12 @@ from station.wire import (
     WaypointPathRequest,
     WaypointPaths,
 )
-from station.wire.waypoint_paths import PathName
+from station.wire.base import FileName
 
 router = APIRouter(
     tags=["waypoint-paths"], dependencies=[Viewer], route_class=JsonRoute
 )
-Name = Annotated[PathName, Path(description="Name of the path.", examples=["wave"])]
+Name = Annotated[FileName, Path(description="Name of the path.", examples=["wave"])]
 
 
 @router.get("/waypoint-paths", responses=problems())

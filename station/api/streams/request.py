@@ -7,11 +7,7 @@ from station.api.streams.topics import Topic, find_topic, topic_names
 from station.core.errors import suggest
 from station.core.facade.station import Station
 from station.events import EventLog
-from station.wire import (
-    CLOSE_BAD_REQUEST,
-    CLOSE_UNKNOWN_TOPIC,
-    StreamFormat,
-)
+from station.wire import CLOSE_BAD_REQUEST, CLOSE_UNKNOWN_TOPIC, StreamFormat
 
 MIN_RATE = 0.1
 MAX_RATE = 500.0

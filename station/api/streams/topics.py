@@ -16,11 +16,7 @@ from station.api.streams.cycle_samples import (
     TapSamples,
 )
 from station.core.control.controller import ControllerSample
-from station.core.errors import (
-    ArmNotFoundError,
-    ControllerNotFoundError,
-    StationError,
-)
+from station.core.errors import ArmNotFoundError, ControllerNotFoundError, StationError
 from station.core.facade.station import Station
 from station.core.franka.arms import Arms
 from station.core.franka.franka_errors import error_names

@@ -179,11 +179,7 @@ def _only_arm(client: "StationClient") -> str:
 def _begin(
     hand: "GripperClient", action: str, numbers: "Sequence[float]", options: Namespace
 ) -> "Gripper":
-    from station.wire import (
-        GraspEpsilon,
-        GripperGraspRequest,
-        GripperMoveRequest,
-    )
+    from station.wire import GraspEpsilon, GripperGraspRequest, GripperMoveRequest
 
     match action:
         case "move":

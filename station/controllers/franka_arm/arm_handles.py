@@ -6,11 +6,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from station.core.declared_parameter import (
-    DeclaredParameter,
-    NameKind,
-    ParameterType,
-)
+from station.core.declared_parameter import DeclaredParameter, NameKind, ParameterType
 from station.core.errors import ControllerLoadError
 from station.core.franka import (
     FrankaModelHandle,

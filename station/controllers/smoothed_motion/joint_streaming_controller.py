@@ -4,10 +4,7 @@ from typing import ClassVar
 
 from typing_extensions import override
 
-from station.controllers.set_point_controller import (
-    CommandInterfaceT,
-    JointQuantity,
-)
+from station.controllers.set_point_controller import CommandInterfaceT, JointQuantity
 from station.controllers.smoothed_motion.smoothed_motion_controller import (
     SmoothedMotionController,
 )

@@ -22,9 +22,7 @@ from station.core.hardware.robot_hw import InterfaceResources, RobotHW
 from station.core.parameters import Parameters
 from station.core.ports.goal import GoalPort  # noqa: TC001 - a native attribute
 from station.core.ports.set_point import SetPointPort  # noqa: TC001 - a native attribute
-from station.core.trajectory.trajectory_port import (  # noqa: TC001 - a native attribute
-    TrajectoryPort,
-)
+from station.core.trajectory.trajectory_port import TrajectoryPort  # noqa: TC001 - a native attribute
 
 Columns: TypeAlias = tuple[list[float], list[float], list[float], list[float]]
 """The four lists of a sample, shape (n,) each."""

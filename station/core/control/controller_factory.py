@@ -9,11 +9,7 @@ from station.core.control.command_guard import find_guards
 from station.core.control.controller import ControllerBase
 from station.core.control.controller_loader import ControllerLoader, create_controller
 from station.core.control.loaded_controller import LoadedController
-from station.core.declared_parameter import (
-    DeclaredParameter,
-    NameKind,
-    ParameterType,
-)
+from station.core.declared_parameter import DeclaredParameter, NameKind, ParameterType
 from station.core.errors import ControllerLoadError, ParameterError, StationError
 from station.core.faults import CONTAINED, describe, trace_of_fault
 from station.core.hardware.robot_hw import ControllerInfo, InterfaceResources, RobotHW

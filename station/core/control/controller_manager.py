@@ -38,10 +38,7 @@ from station.core.control.switching import (
     SwitchRequest,
     SwitchResult,
 )
-from station.core.errors import (
-    ControllerExistsError,
-    ControllerStateError,
-)
+from station.core.errors import ControllerExistsError, ControllerStateError
 from station.core.hardware.robot_hw import ControllerInfo, RobotHW
 from station.core.parameters import Parameters
 

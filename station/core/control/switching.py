@@ -13,11 +13,7 @@ from enum import Enum
 from typing import NamedTuple
 
 from station.core.control.controller import ControllerState
-from station.core.errors import (
-    ResourceConflictError,
-    SwitchRefusedError,
-    suggest,
-)
+from station.core.errors import ResourceConflictError, SwitchRefusedError, suggest
 from station.core.hardware.robot_hw import ControllerInfo, ResourceConflict
 from station.core.ports.receipt import Receipt
 

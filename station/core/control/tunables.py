@@ -3,10 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from station.core.errors import (
-    InvalidGainError,
-    suggest,
-)
+from station.core.errors import InvalidGainError, suggest
 
 
 @dataclass(frozen=True, slots=True)

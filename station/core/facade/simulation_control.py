@@ -6,11 +6,7 @@ Controllers stay loaded and running; commands from before a reset are void.
 import math
 from collections.abc import Mapping
 
-from station.core.errors import (
-    ParameterError,
-    SimulationError,
-    suggest,
-)
+from station.core.errors import ParameterError, SimulationError, suggest
 from station.core.facade.input_log import InputLog
 from station.core.hardware.limits import JointLimits
 from station.core.hardware.robot_hw import SimulatedWorld

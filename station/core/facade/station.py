@@ -17,11 +17,7 @@ from station.core.control.controller_status import ControllerStatus
 from station.core.control.loading import LOAD_TIMEOUT
 from station.core.control.switching import SwitchRequest, SwitchResult
 from station.core.description.repair import Repair
-from station.core.errors import (
-    ControllerExistsError,
-    LoopError,
-    ParameterError,
-)
+from station.core.errors import ControllerExistsError, LoopError, ParameterError
 from station.core.facade.gain_tuning import GainTuning
 from station.core.facade.input_log import InputLog
 from station.core.facade.motion_commands import MotionCommands

@@ -3,11 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from station.core.errors import (
-    ArmCommandError,
-    ArmNotFoundError,
-    suggest,
-)
+from station.core.errors import ArmCommandError, ArmNotFoundError, suggest
 from station.core.facade.robots import Robots
 from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_model import Frame

@@ -4,7 +4,6 @@ import threading
 import traceback
 from collections.abc import Callable
 from queue import SimpleQueue
-from types import TracebackType
 from typing import Generic, TypeVar
 
 from station.core.ports.goal import Goal, GoalResult, GoalStatus
@@ -205,12 +204,7 @@ class RealtimePublisher(Generic[T]):
         self.start()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.stop()
 
 

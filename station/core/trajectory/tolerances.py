@@ -8,11 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf
 
-from station.core.declared_parameter import (
-    EACH_JOINT,
-    DeclaredParameter,
-    ParameterType,
-)
+from station.core.declared_parameter import EACH_JOINT, DeclaredParameter, ParameterType
 from station.core.numerics.joint_errors import first_excess
 from station.core.parameters import Parameters
 from station.memory.doubles import Doubles, doubles

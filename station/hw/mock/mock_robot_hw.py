@@ -11,10 +11,7 @@ from dataclasses import dataclass, field
 from typing_extensions import override
 
 from station.core.clock import Clock, SystemClock
-from station.core.errors import (
-    ParameterError,
-    SwitchRefusedError,
-)
+from station.core.errors import ParameterError, SwitchRefusedError
 from station.core.hardware.interfaces import (
     EffortJointInterface,
     ForceTorqueSensorHandle,

@@ -26,10 +26,7 @@ from station.core.errors import (
     RobotDescriptionError,
     SwitchRefusedError,
 )
-from station.core.hardware.interfaces import (
-    JointHandle,
-    JointStateInterface,
-)
+from station.core.hardware.interfaces import JointHandle, JointStateInterface
 from station.core.hardware.limits import LimitMode, joint_limits_from_parameters
 from station.core.hardware.robot_hw import ControllerInfo, RobotHW
 from station.core.hardware.robot_report import ClampReport, JointLimitsReport
@@ -48,10 +45,7 @@ from station.hw.mujoco.bases import RollingBase, joints_of_base
 from station.hw.mujoco.description_repair import log_repairs, repair_robot
 from station.hw.mujoco.hard_stops import add_hard_stops
 from station.hw.mujoco.joint_command_limits import JointCommandLimits
-from station.hw.mujoco.joint_command_modes import (
-    COMMAND_INTERFACES,
-    JointCommandModes,
-)
+from station.hw.mujoco.joint_command_modes import COMMAND_INTERFACES, JointCommandModes
 from station.hw.mujoco.joint_drives import JointDrives
 from station.hw.mujoco.mujoco_robot_parameters import read_parameters
 from station.hw.mujoco.mujoco_simulation import simulate_robot

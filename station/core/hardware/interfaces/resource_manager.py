@@ -10,11 +10,7 @@ from typing import ClassVar, Generic, TypeVar
 
 from typing_extensions import override
 
-from station.core.errors import (
-    HardwareInterfaceError,
-    ResourceNotFoundError,
-    suggest,
-)
+from station.core.errors import HardwareInterfaceError, ResourceNotFoundError, suggest
 from station.memory.doubles import Storage
 
 

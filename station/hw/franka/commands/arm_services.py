@@ -21,11 +21,7 @@ from station.hw.franka.arm.collision_behavior import (
 from station.hw.franka.arm.control_mode import ControlMode
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.robot_arm import ControllerMode, RobotArm
-from station.hw.franka.arm.service_limits import (
-    ServiceLimits,
-    check_load,
-    field_error,
-)
+from station.hw.franka.arm.service_limits import ServiceLimits, check_load, field_error
 from station.hw.franka.arm.transform_check import check_transform
 from station.hw.franka.commands.motion_start import MotionStart
 from station.reports import ArmRecord

@@ -9,10 +9,7 @@ from station.core.franka.franka_model import GRAVITY_EARTH, Frame, FrankaModel
 from station.core.franka.franka_robot_state import RobotState
 from station.core.franka.model_sources import ModelSource
 from station.core.numerics.arm_chain import turn_to_inner_axes
-from station.hw.franka.arm.franka_kinematics import (
-    place_frame,
-    place_jacobian,
-)
+from station.hw.franka.arm.franka_kinematics import place_frame, place_jacobian
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.self_collision import link_distances
 from station.hw.franka.simulated.franka_dynamics import FrankaDynamics

@@ -29,9 +29,7 @@ from station.hw.mujoco.world_joints import WorldJoints
 from station.memory.doubles import put
 
 if TYPE_CHECKING:
-    from station.hw.franka.simulated.friction_and_observer import (
-        FrictionAndObserver,
-    )
+    from station.hw.franka.simulated.friction_and_observer import FrictionAndObserver
 
 CUTOFF_FREQUENCY = 100.0
 """Cutoff frequency of the low-pass filter on the external torques [Hz]."""
