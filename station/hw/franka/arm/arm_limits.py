@@ -10,7 +10,8 @@ translational velocity is that of libfranka's limiter, 2.0 m/s, not the document
 """
 
 from dataclasses import dataclass
-from math import sqrt
+
+from station.hw.franka.arm.velocity_curves import velocity_towards_end
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,11 +108,8 @@ class ArmLimits:
         if not self.curves:
             return -highest, highest
         a, b, upper, lower = self.curves[joint]
-        # Beyond its limit, where the root has no real value, a joint may only come
-        # back.
-        up = min(highest, max(0.0, sqrt(max(0.0, b * (upper - q))) - a))
-        down = max(-highest, min(0.0, a - sqrt(max(0.0, b * (q - lower)))))
-        return down, up
+        down = velocity_towards_end(highest, a, b, q - lower)
+        return 0.0 - down, velocity_towards_end(highest, a, b, upper - q)
 
 
 PANDA_LIMITS = ArmLimits(

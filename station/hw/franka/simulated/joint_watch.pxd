@@ -1,6 +1,7 @@
 cimport cython
 from station.core.numerics.arm_chain cimport place_links, twist_of, zero_jacobian
 from station.hw.franka.arm.capsules cimport LinkDistances
+from station.hw.franka.arm.velocity_curves cimport VelocityCurves
 from station.memory.functions cimport square_root
 from station.core.franka.joint_memory cimport JointMemory
 from station.core.numerics.rigid_motion cimport compose, rotation_between
@@ -14,6 +15,7 @@ cdef class JointWatch:
     cdef JointMemory memory
     cdef object limits
     cdef bint has_curves
+    cdef VelocityCurves curves
     cdef double[::1] chain, tool, links, flange, pose, desired, jacobian, twist, lower
     cdef double[::1] upper, slack, slowest, fastest, torque
     cdef double reach_in_a_cycle, speed, power, translation, rotation, elbow
@@ -26,6 +28,8 @@ cdef class JointWatch:
     cpdef find_violations(self, bint is_following, double reach)
     @cython.locals(axis=Py_ssize_t, distance=double, least=double, room=double, value=double, low=double, high=double)
     cdef check_distances(self)
+    @cython.locals(i=Py_ssize_t)
+    cdef bend_velocity_limits(self)
     cdef check_speed(self)
     @cython.locals(i=Py_ssize_t)
     cdef check_deviation(self)

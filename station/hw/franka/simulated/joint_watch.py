@@ -16,6 +16,7 @@ from station.core.numerics.rigid_motion import compose, rotation_between
 from station.hw.franka.arm.arm_limits import ArmLimits
 from station.hw.franka.arm.self_collision import link_distances
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
+from station.hw.franka.arm.velocity_curves import VelocityCurves
 from station.hw.franka.simulated.violations import (
     DEVIATION,
     END_EFFECTOR_SPEED,
@@ -27,7 +28,7 @@ from station.hw.franka.simulated.violations import (
     WALL,
     Violations,
 )
-from station.memory.doubles import Doubles, own, own_zeros, zeros
+from station.memory.doubles import Doubles, own, zeros
 from station.memory.functions import square_root
 
 # Larger than the distance of any end effector from any joint axis [m].
@@ -82,8 +83,10 @@ class JointWatch:
         # Taken from the largest velocity: a limit that depends on the position goes to
         # 0, where a share of it would leave no room for noise.
         self.slack = own([value * factor - value for value in limits.velocity])
-        self.slowest, self.fastest = own_zeros(self.size), own_zeros(self.size)
-        self.bend_velocity_limits()
+        pairs = [*zip(limits.velocity, self.slack, strict=True)]
+        self.slowest = own([-value - slack for value, slack in pairs])
+        self.fastest = own([value + slack for value, slack in pairs])
+        self.curves = VelocityCurves(limits.velocity, limits.curves)
         self.torque = own([value * thresholds.torque_factor for value in limits.torque])
         self.reach_in_a_cycle = _REACH * period
         self.speed = limits.translation.velocity * factor
@@ -169,9 +172,10 @@ class JointWatch:
 
     def bend_velocity_limits(self) -> None:
         """Compute the velocity limits where the joints are."""
+        slowest, fastest, slack = self.slowest, self.fastest, self.slack
+        self.curves.put(self.memory.positions, slowest, fastest)
         for i in range(self.size):
-            low, high = self.limits.velocity_range(i, self.memory.positions[i])
-            self.slowest[i], self.fastest[i] = low - self.slack[i], high + self.slack[i]
+            slowest[i], fastest[i] = slowest[i] - slack[i], fastest[i] + slack[i]
 
     def check_distances(self) -> None:
         """Compare the distances of links and walls with their limits."""

@@ -1,9 +1,10 @@
 cimport cython
 from station.core.franka.joint_memory cimport JointMemory
+from station.hw.franka.arm.velocity_curves cimport VelocityCurves
 from station.hw.franka.simulated.violations cimport Violations
 from station.memory.functions cimport square_root
 
-cdef double _ROUNDING
+cdef double _ROUNDING, _AT_VELOCITY_LIMIT
 
 cdef class MotionCheck:
     cdef readonly Py_ssize_t size
@@ -11,6 +12,8 @@ cdef class MotionCheck:
     cdef JointMemory memory
     cdef object limits
     cdef bint has_curves
+    cdef VelocityCurves curves
+    cdef double[::1] before
     cdef double[::1] lower, upper, slowest, fastest, acceleration, jerk, translation
     cdef double[::1] rotation, elbow, reached
     cdef double torque_step, period
@@ -22,6 +25,8 @@ cdef class MotionCheck:
     cpdef Py_ssize_t check_velocities(self)
     @cython.locals(i=Py_ssize_t, period=double, position=double, velocity=double, acceleration=double, jerk=double, most=double, violations=Violations)
     cdef Py_ssize_t check_joints(self, double[::1] q, double[::1] dq, int code)
+    @cython.locals(i=Py_ssize_t)
+    cdef bend_velocity_limits(self, double[::1] q, double[::1] dq)
     @cython.locals(i=Py_ssize_t, lowest=double, largest=double, step=double)
     cpdef Py_ssize_t check_torques(self)
     cpdef Py_ssize_t check_twist(self, double[::1] twist, double[::1] last, double[::1] last_rate)

@@ -11,6 +11,7 @@ from math import inf
 
 from station.core.franka.joint_memory import JointMemory
 from station.hw.franka.arm.arm_limits import ArmLimits
+from station.hw.franka.arm.velocity_curves import VelocityCurves
 from station.hw.franka.simulated.violations import (
     JOINT_POSITION,
     JOINT_START,
@@ -52,6 +53,8 @@ class MotionCheck:
         self.size = memory.size
         self.limits = limits
         self.has_curves = bool(limits.curves)
+        self.curves = VelocityCurves(limits.velocity, limits.curves)
+        self.before = own_zeros(memory.size)
         # Limits that depend on the position bring the velocity to 0 before the limit.
         room = inf if self.has_curves else _AT_LIMIT
         self.lower = own([value - room for value in limits.lower])
@@ -153,10 +156,13 @@ class MotionCheck:
 
     def bend_velocity_limits(self, q: Storage, dq: Storage) -> None:
         """Compute the velocity limits where the joints are, before they go to `q`."""
+        before, slowest, fastest = self.before, self.slowest, self.fastest
         for i in range(self.size):
-            low, high = self.limits.velocity_range(i, q[i] - dq[i] * self.period)
-            self.slowest[i] = low - _AT_VELOCITY_LIMIT
-            self.fastest[i] = high + _AT_VELOCITY_LIMIT
+            before[i] = q[i] - dq[i] * self.period
+        self.curves.put(before, slowest, fastest)
+        for i in range(self.size):
+            slowest[i] -= _AT_VELOCITY_LIMIT
+            fastest[i] += _AT_VELOCITY_LIMIT
 
     def check_torques(self) -> int:
         """Compare the commanded torques with the limit of their rate.
