@@ -75,6 +75,7 @@ class RosGraph:
         Raises:
             RosTypeError: There is none of that name, or it has another type.
         """
+        name = f"/{name.strip('/')}"  # roslibjs asks for `rosapi/topics`
         if name not in getattr(self, what):
             self.refresh()
         known = getattr(self, what)

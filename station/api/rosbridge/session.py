@@ -236,6 +236,7 @@ class RosbridgeSession:
         """
         topic, identifier = self._topic(message), str(message.get("id"))
         form = _form_of(message, message.get("type"), COMPRESSIONS)
+        form = form._replace(topic=str(message["topic"]))
         throttle = _number(message, "throttle_rate", 3_600_000) / 1e3
         length = _number(message, "queue_length", 10_000)
         found = self.outbox.subscriptions
@@ -253,7 +254,7 @@ class RosbridgeSession:
             self.outbox.offer(latched, asyncio.get_running_loop().time())
 
     async def _unsubscribe(self, message: Message) -> None:
-        topic, identifier = str(message["topic"]), message.get("id")
+        topic, identifier = f"/{str(message['topic']).strip('/')}", message.get("id")
         one = self.outbox.subscriptions.get(topic)
         if one is None:
             return
