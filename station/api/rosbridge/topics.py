@@ -82,6 +82,7 @@ class Topic:
         write: Takes a client's message; None for a topic that clients may not publish
             to.
         period: Time between two messages [s]; 0 for every tick, or `LATCHED`.
+        in_pause: Whether messages come while station time stands still.
         is_quick: Whether `write` returns at once, so that no thread is needed; then it
             may return what is to be awaited.
         due: When the next message is due [s, clock of the event loop].
@@ -92,6 +93,7 @@ class Topic:
     read: Read | None = None
     write: Write | None = None
     period: float = 0.0
+    in_pause: bool = False
     is_quick: bool = False
     due: float = field(default=0.0, compare=False)
 
@@ -145,7 +147,11 @@ class StationTopics:
             yield Topic("/tf_static", kind, partial(self._tf, fixed), period=LATCHED)
         if self._station.simulation.find() is not None:
             yield Topic(
-                "/clock", "rosgraph_msgs/Clock", self._clock, period=CLOCK_PERIOD
+                "/clock",
+                "rosgraph_msgs/Clock",
+                self._clock,
+                period=CLOCK_PERIOD,
+                in_pause=True,
             )
         for arm_id, names in self._fingers().items():
             topic = f"{gripper_namespace(self._station, arm_id)}/joint_states"
@@ -179,7 +185,7 @@ class StationTopics:
             yield Topic(
                 f"/{name}/state",
                 "control_station_msgs/ControllerState",
-                partial(self._sample, name, controller.joint_names),
+                partial(self._sample, name),
                 period=STATE_PERIOD,
             )
         for topic, message in controller.published().items():
@@ -253,8 +259,12 @@ class StationTopics:
             return None
         return {"clock": time_of(frame.stamp)}
 
-    def _sample(self, name: str, names: list[str], frame: CycleFrame) -> Values | None:
+    def _sample(self, name: str, frame: CycleFrame) -> Values | None:
         sample: ControllerSample | None = frame.snapshot.samples.get(name)
+        try:
+            names = self._station.manager.get_controller(name).joint_names
+        except StationError:
+            return None
         if sample is None:
             return None
         found = sample._asdict() | {"name": list(names)}
