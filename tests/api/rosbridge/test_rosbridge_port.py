@@ -197,17 +197,12 @@ def test_fuzzed_frames_end_no_other_connection(serve, station, seed, count):
     frames = fuzzed(seed)
     with RosClient(url) as other:
         other.subscribe("/joint_states")
-        sent = 0
-        while sent < count:
+        for _ in range(count // 200):
             with RosClient(token) as client:
                 client.send("set_level", level="none")
                 for _ in range(200):
                     client.socket.send(next(frames))
-                    sent += 1
-                client.send("set_level", level="none")
-        other.send("unsubscribe", topic="/joint_states")
-        assert other.values("/rosapi/topic_type", {"topic": "/joint_states"}) == {
-            "type": "sensor_msgs/JointState"
-        }
+            # It reads what has come meanwhile, and is answered.
+            assert other.values("/rosapi/topic_type", {"topic": "/tf"})["type"]
     assert station.ready() is None
     assert station.joint_names == JOINTS
