@@ -165,7 +165,7 @@ def test_a_gain_is_set_by_dynamic_reconfigure(client, station):
             break
     answer = client.values(service, {"config": {"doubles": doubles}})
     assert {"name": "p", "value": 25.0} in answer["config"]["doubles"]
-    assert 25.0 in station.gains("single").values.values()
+    assert 25.0 in station.tuning.gains("single").values.values()
 
 
 REFUSED = {
