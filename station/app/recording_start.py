@@ -126,7 +126,8 @@ def make_ports(
     if config.rosbridge.enabled:
         from station.api.rosbridge.rosbridge_port import RosbridgePort
 
-        ports.append(RosbridgePort(app, urdf, texts, **place(config.rosbridge)))
+        latched = {k: v for k, v in texts.items() if k == "/robot_description"}
+        ports.append(RosbridgePort(app, urdf, latched, **place(config.rosbridge)))
     return ports
 
 

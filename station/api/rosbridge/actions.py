@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import NamedTuple
 
+import anyio
 import anyio.to_thread
 
 from station.api.rosbridge.ros_types import filled
@@ -39,6 +40,8 @@ STATUS_PERIOD = 0.2
 """Time between two messages of the topic `status` [s]; actionlib's default is 5 Hz."""
 KEPT = 5.0
 """How long a goal that has ended stays in `status` [s]; as actionlib's."""
+MOST_THREADS = 16
+"""Most threads that wait for the station on behalf of clients at a time."""
 MOST_GOALS = 32
 """Most goals that are followed at a time."""
 _TRAJECTORY = "control_msgs/FollowJointTrajectory"
@@ -134,6 +137,9 @@ class StationActions:
         station: The station.
         topics: Its topics, whose clock the goals have.
         publish: Publishes a message: topic, type, message.
+
+    Attributes:
+        threads: The threads in which goals begin, and in which clients' calls wait.
     """
 
     def __init__(
@@ -147,6 +153,8 @@ class StationActions:
         self._publish = publish
         self._grippers = Grippers(station.robots)
         self._goals: list[TrackedGoal] = []
+        # Of their own, so that the API's requests never wait for one.
+        self.threads = anyio.CapacityLimiter(MOST_THREADS)
 
     def all(self) -> Iterator[Action]:
         """Yield the actions that there are now."""
@@ -184,6 +192,7 @@ class StationActions:
             "actionlib_msgs/GoalStatusArray",
             lambda frame: self._status(action, frame.stamp),
             period=STATUS_PERIOD,
+            in_pause=True,
         )
         for name in ("feedback", "result"):
             kind = f"{action.type}Action{name.capitalize()}"
@@ -231,7 +240,9 @@ class StationActions:
                 raise InvalidCommandError(f"There are {MOST_GOALS} goals already.")
             self._goals.append(tracked)
             begin = partial(action.begin, client, goal)
-            tracked.running = await anyio.to_thread.run_sync(begin)
+            tracked.running = await anyio.to_thread.run_sync(
+                begin, limiter=self.threads
+            )
         except StationError as error:
             tracked.code, tracked.text = REJECTED, error.message
             # The names of every action's result; each takes its own.
@@ -252,13 +263,15 @@ class StationActions:
             and goal_id in {"", one.goal_id["id"]}
         ]
         for running in found:
-            await anyio.to_thread.run_sync(running.cancel)
+            await anyio.to_thread.run_sync(running.cancel, limiter=self.threads)
 
     async def _follow(self, tracked: TrackedGoal, running: Running) -> None:
         status = GoalStatus.ACTIVE
         while status in {GoalStatus.PENDING, GoalStatus.ACTIVE}:
             try:
-                progress = await anyio.to_thread.run_sync(running.poll)
+                progress = await anyio.to_thread.run_sync(
+                    running.poll, limiter=self.threads
+                )
             except StationError as error:
                 progress = Progress(GoalStatus.ABORTED, {}, error.message)
             status, tracked.text = progress.status, progress.text

@@ -33,11 +33,13 @@ class Form(NamedTuple):
         compression: One of `COMPRESSIONS`.
         is_ros2: Whether times and headers are those of ROS 2.
         fragment_size: Most characters of a frame; 0 without limit.
+        topic: The topic as the client has written it; its own name when empty.
     """
 
     compression: str = "none"
     is_ros2: bool = False
     fragment_size: int = 0
+    topic: str = ""
 
 
 class Publication:
@@ -66,7 +68,7 @@ class Publication:
 
     def _make(self, form: Form) -> bytes:
         message = self._message if form.is_ros2 else as_ros1(self._type, self._message)
-        envelope = {"op": "publish", "topic": self.topic}
+        envelope = {"op": "publish", "topic": form.topic or self.topic}
         if form.compression == "cbor":
             body = _Typed(self._type, message)
         elif form.compression == "cbor-raw":

@@ -47,9 +47,15 @@ class RosGraph:
         self.goals = StationActions(station, self.clock, publish)
         self._services = StationServices(station, self.clock)
         self._rosapi = Rosapi(self)
+        self._known: list[tuple[str, str]] = []
+
+    def _loaded(self) -> list[tuple[str, str]]:
+        conditions = self.station.manager.conditions()
+        return [(one.name, one.type) for one in conditions]
 
     def refresh(self) -> None:
         """Look which controllers are loaded."""
+        self._known = self._loaded()
         self.actions = {one.name: one for one in self.goals.all()}
         topics = {one.name: one for one in self.clock.all()}
         for action in self.actions.values():
@@ -75,7 +81,9 @@ class RosGraph:
         Raises:
             RosTypeError: There is none of that name, or it has another type.
         """
-        if name not in getattr(self, what):
+        name = f"/{name.strip('/')}"  # roslibjs asks for `rosapi/topics`
+        # Looking anew costs a millisecond, and a client may ask for anything.
+        if name not in getattr(self, what) and self._known != self._loaded():
             self.refresh()
         known = getattr(self, what)
         if name not in known:

@@ -78,7 +78,7 @@ class RosbridgePort(ToolPort[RosbridgeSession]):
             topic = self._graph.topics.get(name)
             if topic is None or topic.read is None or topic.period == LATCHED:
                 continue
-            if not (is_new or topic.period) or now + 0.5 / self.rate < topic.due:
+            if not (is_new or topic.in_pause) or now + 0.5 / self.rate < topic.due:
                 continue
             self._graph.station.loop.right_of_way.give()
             message = topic.read(frame)

@@ -197,6 +197,7 @@ class StationServices:
         self._station.stop(
             f"A client of rosbridge ({client.access.name}) asked for it."
         )
+        client.record("call /stop", "done", is_done=True)
         return {"message": "The station is stopped."}
 
     def _release(self, arm: bool, _: ToolClient, __: Values) -> Values:  # noqa: FBT001 - bound above

@@ -43,7 +43,9 @@ if TYPE_CHECKING:
 
 MOST_SUBSCRIPTIONS = 200
 """Most topics that a client subscribes to, and most subscriptions to each."""
-MOST_CALLS = 16
+MOST_QUEUED = 2000
+"""Most messages in all queues of a client together."""
+MOST_CALLS = 8
 """Most services and goals of a client that begin at a time, and most messages of which
 parts are missing."""
 MOST_FRAGMENTS = 1000
@@ -145,7 +147,13 @@ class RosbridgeSession:
                 raise RosTypeError(f"'{op}' has to wait: {MOST_CALLS} are under way.")
             task = asyncio.create_task(self._operations[op](message))
             self._calls.add(task)
-            task.add_done_callback(self._calls.discard)
+            task.add_done_callback(self._finished)
+
+    def _finished(self, call: asyncio.Task[None]) -> None:
+        self._calls.discard(call)
+        if not call.cancelled() and (error := call.exception()) is not None:
+            _log.error("a call of a client of rosbridge failed", exc_info=error)
+            self.outbox.tell("error", "The station has failed; see its log.")
 
     @contextmanager
     def _told(
@@ -205,7 +213,10 @@ class RosbridgeSession:
     async def _run(self, function: Any, is_quick: bool, values: Values) -> Any:  # noqa: ANN401, FBT001 - any function's
         """Call a function with values of the client, in a thread unless it is quick."""
         if not is_quick:
-            return await anyio.to_thread.run_sync(function, self._client, values)
+            threads = self._graph.goals.threads
+            return await anyio.to_thread.run_sync(
+                function, self._client, values, limiter=threads
+            )
         found = function(self._client, values)
         return await found if inspect.isawaitable(found) else found
 
@@ -236,12 +247,19 @@ class RosbridgeSession:
         """
         topic, identifier = self._topic(message), str(message.get("id"))
         form = _form_of(message, message.get("type"), COMPRESSIONS)
+        form = form._replace(topic=str(message["topic"]))
         throttle = _number(message, "throttle_rate", 3_600_000) / 1e3
-        length = _number(message, "queue_length", 10_000)
+        length = _number(message, "queue_length", MOST_QUEUED)
         found = self.outbox.subscriptions
         one = found.get(topic.name) or Subscription()
         if max(len(found), len(one.wishes)) >= MOST_SUBSCRIPTIONS:
             raise RosTypeError(f"There are {MOST_SUBSCRIPTIONS} subscriptions already.")
+        others = sum(s.length for name, s in found.items() if name != topic.name)
+        if others + length > MOST_QUEUED:
+            raise RosTypeError(
+                f"The queues of a client hold {MOST_QUEUED} messages together; those "
+                f"of its other topics hold {others}."
+            )
         one.wishes.pop(identifier, None)
         one.wishes[identifier] = (throttle, length, form)
         one.settle()
@@ -253,7 +271,7 @@ class RosbridgeSession:
             self.outbox.offer(latched, asyncio.get_running_loop().time())
 
     async def _unsubscribe(self, message: Message) -> None:
-        topic, identifier = str(message["topic"]), message.get("id")
+        topic, identifier = f"/{str(message['topic']).strip('/')}", message.get("id")
         one = self.outbox.subscriptions.get(topic)
         if one is None:
             return

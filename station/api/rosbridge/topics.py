@@ -1,5 +1,6 @@
 """The topics of a station: what is published, and what clients may publish to."""
 
+import asyncio
 import re
 import time
 from collections.abc import Awaitable, Callable, Iterator, Mapping
@@ -14,6 +15,7 @@ from station.core.description.urdf import JointType, Urdf
 from station.core.errors import StationError
 from station.core.facade.station import Station
 from station.core.franka import FrankaServices, GripperServices, RobotMode
+from station.core.franka.grippers import Grippers, GripperState
 from station.core.loop.snapshot import Snapshot
 from station.core.ports.set_point import SetPointPort
 from station.records.cdr import Values
@@ -27,6 +29,8 @@ STATE_PERIOD = 0.02
 is 50 Hz."""
 CLOCK_PERIOD = 0.1
 """Time between two messages of a clock that stands still [s]."""
+FINGER_PERIOD = 1.0 / 30.0
+"""Time between two messages of a gripper's fingers [s]; franka_gripper's 30 Hz."""
 _PUBLISHED = {
     "franka_states": "franka_msgs/FrankaState",
     "joint_states": "sensor_msgs/JointState",
@@ -82,6 +86,7 @@ class Topic:
         write: Takes a client's message; None for a topic that clients may not publish
             to.
         period: Time between two messages [s]; 0 for every tick, or `LATCHED`.
+        in_pause: Whether messages come while station time stands still.
         is_quick: Whether `write` returns at once, so that no thread is needed; then it
             may return what is to be awaited.
         due: When the next message is due [s, clock of the event loop].
@@ -92,6 +97,7 @@ class Topic:
     read: Read | None = None
     write: Write | None = None
     period: float = 0.0
+    in_pause: bool = False
     is_quick: bool = False
     due: float = field(default=0.0, compare=False)
 
@@ -134,8 +140,7 @@ class StationTopics:
 
     def all(self) -> Iterator[Topic]:
         """Yield the topics that there are now, besides those of actions."""
-        names = self._station.joint_names
-        yield Topic("/joint_states", _JOINT_STATE, partial(self._joint_states, names))
+        yield Topic("/joint_states", _JOINT_STATE, self._joint_states)
         for name, text in self._texts.items():
             yield Topic(name, "std_msgs/String", partial(_text, text), period=LATCHED)
         if self._urdf is not None:
@@ -145,11 +150,16 @@ class StationTopics:
             yield Topic("/tf_static", kind, partial(self._tf, fixed), period=LATCHED)
         if self._station.simulation.find() is not None:
             yield Topic(
-                "/clock", "rosgraph_msgs/Clock", self._clock, period=CLOCK_PERIOD
+                "/clock",
+                "rosgraph_msgs/Clock",
+                self._clock,
+                period=CLOCK_PERIOD,
+                in_pause=True,
             )
-        for arm_id, names in self._fingers().items():
+        for arm_id in self._station.robots.names(GripperServices):
             topic = f"{gripper_namespace(self._station, arm_id)}/joint_states"
-            yield Topic(topic, _JOINT_STATE, partial(self._joint_states, names))
+            read = _Fingers(self._station, arm_id).read
+            yield Topic(topic, _JOINT_STATE, read, period=FINGER_PERIOD)
         for status in self._station.manager.conditions():
             try:
                 controller = self._station.manager.get_controller(status.name)
@@ -179,7 +189,7 @@ class StationTopics:
             yield Topic(
                 f"/{name}/state",
                 "control_station_msgs/ControllerState",
-                partial(self._sample, name, controller.joint_names),
+                partial(self._sample, name),
                 period=STATE_PERIOD,
             )
         for topic, message in controller.published().items():
@@ -213,25 +223,9 @@ class StationTopics:
             message = {**message, "robot_mode": mode}
         return filled(kind, message, self._stamp(seconds))
 
-    def _joint_states(self, names: list[str], frame: CycleFrame) -> Values:
-        state: dict[str, Any] = frame.snapshot._asdict()
-        known = self._station.joint_names
-        if names != known:
-            places = [known.index(name) for name in names]
-            for key in ("position", "velocity", "effort"):
-                state[key] = [state[key][place] for place in places]
-        return filled(_JOINT_STATE, state | {"name": names}, frame.stamp)
-
-    def _fingers(self) -> dict[str, list[str]]:
-        """Return the joints of each gripper's fingers, by arm."""
-        return {
-            arm_id: [
-                name
-                for name in self._station.joint_names
-                if name.startswith(f"{arm_id}_finger_joint")
-            ]
-            for arm_id in self._station.robots.names(GripperServices)
-        }
+    def _joint_states(self, frame: CycleFrame) -> Values:
+        state = frame.snapshot._asdict() | {"name": self._station.joint_names}
+        return filled(_JOINT_STATE, state, frame.stamp)
 
     def _tf(self, urdf: Urdf, frame: CycleFrame) -> Values:
         names = self._station.joint_names
@@ -253,8 +247,12 @@ class StationTopics:
             return None
         return {"clock": time_of(frame.stamp)}
 
-    def _sample(self, name: str, names: list[str], frame: CycleFrame) -> Values | None:
+    def _sample(self, name: str, frame: CycleFrame) -> Values | None:
         sample: ControllerSample | None = frame.snapshot.samples.get(name)
+        try:
+            names = self._station.manager.get_controller(name).joint_names
+        except StationError:
+            return None
         if sample is None:
             return None
         found = sample._asdict() | {"name": list(names)}
@@ -320,6 +318,33 @@ class StationTopics:
             # A trajectory begins at a time of the clients' clock, or at once.
             "stamp": begin - self.origin / 1e9 if begin else 0.0,
         }
+
+
+class _Fingers:
+    """Asks for the width of a gripper in a thread, beside the event loop.
+
+    Args:
+        station: The station.
+        arm_id: The arm of the gripper.
+    """
+
+    def __init__(self, station: Station, arm_id: str) -> None:
+        self._ask = partial(Grippers(station.robots).state, arm_id)
+        self._names = [f"{arm_id}_finger_joint{number}" for number in (1, 2)]
+        self._asked: asyncio.Future[GripperState] | None = None
+
+    def read(self, frame: CycleFrame) -> Values | None:
+        """Return the width that was asked for before; half of it for each finger."""
+        asked = self._asked
+        if asked is not None and not asked.done():
+            return None
+        self._asked = asyncio.get_running_loop().run_in_executor(None, self._ask)
+        if asked is None or asked.exception() is not None:
+            return None
+        half = asked.result().width / 2.0
+        still = {"velocity": [0.0, 0.0], "effort": [0.0, 0.0]}
+        found = {"name": self._names, "position": [half, half], **still}
+        return filled(_JOINT_STATE, found, frame.stamp)
 
 
 def _text(text: str, _: CycleFrame) -> Values:

@@ -286,3 +286,39 @@ def test_anybody_stops_and_an_operator_releases(serve, station):
         assert operator.values("/stop/release")["success"]
         assert operator.values("/stop/arm")["success"]
         assert operator.switch(start=["pose"])
+
+
+def test_topics_have_the_types_of_ros_control(client):
+    topics = client.values("/rosapi/topics")
+    kinds = dict(zip(topics["topics"], topics["types"], strict=True))
+    assert kinds["/tf"] == "tf2_msgs/TFMessage"
+    assert kinds["/arm/state"] == "control_msgs/JointTrajectoryControllerState"
+    assert kinds["/single/state"] == "control_msgs/JointControllerState"
+    assert kinds["/pose/state"] == "control_station_msgs/ControllerState"
+    assert kinds["/single/command"] == "std_msgs/Float64"
+
+
+@pytest.mark.parametrize("topic", ["/arm/state", "/single/state", "/pose/state"])
+def test_the_states_of_controllers_are_published(client, topic):
+    client.switch(start=[topic.split("/")[1]])
+    message = client.subscribe(topic)["msg"]
+    assert message["header"]["stamp"]["secs"] > 0
+
+
+def test_transforms_of_moving_and_fixed_joints(client):
+    moving = client.subscribe("/tf")["msg"]["transforms"]
+    assert [one["child_frame_id"] for one in moving] == JOINTS
+    fixed = client.subscribe("/tf_static", type="tf2_msgs/msg/TFMessage")
+    assert fixed["msg"]["transforms"] == []
+
+
+def test_a_name_without_a_slash_is_the_same(client):
+    found = client.subscribe("joint_states")
+    assert found["topic"] == "joint_states"
+    assert client.values("rosapi/topic_type", {"topic": "/tf"})["type"]
+
+
+def test_queues_together_are_bounded(client):
+    client.subscribe("/tf", queue_length=1500)
+    client.send("subscribe", topic="/joint_states", queue_length=600)
+    assert "2000 messages" in client.until("status")["msg"]
