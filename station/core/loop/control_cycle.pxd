@@ -16,7 +16,7 @@ cdef class ControlCycle:
     cdef object waiting
     cdef object stop_latch
     cdef object heartbeat
-    cdef unsigned char[::1] stop_flags
+    cdef unsigned char[::1] latch_flag, stop_flags
     cdef CycleTimes times
     cdef object now
     cdef VirtualTime virtual
