@@ -5,7 +5,7 @@ from station.memory.finite_check cimport FiniteCheck
 cdef int _MOVE
 
 cdef class ArmReading:
-    cdef object arm
+    cdef object arm, read_once
     cdef double[::1] joint_readings
     cdef FiniteCheck readings
     cdef object motion
@@ -21,13 +21,14 @@ cdef class ArmReading:
 
 cdef class ArmWriting:
     cdef CommandSender sender
-    cdef public object fingers
+    cdef object hand, write_fingers
+    cdef dict claimed
     cpdef write(self, double time, double period)
 
 cdef class ArmWatch:
     cdef double[::1] code
     cdef dict names
-    cdef object motion
+    cdef CommandSender sender
     cdef double last_code
     cdef str last_name
     cpdef bint is_interrupted(self)

@@ -18,11 +18,8 @@ cdef class CommandSender:
     cdef object update_ranges
     cdef list checks
     cdef list limits
-    cdef bint has_positions
-    cdef bint has_velocities
-    cdef bint has_efforts
-    cdef bint has_pose
-    cdef bint has_twist
+    cdef public bint is_active, is_waiting
+    cdef bint has_positions, has_velocities, has_efforts, has_pose, has_twist
     cdef public object refusal
     @cython.locals(check=FiniteCheck, limits=EnforcedLimits)
     cpdef send_commands(self, double period)
