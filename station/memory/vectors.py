@@ -1,6 +1,6 @@
 """Operations on many doubles at once.
 
-Compiled, these are loops, which take a tenth of the time of Python's own operations on
+Compiled, these are loops of C, which take a tenth of the time of Python's operations on
 memory; interpreted it is the other way round.
 """
 
