@@ -12,6 +12,9 @@ import cython
 
 from station.memory.doubles import Doubles, Storage
 
+if cython.compiled:
+    from cython.cimports.libc.string import memmove
+
 
 def copy_into(
     target: Storage,
@@ -28,8 +31,7 @@ def copy_into(
         size: How many there are.
     """
     if cython.compiled:
-        for i in range(size):
-            target[start + i] = source[i]
+        memmove(cython.address(target[start]), cython.address(source[0]), 8 * size)
     else:
         target[start : start + size] = source
 
