@@ -5,18 +5,15 @@ from station.memory.finite_check cimport FiniteCheck
 cdef int _MOVE
 
 cdef class ArmReading:
-    cdef object arm, read_once
+    cdef object arm, read_once, motion
     cdef double[::1] joint_readings
     cdef FiniteCheck readings
-    cdef object motion
     cdef CommandSender sender
     cdef double cycle_time
-    cdef long most_lost
-    cdef long losses_that_end
+    cdef long most_lost, losses_that_end, bad
     cdef public object read_fingers
     cdef readonly double time_due
     cdef public long nominal
-    cdef long bad
     cpdef read(self, double time, double period)
 
 cdef class ArmWriting:

@@ -27,7 +27,7 @@ cdef class ArmStep(Preparation):
     cdef JointWatch watch
     cdef CycleLog log
     cdef SimulatorMemory simulator
-    cdef object state, actuators, load, faults
+    cdef object state, actuators, load, faults, losses
     cdef public object modes, plan
     cdef public int generator
     cdef public bint wants_torques, has_load, has_faults, is_following
@@ -35,7 +35,6 @@ cdef class ArmStep(Preparation):
     cdef readonly long long cycle
     cdef readonly double time
     cdef Py_ssize_t lost_in_a_row, settling
-    cdef object losses
     cpdef bint receive_end_effector(self, double[::1] values, Py_ssize_t size)
     cpdef bint receive(self, double[::1] values, Py_ssize_t size, double[::1] place)
     @cython.locals(mode=double)

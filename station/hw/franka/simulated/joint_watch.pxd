@@ -15,11 +15,10 @@ cdef class JointWatch:
     cdef object limits
     cdef bint has_curves
     cdef double[::1] chain, tool, links, flange, pose, desired, jacobian, twist, lower
-    cdef double[::1] upper, slack, slowest, fastest, torque
+    cdef double[::1] upper, slack, slowest, fastest, torque, walls
     cdef double reach_in_a_cycle, speed, power, translation, rotation, elbow
-    cdef LinkDistances distances
     cdef double least_distance
-    cdef double[::1] walls
+    cdef LinkDistances distances
     cdef public double room
     @cython.locals(i=Py_ssize_t, position=double, velocity=double, speed=double, torque=double, total=double, power=double, away=double, is_slow=bint, is_close=bint, is_good=bint, reach=double, violations=Violations)
     cpdef bint check_readings(self, bint is_following, bint has_moved)
