@@ -8,15 +8,13 @@ cdef class CommandLaw:
     cpdef compute_commands(self, double period)
 
 cdef class DirectLaw(CommandLaw):
-    cdef double[::1] desired
-    cdef double[::1] commands
+    cdef double[::1] desired, commands
     cdef Py_ssize_t size
     cdef JointErrors errors
 
 cdef class PidLaw(CommandLaw):
     cdef ActiveSetPoint set_point
-    cdef JointErrors errors
-    cdef JointErrors rate_errors
+    cdef JointErrors errors, rate_errors
     cdef PidGroup pids
 
 cdef class SetPointUpdate:

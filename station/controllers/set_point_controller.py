@@ -49,6 +49,7 @@ from station.core.ports.set_point import (
     read_command_timeout,
     timeout_parameters,
 )
+from station.memory.direct_calls import call_directly
 from station.memory.doubles import Doubles, Storage, own_zeros, put, zeros
 from station.memory.vectors import copy_into
 
@@ -294,7 +295,8 @@ class SetPointUpdate:
         Raises:
             CommandTimeoutError: The set-point has expired and the action is `stop`.
         """
-        self.set_point.newest()
+        if self.set_point.port.has_changed():
+            self.set_point.newest()
         if self.copies is not None:
             self.copies.read()
         self.period = period
@@ -588,6 +590,8 @@ class JointSetPointController(Controller[CommandInterfaceT]):
         """
         self.sampled = SampleColumns(columns)
         self._update = SetPointUpdate(self._active, self.memory, law, self.sampled)
+        command = self._update.command_joints
+        call_directly(self, JointSetPointController, update=command)
 
     @override
     def update(self, time: float, period: float) -> None:

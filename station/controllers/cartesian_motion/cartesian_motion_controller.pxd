@@ -17,12 +17,10 @@ cdef class EndEffectorUpdate:
     cdef CartesianMotionGenerator generator
     cdef JointLookahead lookahead
     cdef EndEffectorSample sample
-    cdef double[::1] pose
-    cdef double[::1] command
+    cdef double[::1] pose, command
     cdef public bint is_resting
     cdef public object steered
-    cdef readonly object obstacle
-    cdef readonly object joint
+    cdef readonly object obstacle, joint
     cdef double until
     cpdef move_end_effector(self, double time, double period)
     cdef move(self, double time, double period)

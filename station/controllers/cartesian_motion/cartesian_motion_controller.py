@@ -48,6 +48,7 @@ from station.core.ports.set_point import (
     read_command_timeout,
     timeout_parameters,
 )
+from station.memory.direct_calls import call_directly
 from station.memory.doubles import Doubles
 from station.memory.vectors import copy_into
 
@@ -239,6 +240,8 @@ class CartesianMotionController(MultiInterfaceController):
             self.cycle_sample,
             command,
         )
+        move = self._update.move_end_effector
+        call_directly(self, CartesianMotionController, update=move)
 
     @property
     def is_free(self) -> bool:

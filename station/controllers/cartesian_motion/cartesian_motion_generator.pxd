@@ -3,13 +3,10 @@ from station.controllers.smoothed_motion.motion_generator cimport MotionGenerato
 
 cdef class CartesianMotionGenerator:
     cdef MotionGenerator _generator
-    cdef readonly object pose
-    cdef readonly object twist
-    cdef readonly object accelerations
-    cdef object _target
+    cdef readonly object pose, twist, accelerations
+    cdef object _target, _wanted
     cdef readonly PoseMotion motion
     cdef tuple _last
-    cdef object _wanted
 
     cpdef go_to(self, object pose)
     cpdef go_at(self, list twist)

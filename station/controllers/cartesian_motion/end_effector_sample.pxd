@@ -9,29 +9,20 @@ cdef Py_ssize_t _POSE, _QUATERNION, _TWIST
 
 cdef class EndEffectorSample:
     cdef Py_ssize_t size
-    cdef readonly double[::1] desired
-    cdef readonly double[::1] actual
-    cdef readonly double[::1] errors
+    cdef readonly double[::1] desired, actual, errors
     cdef readonly SampleColumns sampled
     cpdef measure(self)
     @cython.locals(i=Py_ssize_t)
     cpdef keep(self, double time)
 
 cdef class PoseSample(EndEffectorSample):
-    cdef double[::1] pose
+    cdef double[::1] pose, actual_pose, quaternion
     cdef ModelSource source
     cdef readonly double[::1] near
-    cdef double[::1] actual_pose
-    cdef double[::1] quaternion
     cpdef measure(self)
 
 cdef class TwistSample(EndEffectorSample):
-    cdef double[::1] pose
-    cdef double[::1] twist
-    cdef ModelSource measured_pose
-    cdef ModelSource source
-    cdef double[::1] dq
+    cdef double[::1] pose, twist, dq, actual_pose, jacobian
+    cdef ModelSource measured_pose, source
     cdef public bint is_inner
-    cdef double[::1] actual_pose
-    cdef double[::1] jacobian
     cpdef measure(self)

@@ -8,32 +8,22 @@ from station.core.franka.model_sources cimport ModelSource
 from station.memory.vectors cimport copy_into
 
 cdef Py_ssize_t _DOF
+cdef object _NONE
 
 cdef class ArmConfiguration:
-    cdef double[::1] _q
-    cdef double[::1] _jacobian
-    cdef ModelSource _pose_source
-    cdef ModelSource _jacobian_source
+    cdef double[::1] _q, _jacobian
+    cdef ModelSource _pose_source, _jacobian_source
     cdef readonly LinearKinematics motion
 
     cpdef move_to(self, double[::1] q)
     cpdef place(self, double[::1] pose)
 
 cdef class JointLookahead:
-    cdef object _model
-    cdef object _joints
-    cdef object _settings
-    cdef object _pose
-    cdef object _new
-    cdef object _q_d
+    cdef object _model, _joints, _settings, _pose, _new, _q_d
     cdef StopPrediction _prediction
-    cdef readonly object obstacle
-    cdef readonly object joint
-    cdef ArmConfiguration _present
-    cdef ArmConfiguration _resting
-    cdef ArmConfiguration _other
-    cdef double _dexterity
-    cdef double _clearance
+    cdef readonly object obstacle, joint
+    cdef ArmConfiguration _present, _resting, _other
+    cdef double _dexterity, _clearance
 
     cpdef bint passes(self, CartesianMotionGenerator motion) except -1
     cpdef bint allows(self, CartesianMotionGenerator motion) except -1

@@ -6,15 +6,7 @@ cdef double _ROUNDING, _DAMPING
 
 cdef class LinearKinematics:
     cdef Py_ssize_t size
-    cdef double[::1] q
-    cdef double[::1] jacobian
-    cdef double[::1] dq
-    cdef double[::1] motion
-    cdef double[::1] inverse
-    cdef double[::1] others
-    cdef double[::1] columns
-    cdef double[::1] lengths
-    cdef double[::1] arms
+    cdef double[::1] q, jacobian, dq, motion, inverse, others, columns, lengths, arms
     cdef WrenchEquation equation
 
     cpdef void invert(self) noexcept

@@ -25,26 +25,11 @@ cdef double _AT_REST
 cdef Py_ssize_t _POSE, _AXES
 
 cdef class PoseMotion:
-    cdef double[::1] pose
-    cdef double[::1] target
-    cdef double[::1] twist
-    cdef double[::1] velocity
-    cdef double[::1] turn
-    cdef double[::1] accelerations
-    cdef double[::1] acceleration
-    cdef double[::1] forward
-    cdef double[::1] spin
-    cdef double[::1] peaks
-    cdef double[::1] largest
-    cdef double[::1] jerk
-    cdef double[::1] forward_jerk
-    cdef double[::1] spin_jerk
-    cdef double fastest
-    cdef double fastest_turn
+    cdef double[::1] pose, target, twist, velocity, turn, accelerations, acceleration
+    cdef double[::1] forward, spin, peaks, largest, jerk, forward_jerk, spin_jerk, last
+    cdef double[::1] way, there
+    cdef double fastest, fastest_turn
     cdef readonly double[::1] resting
-    cdef double[::1] last
-    cdef double[::1] way
-    cdef double[::1] there
     cdef list aimed_at
 
     cpdef list aim(self)

@@ -12,24 +12,12 @@ from station.core.numerics.rigid_motion cimport twist_between
 cdef double _NEAR
 
 cdef class StopPrediction:
-    cdef double[::1] pose
-    cdef double[::1] new
-    cdef double[::1] lower
-    cdef double[::1] upper
-    cdef double[::1] velocity
-    cdef double[::1] acceleration
-    cdef double[::1] q_d
-    cdef double elbow
-    cdef public LinearKinematics present
-    cdef public LinearKinematics resting
-    cdef double room
-    cdef double[::1] rest
-    cdef double[::1] clear
-    cdef double[::1] way
-    cdef double[::1] step
+    cdef double[::1] pose, new, lower, upper, velocity, acceleration, q_d, rest, clear
+    cdef double[::1] way, step
+    cdef double elbow, room
+    cdef public LinearKinematics present, resting
     cdef Py_ssize_t size
 
-    cpdef start_at_rest(self, double[::1] q_d)
     cpdef bint passes(self, PoseMotion motion) noexcept
     cpdef bint has_left(self) noexcept
     cpdef bint leads_away(self, PoseMotion motion) noexcept

@@ -7,9 +7,7 @@ from station.memory.vectors cimport copy_into
 
 cdef class CartesianSpring:
     cdef PoseSpring _spring
-    cdef ModelSource _pose
-    cdef ModelSource _jacobian
-    cdef ModelSource _coriolis
+    cdef ModelSource _pose, _jacobian, _coriolis
     cdef object _copies
     cdef double[::1] _commands
     @cython.locals(spring=PoseSpring)

@@ -47,6 +47,7 @@ from station.core.trajectory import (
     PosVelAccState,
     read_tolerances,
 )
+from station.memory.direct_calls import call_directly
 
 InterfaceT = TypeVar("InterfaceT")
 
@@ -151,6 +152,8 @@ class JointTrajectoryController(Controller[InterfaceT]):
             self.execution, self._adapter.law, self._adapter.output
         )
         self.sampled = self._update.sampled
+        command = self._update.command_joints
+        call_directly(self, JointTrajectoryController, update=command)
         self.goals = FollowJointTrajectoryPort(
             self.planner, tolerances, self.is_running, self._state_message
         )

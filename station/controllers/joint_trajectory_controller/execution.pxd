@@ -8,28 +8,19 @@ from station.core.trajectory.splines cimport sample_splines
 cdef double _INF
 
 cdef class SpeedScaling:
-    cdef public double target
-    cdef readonly double ramp_time
-    cdef public double factor
-    cdef readonly double rate
+    cdef public double target, factor
+    cdef readonly double ramp_time, rate
     cdef readonly object tunables
     @cython.locals(before=double, step=double, difference=double)
     cpdef double advance(self, double period)
 
 cdef class JointTracking:
-    cdef readonly object memory
-    cdef readonly Py_ssize_t size
-    cdef readonly object desired
-    cdef readonly object positions
-    cdef readonly object velocities
-    cdef readonly object accelerations
-    cdef readonly object errors
+    cdef readonly object memory, desired, positions, velocities, accelerations, errors
     cdef readonly object rate_errors
+    cdef readonly Py_ssize_t size
     cdef list _bounds
-    cdef JointErrors _position
-    cdef JointErrors _velocity
-    cdef double[::1] _states
-    cdef double[::1] _splines
+    cdef JointErrors _position, _velocity
+    cdef double[::1] _states, _splines
     @cython.locals(i=Py_ssize_t)
     cpdef void load_spline(self, Py_ssize_t k, double[::1] spline) noexcept
     cpdef bint follow_splines(self, double time, double factor, double rate) noexcept
@@ -41,29 +32,20 @@ cdef class GoalSupervision:
     cdef object _joints
     cdef JointTracking _tracking
     cdef set _reached
-    cdef double _start
-    cdef double _end
+    cdef double _start, _end
     @cython.locals(duration=double, passed=double)
     cpdef note_progress(self, goal, double now)
 
 cdef class TrajectoryExecution:
     cdef readonly SpeedScaling speed
     cdef readonly JointTracking tracking
-    cdef readonly object requests
+    cdef readonly object requests, retired, times_from_start
     cdef readonly list trajectory
-    cdef readonly object retired
     cdef readonly tuple moment
     cdef readonly double sampled
-    cdef readonly object times_from_start
-    cdef object _names
-    cdef double _stop_duration
-    cdef object _path_bounds
-    cdef long long _uptime
-    cdef double _passed
-    cdef long long _passed_ns
-    cdef double _load_time
-    cdef double _path_end
-    cdef double _begin
+    cdef object _names, _path_bounds
+    cdef double _stop_duration, _passed, _load_time, _path_end, _begin
+    cdef long long _uptime, _passed_ns
     cdef bint _rests
     cdef double[::1] _times
     cdef list _active

@@ -1,20 +1,13 @@
 cdef object _WORKING, _FINISHED
 
 cdef class MotionGenerator:
-    cdef public list positions
-    cdef public list velocities
-    cdef public list accelerations
+    cdef public list positions, velocities, accelerations
     cdef public bint is_still
     cdef Py_ssize_t _size
-    cdef list _held
-    cdef list _wanted
+    cdef list _held, _wanted
     cdef bint _goes_to_positions
     cdef double _period
-    cdef object _ruckig
-    cdef object _input
-    cdef object _output
-    cdef object _braking
-    cdef object _trajectory
+    cdef object _ruckig, _input, _output, _braking, _trajectory
 
     cpdef tuple state(self)
     cpdef restore(self, tuple state)

@@ -7,20 +7,17 @@ cdef object _RUNNING
 cdef double _INF
 
 cdef class ControllerUpdate:
-    cdef readonly object lifecycle
+    cdef readonly object lifecycle, changes
     cdef readonly CommandGate gate
-    cdef object hw
+    cdef object hw, transaction
     cdef public tuple interrupted
-    cdef readonly object changes
     cdef public double update_budget
     cdef readonly long long cycle
     cdef readonly double time
     cdef readonly long thread
     cdef readonly bint is_updating
-    cdef public object pending
-    cdef object transaction
+    cdef public object pending, stopwatch
     cdef public bint resets
-    cdef public object stopwatch
     @cython.locals(gate=CommandGate, one=LoadedController, last=LoadedController)
     cpdef update_controllers(self, double time, double period, bint stands_still=*)
     @cython.locals(begin=double, duration=double, is_finite=bint, block=CommandBlock)

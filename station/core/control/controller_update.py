@@ -133,7 +133,7 @@ class ControllerUpdate:
         self.cycle += 1
         self.time = time
         # Callers may unload a controller that fails before the rest is updated.
-        gate, loaded = self.gate, self.lifecycle.loaded
+        gate = self.gate
         try:
             if not stands_still:
                 # Rare, so one test in the usual cycle.
@@ -150,6 +150,7 @@ class ControllerUpdate:
                             break
                 if gate.is_stale:
                     # Controllers have started or stopped, also by a fault of the last.
+                    loaded = self.lifecycle.loaded
                     after = 0 if last is None else loaded.index(last) + 1
                     self._update_all(loaded[after:], time, period)
             pending = self.pending

@@ -2,25 +2,17 @@ from station.core.control.sample_columns cimport SampleColumns
 from station.core.numerics.durations cimport Durations
 
 cdef class LoadedController:
-    cdef readonly object controller
-    cdef readonly object info
-    cdef readonly object commands
+    cdef readonly object controller, info, commands, ownership
     cdef readonly list blocks
     cdef SampleColumns sampled
     cdef Py_ssize_t place
     cdef readonly tuple fallback
     cdef readonly bint may_jump
     cdef tuple notes
-    cdef public object fault
-    cdef public object traceback
-    cdef public bint is_unreleased
-    cdef public bint fresh
-    cdef object last_set_point
-    cdef object last_goal
-    cdef readonly object ownership
+    cdef public object fault, traceback
+    cdef public bint is_unreleased, fresh
+    cdef object last_set_point, last_goal
     cdef readonly Durations durations
-    cdef public long long overruns
+    cdef public long long overruns, late_updates
     cdef long long overruns_before
-    cdef public double last_overrun
-    cdef public long long late_updates
-    cdef public double stalled_at
+    cdef public double last_overrun, stalled_at

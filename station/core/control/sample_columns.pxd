@@ -8,10 +8,8 @@ cdef class Column:
 cdef class SampleColumns:
     cdef tuple views
     cdef list columns
-    cdef readonly Py_ssize_t size
-    cdef double[::1] row
+    cdef readonly Py_ssize_t size, width
+    cdef double[::1] row, stamp
     cdef object packed
-    cdef readonly Py_ssize_t width
-    cdef double[::1] stamp
     @cython.locals(at=Py_ssize_t, column=Column)
     cpdef keep(self, double stamp)

@@ -24,34 +24,14 @@ cpdef void limit_steps(
 ) noexcept
 
 cdef class CommandRates:
-    cdef double[::1] tau_J_d
-    cdef double[::1] q_d
-    cdef double[::1] dq_d
-    cdef double[::1] ddq_d
+    cdef double[::1] tau_J_d, q_d, dq_d, ddq_d, positions, velocities, efforts, velocity
+    cdef double[::1] acceleration, jerk, stopping, lower, upper, last_goals
     cdef readonly Py_ssize_t size
-    cdef double[::1] positions
-    cdef double[::1] velocities
-    cdef double[::1] efforts
-    cdef double[::1] velocity
-    cdef double[::1] acceleration
-    cdef double[::1] jerk
-    cdef double[::1] stopping
-    cdef double torque_step
+    cdef double torque_step, approach_gain, period
     cdef bint passes_first
-    cdef double[::1] lower
-    cdef double[::1] upper
-    cdef double approach_gain
-    cdef double period
     cdef public double gain
-    cdef public bint is_limiting
-    cdef public double[::1] lowest
-    cdef public double[::1] highest
-    cdef public double[::1] goals
-    cdef double[::1] last_goals
-    cdef public bint has_goals
-    cdef public bint passes_next
-    cdef public double[::1] result
-    cpdef begin_motion(self, double gain, bint is_limiting)
+    cdef public bint is_limiting, has_goals, passes_next
+    cdef public double[::1] lowest, highest, goals, result
     cpdef note_goals(self)
     cpdef filter_torques(self)
     cpdef filter_velocities(self)

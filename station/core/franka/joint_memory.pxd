@@ -1,17 +1,4 @@
 cdef class JointMemory:
     cdef readonly Py_ssize_t size
-    cdef readonly double[::1] q
-    cdef readonly double[::1] dq
-    cdef readonly double[::1] positions
-    cdef readonly double[::1] dtheta
-    cdef readonly double[::1] tau_J
-    cdef readonly double[::1] dtau_J
-    cdef readonly double[::1] q_d
-    cdef readonly double[::1] dq_d
-    cdef readonly double[::1] ddq_d
-    cdef readonly double[::1] tau_J_d
-    cdef readonly double[::1] last_tau_J
-    cdef readonly double[::1] target
-    cdef readonly double[::1] target_dq
-    cdef readonly double[::1] torques
-    cdef readonly double[::1] sent
+    cdef readonly double[::1] q, dq, positions, dtheta, tau_J, dtau_J, q_d, dq_d, ddq_d
+    cdef readonly double[::1] tau_J_d, last_tau_J, target, target_dq, torques, sent

@@ -10,11 +10,8 @@ cdef class ModelSource:
 
 cdef class ToolPoseSource(ModelSource):
     cdef ArmDynamics dynamics
-    cdef double[::1] q
-    cdef double[::1] links
+    cdef double[::1] q, links, flange, tool
     cdef Py_ssize_t end
-    cdef double[::1] flange
-    cdef double[::1] tool
     cpdef write(self, double[::1] result)
 
 cdef class ToolJacobianSource(ModelSource):
@@ -24,14 +21,9 @@ cdef class ToolJacobianSource(ModelSource):
 
 cdef class CoriolisSource(ModelSource):
     cdef ArmDynamics dynamics
-    cdef object state
-    cdef double[::1] q
-    cdef double[::1] dq
-    cdef double[::1] center
-    cdef double[::1] inertia
-    cdef object put_load
+    cdef object state, put_load
+    cdef double[::1] q, dq, center, inertia, load
     cdef double mass
-    cdef double[::1] load
     cdef long changes
     cpdef write(self, double[::1] result)
     @cython.locals(mass=double, differs=bint, load=double[::1])

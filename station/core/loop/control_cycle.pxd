@@ -7,24 +7,17 @@ from station.memory.wall_time cimport VirtualTime, wall_time
 cdef double _INF
 
 cdef class ControlCycle:
-    cdef object hw
-    cdef object manager
-    cdef ControllerUpdate controllers
-    cdef object refresh_joints
-    cdef SnapshotRing snapshots
-    cdef object operations
-    cdef object waiting
-    cdef object stop_latch
-    cdef object heartbeat
-    cdef unsigned char[::1] stop_flags
-    cdef CycleTimes times
+    cdef object hw, manager, refresh_joints, operations, waiting, stop_latch, heartbeat
     cdef object now
+    cdef ControllerUpdate controllers
+    cdef SnapshotRing snapshots
+    cdef unsigned char[::1] latch_flag, stop_flags
+    cdef CycleTimes times
     cdef VirtualTime virtual
     cdef list interruptible
     cdef public tuple taps
     cdef public double time
-    cdef public long long cycle
-    cdef public long long epoch
+    cdef public long long cycle, epoch
     cdef readonly double longest_period
     cdef public long late_cycles
     @cython.locals(done=long)

@@ -70,6 +70,7 @@ class ControlCycle:
         self.operations = operations
         self.waiting = operations.waiting
         self.stop_latch = stop_latch
+        self.latch_flag = stop_latch.flag
         self.heartbeat = heartbeat
         self.stop_flags = heartbeat.flags
         self.times = times
@@ -123,7 +124,7 @@ class ControlCycle:
         self.time = time
         self.cycle += 1
         # Before the read, so that an operation sees the state of the last cycle whole.
-        if self.waiting or self.stop_latch.pending:
+        if self.waiting or self.latch_flag[0]:
             self.carry_out_requests()
         begun = self.wall_time()
         self.hw.read(time, period)

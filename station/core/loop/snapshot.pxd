@@ -12,19 +12,14 @@ cdef class StateBlock:
     cdef Py_ssize_t size
 
 cdef class SnapshotRing:
-    cdef readonly Py_ssize_t capacity
+    cdef readonly Py_ssize_t capacity, states, width
     cdef readonly long long newest
-    cdef readonly list modes
-    cdef readonly list layouts
-    cdef readonly list objects
+    cdef readonly list modes, layouts, objects
     cdef list blocks
-    cdef readonly Py_ssize_t states
     cdef Py_ssize_t room
-    cdef readonly Py_ssize_t width
     cdef readonly object memory
     cdef double[::1] rows
-    cdef tuple running
-    cdef tuple layout
+    cdef tuple running, layout
     @cython.locals(
         slot=Py_ssize_t, begin=Py_ssize_t, at=Py_ssize_t, is_running=bint,
         block=StateBlock, one=LoadedController, sampled=SampleColumns,

@@ -24,17 +24,23 @@ class StopLatch:
 
     Attributes:
         state: Where it is.
-        pending: Engaged, and not yet carried out by the loop.
+        flag: Not 0 while it is engaged, and not yet carried out by the loop.
         reason: Why it was engaged last, for people.
         cycle: The cycle in which the last stop was carried out; 0 if none was.
     """
 
     def __init__(self) -> None:
-        self.pending = False
+        # Memory: every cycle reads it.
+        self.flag = bytearray(1)
         self.state = StopState.ARMED
         self.reason = ""
         self.cycle = 0
         self._engagements = 0
+
+    @property
+    def pending(self) -> bool:
+        """Return whether it is engaged, and not yet carried out by the loop."""
+        return self.flag[0] != 0
 
     def engage(self, reason: str) -> None:
         """Stop everything; again when it is stopped already changes nothing else."""
@@ -42,12 +48,12 @@ class StopLatch:
         # between.
         self._engagements += 1
         self.reason = reason
-        self.pending = True
+        self.flag[0] = 1
         self.state = StopState.STOPPED
 
     def carried_out(self, cycle: int) -> None:
         """Note that the loop has stopped everything in `cycle` (control thread)."""
-        self.pending = False
+        self.flag[0] = 0
         self.cycle = cycle
 
     def release(self) -> None:

@@ -5,14 +5,7 @@ from station.memory.vectors cimport copy_into
 
 cdef class ArmDynamics:
     cdef Py_ssize_t size
-    cdef double[::1] chain
-    cdef double[::1] given
-    cdef double[::1] bodies
-    cdef double[::1] q
-    cdef double[::1] links
-    cdef double[::1] moments
-    cdef double[::1] screws
-    cdef double[::1] wrenches
+    cdef double[::1] chain, given, bodies, q, links, moments, screws, wrenches
 
     cdef bint is_weighed
     cdef readonly long changes
@@ -21,7 +14,6 @@ cdef class ArmDynamics:
     cpdef void move_to(self, object q) except *
     @cython.locals(differs=bint)
     cpdef void move_links(self, double[::1] q) noexcept
-    cpdef void change_bodies(self) noexcept
     cpdef void weigh(self) noexcept
     cpdef void mass(self, double[::1] result) noexcept
     cpdef void gravity(self, double[::1] acceleration, double[::1] result) noexcept

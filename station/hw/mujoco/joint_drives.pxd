@@ -8,13 +8,13 @@ cpdef double approach_velocity(double error, double braking) noexcept
 
 cdef class JointDrives(Preparation):
     cdef object _joints
-    cdef readonly object velocity_limits, modes
-    cdef readonly object position_target, velocity_target, effort_target
+    cdef readonly object velocity_limits, modes, position_target, velocity_target
+    cdef readonly object effort_target
     cdef double[::1] qpos, qvel, bias, weight, inertia, control, damping
     cdef long long[::1] place_qpos, place_dof, place_inertia
     cdef long long[::1] place_control, place_damping
-    cdef double[::1] mode, position, velocity, effort
-    cdef double[::1] velocity_limit, effort_limit, lower_limit, upper_limit, desired
+    cdef double[::1] mode, position, velocity, effort, velocity_limit, effort_limit
+    cdef double[::1] lower_limit, upper_limit, desired
     cdef Py_ssize_t size
     cdef double timestep
 

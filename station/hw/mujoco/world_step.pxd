@@ -14,17 +14,15 @@ cdef class CalledPreparation(Preparation):
     cpdef prepare_step(self)
 
 cdef class SpeedCheck:
-    cdef double[::1] velocities
-    cdef double[::1] shares
+    cdef double[::1] velocities, shares
     cdef readonly Py_ssize_t size
     cdef double slowest
     cpdef bint holds(self)
 
 cdef class WorldStep:
-    cdef object step
+    cdef object step, brake, count_pushes
     cdef size_t function, model, data
     cdef SpeedCheck speeds
-    cdef object brake, count_pushes
     cdef readonly long long count
     cdef readonly list preparations
     cdef public bint stands_still, is_pushed, is_braked

@@ -31,13 +31,13 @@ class Generator:
         put(step.command[: len(values)], values)
         step.size, step.has_elbow = len(values), elbow is not None
         put(step.elbow_command, elbow or (0.0, 0.0))
-        self._violations.clear()
+        self._violations.count = 0
         step.plan(self._is_first)
         self._is_first = False
         return self._violations.errors()
 
     def solve(self) -> tuple[list[float], list[ArmError]]:
         """Return the joints' next positions and the errors of their step."""
-        self._violations.clear()
+        self._violations.count = 0
         self._step.move_joints()
         return [*self._memory.target], self._violations.errors()

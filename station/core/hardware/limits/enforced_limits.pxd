@@ -3,13 +3,10 @@ from station.core.hardware.limits.limited_joints cimport LimitedJoints
 
 cdef class LimitedRun:
     cdef LimitedJoints joints
-    cdef object enforce
-    cdef Py_ssize_t first
-    cdef Py_ssize_t last
-    cdef object count
+    cdef object enforce, count
+    cdef Py_ssize_t first, last
 
 cdef class EnforcedLimits:
-    cdef public list runs
-    cdef public list singles
+    cdef public list runs, singles
     @cython.locals(run=LimitedRun, joints=LimitedJoints, mask=long)
     cpdef enforce(self, double period)

@@ -6,12 +6,10 @@ cdef double approach(double distance, double gain, double speed) noexcept
 
 
 cdef class LimitedJoints:
-    cdef double[::1] position, velocity, command
-    cdef double[::1] min_position, max_position, max_velocity, max_acceleration
-    cdef double[::1] max_jerk, max_effort
-    cdef double[::1] soft_min, soft_max, k_position, k_velocity
-    cdef double[::1] previous, velocity_before, acceleration_before
-    cdef double[::1] asked, reason
+    cdef double[::1] position, velocity, command, min_position, max_position
+    cdef double[::1] max_velocity, max_acceleration, max_jerk, max_effort, soft_min
+    cdef double[::1] soft_max, k_position, k_velocity, previous, velocity_before
+    cdef double[::1] acceleration_before, asked, reason
 
     cpdef long enforce(self, double period, Py_ssize_t first, Py_ssize_t last) noexcept
 

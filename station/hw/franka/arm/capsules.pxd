@@ -14,9 +14,8 @@ cpdef long nearest_pair(
 cpdef double segment_distance(double[::1] first, double[::1] second) noexcept
 
 cdef class LinkDistances:
-    cdef double[::1] capsules
+    cdef double[::1] capsules, segments, found
     cdef long[::1] owners, pairs
-    cdef double[::1] segments, found
     cdef readonly long closest
     @cython.locals(number=long, first=long, second=long)
     cpdef double measure(self, double[::1] links)

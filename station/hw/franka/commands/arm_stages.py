@@ -18,8 +18,20 @@ _MOVE = MOVE  # as a C number, by the .pxd
 _READINGS = ("position", "velocity", "torque")
 
 
+class Hand(Protocol):
+    """The services of a hand."""
+
+    is_moving: bool
+
+
 class Fingers(Protocol):
     """The fingers of a simulated hand."""
+
+    claimed: dict[str, str]
+
+    @property
+    def hand(self) -> Hand:
+        """Return the services of their hand."""
 
     def write(self) -> None:
         """Pass their commands on."""
@@ -50,6 +62,7 @@ class ArmReading:
         losses_that_end: int,
     ) -> None:
         self.arm = arm
+        self.read_once = arm.read_once
         self.joint_readings = arm.state.readings()
         self.readings = FiniteCheck(self.joint_readings)
         self.motion = motion
@@ -76,10 +89,10 @@ class ArmReading:
         # The usual cycle: one state, without the arithmetic of a late one.
         if self.nominal == 1 and 0.5 < share < 1.5:
             self.time_due -= self.cycle_time
-            self.arm.read_once()
+            self.read_once()
         else:
             count = self.catch_up()
-        if self.motion.is_waiting:
+        if self.sender.is_waiting:
             self.motion.advance(count)
         self.bad = self.readings.first_bad()
         if self.bad >= 0:
@@ -108,7 +121,7 @@ class ArmReading:
         for cycle in range(min(cycles, self.nominal + late)):
             if cycle > lost:
                 self.sender.resend_commands()
-            self.arm.read_once()
+            self.read_once()
         return cycles
 
     def blindness(self) -> str | None:
@@ -125,14 +138,18 @@ class ArmWriting:
 
     Args:
         sender: Sends the commands of the arm while a motion runs.
-
-    Attributes:
-        fingers: Their joints; None without a simulated hand.
     """
 
     def __init__(self, sender: CommandSender) -> None:
         self.sender = sender
-        self.fingers: Fingers | None = None
+        self.hand: Hand | None = None
+        self.claimed: dict[str, str]
+        self.write_fingers: Callable[[], None]
+
+    def add_fingers(self, fingers: Fingers) -> None:
+        """Send the commands of the fingers of a simulated hand, too."""
+        self.hand, self.claimed = fingers.hand, fingers.claimed
+        self.write_fingers = fingers.write
 
     def write(self, time: float, period: float) -> None:
         """Send the commands; see `CommandSender.send_commands`.
@@ -141,8 +158,9 @@ class ArmWriting:
             time: Station time of the cycle [s].
             period: Time since the last cycle [s], >= 0.
         """
-        if self.fingers is not None:
-            self.fingers.write()
+        # Most of the time there is nothing to do for the fingers.
+        if self.hand is not None and (self.claimed or self.hand.is_moving):
+            self.write_fingers()
         self.sender.send_commands(period)
 
 
@@ -152,18 +170,18 @@ class ArmWatch:
     Args:
         code: The arm's mode, one number.
         names: Name of each mode, by its number.
-        motion: The motion that controllers command.
+        sender: Sends the commands of controllers.
     """
 
     def __init__(
         self,
         code: Doubles,
         names: dict[float, str],
-        motion: "MotionStart",
+        sender: CommandSender,
     ) -> None:
         self.code = code
         self.names = names
-        self.motion = motion
+        self.sender = sender
         self.last_code = code[0]
         self.last_name = names[code[0]]
 
@@ -172,7 +190,7 @@ class ArmWatch:
         # The usual case, with one comparison.
         if self.code[0] == _MOVE:
             return False
-        return self.motion.is_active and not self.motion.is_waiting
+        return self.sender.is_active and not self.sender.is_waiting
 
     def mode(self) -> str:
         """Return the name of the arm's mode."""

@@ -21,23 +21,12 @@ cpdef void limit_vector(
 cpdef bint has_elbow(double[::1] elbow) noexcept
 
 cdef class PoseRates:
-    cdef double[::1] pose
-    cdef double[::1] twist
-    cdef double[::1] acceleration
-    cdef double[::1] elbow
-    cdef double[::1] elbow_velocity
-    cdef double[::1] elbow_acceleration
-    cdef double[::1] translation
-    cdef double[::1] rotation
-    cdef double[::1] elbow_limits
-    cdef double pose_share
-    cdef double period
+    cdef double[::1] pose, twist, acceleration, elbow, elbow_velocity
+    cdef double[::1] elbow_acceleration, translation, rotation, elbow_limits, way
+    cdef double pose_share, period
     cdef public double gain
     cdef public bint is_limiting
-    cdef readonly double[::1] sent_pose
-    cdef readonly double[::1] sent_twist
-    cdef readonly double[::1] sent_elbow
-    cdef double[::1] way
+    cdef readonly double[::1] sent_pose, sent_twist, sent_elbow
 
     cpdef void filter_pose(self, double[::1] pose, bint passes) noexcept
     cpdef void filter_twist(self, double[::1] twist) noexcept
@@ -49,12 +38,8 @@ cdef class CartesianSender:
     cdef Receiver receiver
     cdef PoseRates rates
     cdef PoseBridge bridge
-    cdef double[::1] pose
-    cdef double[::1] twist
-    cdef double[::1] pose_elbow
-    cdef double[::1] twist_elbow
-    cdef bint filters_first
-    cdef bint is_first
+    cdef double[::1] pose, twist, pose_elbow, twist_elbow
+    cdef bint filters_first, is_first
     @cython.locals(is_known=bint, is_first=bint, passes=bint, elbow=double[::1], bent=list)
     cpdef send_pose(self, bint is_new)
     @cython.locals(elbow=double[::1], bent=list)

@@ -8,21 +8,14 @@ from station.memory.finite_check cimport FiniteCheck
 cdef int _MOVE
 
 cdef class CommandSender:
-    cdef object arm
+    cdef object arm, joints, cartesian, update_ranges
     cdef Receiver receiver
     cdef double[::1] mode
-    cdef object joints
-    cdef object cartesian
     cdef CartesianSender cartesian_sender
     cdef CommandRates rates
-    cdef object update_ranges
-    cdef list checks
-    cdef list limits
-    cdef bint has_positions
-    cdef bint has_velocities
-    cdef bint has_efforts
-    cdef bint has_pose
-    cdef bint has_twist
+    cdef list checks, limits
+    cdef public bint is_active, is_waiting
+    cdef bint has_positions, has_velocities, has_efforts, has_pose, has_twist
     cdef public object refusal
     @cython.locals(check=FiniteCheck, limits=EnforcedLimits)
     cpdef send_commands(self, double period)

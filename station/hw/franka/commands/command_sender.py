@@ -33,6 +33,8 @@ class CommandSender:
             None where limits do not depend on the position.
 
     Attributes:
+        is_active: Whether controllers give any command.
+        is_waiting: Whether the arm is coming to rest before it follows them.
         refusal: Why a command was not sent and the motion ended; None if all were sent.
     """
 
@@ -55,6 +57,7 @@ class CommandSender:
         self.update_ranges = update_ranges
         self.checks: list[FiniteCheck] = []
         self.limits: list[EnforcedLimits] = []
+        self.is_active = self.is_waiting = False
         self.has_positions = False
         self.has_velocities = False
         self.has_efforts = False

@@ -36,8 +36,6 @@ class MotionStart:
 
     Attributes:
         mode: The kinds of command that controllers give since the last switch.
-        is_active: Whether controllers give any command.
-        is_waiting: Whether the arm is coming to rest before a motion.
         has_failed: Whether the arm refused the last motion.
         impedance: The controller of the arm whose impedance was set last.
     """
@@ -48,7 +46,6 @@ class MotionStart:
         self._settings: CommandSettings | None = None
         self._waited = 0
         self.mode = ControlMode.NONE
-        self.is_active = self.is_waiting = False
         self.has_failed = False
         self.impedance = ControllerMode.JOINT_IMPEDANCE
 
@@ -87,15 +84,15 @@ class MotionStart:
             settings: How the commands are passed on.
             started: The kinds of command that newly started controllers give.
         """
-        arm = self._arm
+        arm, sender = self._arm, self._sender
         # A Cartesian controller that starts begins a motion of its own, in the same
         # mode too: its first pose is compared with the present one.
         if mode != self.mode or started & _CARTESIAN:
             arm.stop_motion()
         self.mode, self._settings = mode, settings
-        self.is_active = bool(mode)
-        self._sender.begin_motion(mode, settings)
-        self.is_waiting = bool(mode) and arm.state.robot_mode is not RobotMode.MOVE
+        sender.is_active = bool(mode)
+        sender.begin_motion(mode, settings)
+        sender.is_waiting = bool(mode) and arm.state.robot_mode is not RobotMode.MOVE
         self._waited = 0
         self.advance(0)
 
@@ -106,23 +103,23 @@ class MotionStart:
             cycles: Cycles of the arm since the last call.
         """
         settings = self._settings
-        if not self.is_waiting or settings is None:
+        arm, sender = self._arm, self._sender
+        if not sender.is_waiting or settings is None:
             return
-        arm = self._arm
         modes = settings.arm_modes(self.mode, self.impedance)
         if arm.refusal(*modes) is not None:
-            self.is_waiting, self.has_failed = False, True
+            sender.is_waiting, self.has_failed = False, True
             return
         self._waited += cycles
         is_ready = arm.is_at_rest() or not self.mode & _FROM_REST
         if (is_ready and not arm.is_stopping()) or self._waited > LONGEST_WAIT:
-            self.is_waiting = False
+            sender.is_waiting = False
             # Once more: the arm has come to rest elsewhere than where it was at the
             # switch.
-            self._sender.begin_motion(self.mode, settings)
+            sender.begin_motion(self.mode, settings)
             try:
                 arm.start_motion(*modes)
             except ArmCommandError as error:
                 # An arm behind a network may refuse what seemed possible.
                 self.has_failed = True
-                self._sender.refusal = error.message.rstrip(".")
+                sender.refusal = error.message.rstrip(".")

@@ -102,8 +102,7 @@ class FingerJoints:
     def write(self) -> None:
         """Pass on the commands of claimed fingers; an unclaimed finger follows."""
         if not self.claimed:
-            if self.hand.is_moving:
-                self.hand.advance()
+            self.hand.advance()
             return
         kind = next(iter(self.claimed.values()))
         is_position = kind == PositionJointInterface.type_name

@@ -27,7 +27,7 @@ cdef class ArmStep(Preparation):
     cdef JointWatch watch
     cdef CycleLog log
     cdef SimulatorMemory simulator
-    cdef object state, actuators, load, faults
+    cdef object state, actuators, load, faults, losses
     cdef public object modes, plan
     cdef public int generator
     cdef public bint wants_torques, has_load, has_faults, is_following
@@ -35,13 +35,13 @@ cdef class ArmStep(Preparation):
     cdef readonly long long cycle
     cdef readonly double time
     cdef Py_ssize_t lost_in_a_row, settling
-    cdef object losses
     cpdef bint receive_end_effector(self, double[::1] values, Py_ssize_t size)
     cpdef bint receive(self, double[::1] values, Py_ssize_t size, double[::1] place)
     @cython.locals(mode=double)
     cpdef prepare_step(self)
-    @cython.locals(arrived=bint, may_settle=bint)
+    @cython.locals(arrived=bint, was_lossy=bint)
     cdef Py_ssize_t follow_command(self)
-    cdef advance_motion(self, bint arrived, bint may_settle)
+    @cython.locals(may_settle=bint)
+    cdef advance_motion(self, bint arrived, bint was_lossy)
     @cython.locals(result=int, mode=double)
     cpdef int read_joints(self, double time)

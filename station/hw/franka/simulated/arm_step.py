@@ -179,7 +179,7 @@ class ArmStep(Preparation):
         target = _as_doubles(q)
         if len(target) != self.size or not are_finite(target, self.size):
             _refuse("joint positions", self.size, q)
-        self.violations.clear()
+        self.violations.count = 0
         if self.check.check_target(target):
             self.modes.raise_errors(self.violations.errors())
             return
@@ -306,65 +306,67 @@ class ArmStep(Preparation):
 
     def follow_command(self) -> int:
         """Advance the desired motion by a cycle; return the number of violations."""
-        memory, check, violations = self.memory, self.check, self.violations
+        memory, violations = self.memory, self.violations
         arrived = self.is_fresh
         if self.has_faults and self.faults.loses_packet():
             arrived = False
         if self.plan is not None:
             arrived = self.receive(self.plan.advance(), self.size, memory.target)
         self.is_fresh = False
-        violations.clear()
+        violations.count = 0
         # Losses count from the first command on: a client may take its time to begin.
         if not arrived and not self.is_begun:
             self.motion.hold()
             return 0
-        # Joints that settle are not computed. That is worth it for an arm at rest
-        # alone, of which nothing else is to be computed either.
-        may_settle = (
-            self.is_begun
-            and not self.is_lossy
-            and not self.has_load
-            and not self.has_faults
-            and not check.has_curves
-            and not self.motors.is_cartesian
-            and not self.cartesian.has_elbow
-        )
         self.cycle += 1
         # A motion without recent losses needs no bookkeeping.
-        if not arrived or self.is_lossy:
+        was_lossy = self.is_lossy
+        if not arrived or was_lossy:
             self.count_losses(arrived)
         if self.motors.torques_act and violations.count == 0:
             if arrived:
-                check.check_torques()
+                self.check.check_torques()
                 copy_into(memory.sent, 0, memory.torques, self.size)
             else:
                 # A lost packet: the motors keep the torques that arrived last.
                 copy_into(memory.torques, 0, memory.sent, self.size)
         if violations.count:
             return violations.count
-        self.advance_motion(arrived, may_settle)
+        if self.generator == _NO_MOTION:
+            self.motion.hold()
+        else:
+            self.advance_motion(arrived, was_lossy)
         self.is_begun = True
         if violations.count == 0:
             self.log.note(self.time)
         return violations.count
 
-    def advance_motion(self, arrived: bool, may_settle: bool) -> None:  # noqa: FBT001
+    def advance_motion(self, arrived: bool, was_lossy: bool) -> None:  # noqa: FBT001
         """Advance the desired motion if the command is within the limits.
 
         Args:
             arrived: Whether a command has arrived in this cycle.
-            may_settle: See `CartesianStep.follow_command`.
+            was_lossy: Whether commands were lost in the last cycles.
         """
         check, violations = self.check, self.violations
         if self.generator == _CARTESIAN:
             if arrived:
+                # Joints that settle are not computed. That is worth it for an arm at
+                # rest alone, of which nothing else is to be computed either.
+                may_settle = (
+                    self.is_begun
+                    and not was_lossy
+                    and not self.has_load
+                    and not self.has_faults
+                    and not check.has_curves
+                    and not self.motors.is_cartesian
+                    and not self.cartesian.has_elbow
+                )
                 self.cartesian.follow_command(not self.is_begun, may_settle)
             else:
                 self.cartesian.extrapolate()
             if violations.count == 0:
                 self.motion.follow_positions()
-        elif self.generator == _NO_MOTION:
-            self.motion.hold()
         elif not arrived:
             self.motion.extrapolate()
         elif self.generator == _POSITIONS:
@@ -411,7 +413,7 @@ class ArmStep(Preparation):
         # In the other modes an error is present, or a person holds the arm: there is no
         # motion that another error could end.
         is_supervised = mode == _MOVE or mode == _IDLE or mode == _RECOVERY
-        if is_supervised and self.watch.check_readings(self.is_following):
+        if is_supervised and self.watch.check_readings(self.is_following, True):  # noqa: FBT003 - C
             result += _VIOLATION
         return result
 

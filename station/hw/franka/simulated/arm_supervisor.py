@@ -83,7 +83,7 @@ class ArmSupervisor(AlertFlag):
             self._known = {}
             return []
         # Noise has been added to the readings since the watch has compared them.
-        self._watch.find_violations(is_following, 0.0)
+        self._watch.check_readings(is_following, has_moved=False)
         if is_recovering:
             self._accept()
             return []
@@ -142,7 +142,7 @@ class ArmSupervisor(AlertFlag):
         """Forget the present errors, and accept values that are out of range now."""
         self.clear()
         self._watch.room = 0.0
-        self._watch.find_violations(is_following=False, reach=0.0)
+        self._watch.check_readings(is_following=False, has_moved=False)
         self._accept()
         self.is_alert = True
 

@@ -19,11 +19,9 @@ cdef class CartesianStep:
     cdef MotionCheck check
     cdef EndEffectorState state
     cdef double period
-    cdef readonly double[::1] command
+    cdef readonly double[::1] command, elbow_command, next_pose, next_twist, next_elbow
     cdef public Py_ssize_t size
-    cdef readonly double[::1] elbow_command
     cdef public bint has_elbow, is_settled
-    cdef readonly double[::1] next_pose, next_twist, next_elbow
 
     cpdef begin_motion(self)
     cpdef Py_ssize_t follow_command(self, bint is_first, bint may_settle)

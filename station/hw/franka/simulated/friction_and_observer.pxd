@@ -16,21 +16,16 @@ cdef class FrictionAndObserver(Preparation):
     cdef SimulatorMemory simulator
     cdef WrenchEquation equation
     cdef double[::1] chain, tool, stiffness_frame, links, flange, noise, estimate, theta
-    cdef double[::1] wrench, turned
-    cdef double period, rate
-    cdef readonly double[::1] level, slope, shift
-    cdef double[::1] offset
-    cdef readonly double[::1] static_friction, compliance, bristle
-    cdef public double stribeck_velocity, presliding
+    cdef double[::1] wrench, turned, offset, velocity, change, momentum
+    cdef double period, rate, following
+    cdef readonly double[::1] level, slope, shift, static_friction, compliance, bristle
     cdef readonly double[::1] torque_noise, torque_bias, velocity_noise, model_error
-    cdef readonly double[::1] expected, lower, jacobian, pose, place
-    cdef double[::1] velocity, change, momentum
-    cdef public double reach, gain, singular, reliable
+    cdef readonly double[::1] expected, lower, jacobian, pose, place, directions, shares
+    cdef readonly double[::1] doubt, lasting
+    cdef public double stribeck_velocity, presliding, reach, gain, singular, reliable
+    cdef public double lasting_gain
     cdef readonly bint has_wrench
     cdef public Py_ssize_t weak
-    cdef readonly double[::1] directions, shares, doubt, lasting
-    cdef public double lasting_gain
-    cdef double following
     cdef Py_ssize_t drawn
     cdef public long cycles_to_loss
 

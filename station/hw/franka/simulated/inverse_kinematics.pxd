@@ -6,11 +6,9 @@ from station.core.numerics.wrench_equation cimport WrenchEquation
 cdef double _LARGEST_STEP
 
 cdef class InverseKinematics:
-    cdef double[::1] chain, q, tool
+    cdef double[::1] chain, q, tool, step, links, flange, pose, jacobian, error, wrench
     cdef readonly double[::1] target
-    cdef double[::1] step, links
     cdef Py_ssize_t end
-    cdef double[::1] flange, pose, jacobian, error, wrench
     cdef WrenchEquation equation
 
     cpdef void advance(self, double elbow) noexcept

@@ -8,10 +8,10 @@ cdef class JointMotors:
     cdef SimulatorMemory simulator
     cdef double period
     cdef public double[::1] stiffness, damping, load_weight
-    cdef double[::1] limits, passive, rotor, drag
+    cdef double[::1] limits, passive, rotor, drag, late_torques, late_q, late_dq
+    cdef double[::1] late_ddq
     cdef public bint is_loaded, is_late, torques_act, is_cartesian
     cdef bint is_new
-    cdef double[::1] late_torques, late_q, late_dq, late_ddq
     cpdef note_motion(self)
     cpdef apply_torques(self)
     cpdef apply_impedance(self, bint notes)

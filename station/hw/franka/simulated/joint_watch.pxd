@@ -17,15 +17,13 @@ cdef class JointWatch:
     cdef bint has_curves
     cdef VelocityCurves curves
     cdef double[::1] chain, tool, links, flange, pose, desired, jacobian, twist, lower
-    cdef double[::1] upper, slack, slowest, fastest, torque
+    cdef double[::1] upper, slack, slowest, fastest, torque, walls
     cdef double reach_in_a_cycle, speed, power, translation, rotation, elbow
-    cdef LinkDistances distances
     cdef double least_distance
-    cdef double[::1] walls
+    cdef LinkDistances distances
     cdef public double room
-    cpdef bint check_readings(self, bint is_following)
-    @cython.locals(i=Py_ssize_t, position=double, velocity=double, speed=double, torque=double, total=double, power=double, away=double, is_slow=bint, is_close=bint, violations=Violations)
-    cpdef find_violations(self, bint is_following, double reach)
+    @cython.locals(i=Py_ssize_t, position=double, velocity=double, speed=double, torque=double, total=double, power=double, away=double, is_slow=bint, is_close=bint, is_good=bint, reach=double, violations=Violations)
+    cpdef bint check_readings(self, bint is_following, bint has_moved)
     @cython.locals(axis=Py_ssize_t, distance=double, least=double, room=double, value=double, low=double, high=double)
     cdef check_distances(self)
     @cython.locals(i=Py_ssize_t)

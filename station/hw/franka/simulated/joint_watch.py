@@ -98,32 +98,24 @@ class JointWatch:
         self.room = 0.0
         self.violations = Violations()
 
-    def check_readings(self, is_following: bool) -> bool:  # noqa: FBT001 - a C function
-        """Compare all readings of a cycle with their limits.
-
-        Args:
-            is_following: Whether the arm follows the desired motion.
-
-        Returns:
-            Whether a limit is violated.
-        """
-        self.find_violations(is_following, self.reach_in_a_cycle)
-        return self.violations.count > 0
-
-    def find_violations(self, is_following: bool, reach: float) -> None:  # noqa: FBT001
+    def check_readings(self, is_following: bool, has_moved: bool) -> bool:  # noqa: FBT001
         """Compare all readings with their limits.
 
         Args:
             is_following: Whether the arm follows the desired motion.
-            reach: How far a joint of 1 rad/s may have moved any point of the arm since
-                the last call [m].
+            has_moved: Whether a cycle has passed since the last call.
+
+        Returns:
+            Whether a limit is violated.
         """
         memory, violations = self.memory, self.violations
         q, dq, tau, q_d = memory.positions, memory.dtheta, memory.tau_J, memory.q_d
         lower, upper, largest = self.lower, self.upper, self.torque
         slowest, fastest = self.slowest, self.fastest
         total = power = away = 0.0
-        violations.clear()
+        # How far a joint of 1 rad/s may have moved any point of the arm.
+        reach = self.reach_in_a_cycle if has_moved else 0.0
+        violations.count = 0
         if self.has_curves:
             self.bend_velocity_limits()
         for i in range(self.size):
@@ -134,13 +126,16 @@ class JointWatch:
                 if position < lower[i]:
                     bound = max(self.limits.lower[i], lower[i])
                 violations.add(MEASURED_POSITION, i, position, bound)
-            if not slowest[i] <= velocity <= fastest[i]:
+            # Without the calls that `abs` is where this is interpreted.
+            if velocity < 0.0:
+                speed, is_good = -velocity, slowest[i] <= velocity
+            else:
+                speed, is_good = velocity, velocity <= fastest[i]
+            if not is_good:
                 bounds = self.limits.velocity_range(i, position)
                 violations.add(
                     MEASURED_VELOCITY, i, velocity, bounds[1 if velocity > 0.0 else 0]
                 )
-            # Without the two calls that `abs` is where this is interpreted.
-            speed = -velocity if velocity < 0.0 else velocity
             if torque < 0.0:
                 torque = -torque
             if torque > largest[i]:
@@ -169,6 +164,7 @@ class JointWatch:
             violations.add(POWER, 0, power, self.power)
         if not is_close:
             self.check_deviation()
+        return violations.count > 0
 
     def bend_velocity_limits(self) -> None:
         """Compute the velocity limits where the joints are."""

@@ -174,12 +174,11 @@ class MotionCheck:
         lowest = -largest
         tau, last, sent = memory.torques, memory.tau_J_d, memory.sent
         for i in range(self.size):
-            step = tau[i] - last[i]
             # Without the call of `abs` where this is interpreted.
-            if not lowest <= step <= largest:
+            if not lowest <= tau[i] - last[i] <= largest:
                 # `tau_J_d` is cut off at the motor's limit: a client that goes on
                 # asking for more makes no step.
-                step = min(abs(step), abs(tau[i] - sent[i]))
+                step = min(abs(tau[i] - last[i]), abs(tau[i] - sent[i]))
                 if step > largest:
                     rate = self.limits.torque_rate
                     self.violations.add(TORQUE_RATE, i, step / self.period, rate)

@@ -26,6 +26,7 @@ from station.hw.franka.simulated.receivers import StepReceiver
 from station.hw.franka.simulated.simulated_arm_controls import SimulatedArmControls
 from station.hw.franka.simulated.simulated_cycles import SimulatedCycles
 from station.hw.mujoco.world import World
+from station.memory.direct_calls import call_directly
 from station.memory.doubles import Doubles, Storage
 from station.reports import ArmRecord
 
@@ -94,6 +95,7 @@ class SimulatedArm(RobotArm):
             react=self._react_to_observer,
             supervise=self._supervise,
         )
+        call_directly(self, SimulatedArm, read_once=self._cycles.read)
         self.after_reset()
         # Preparations run in the order of their adding: friction acts before the arm.
         if self.contact.observer is not None:
@@ -102,8 +104,7 @@ class SimulatedArm(RobotArm):
 
     @override
     def read_once(self) -> RobotState:
-        self._cycles.read()
-        return self.state
+        return self._cycles.read()
 
     @override
     def receiver(self) -> StepReceiver:

@@ -14,13 +14,11 @@ cdef class AlertFlag:
 cdef class SimulatedCycles:
     cdef ArmStep step
     cdef WorldStep world
-    cdef object state
+    cdef object state, read_disturbed, expect_load, react, supervise
     cdef double period
     cdef ContactFlag contact
     cdef AlertFlag supervisor
-    cdef object read_disturbed
     cdef FrictionAndObserver observer
-    cdef object expect_load, react, supervise
     cdef readonly long long cycle, seen
     @cython.locals(found=int, observed=int, steps="long long", time=double)
     cpdef read(self)

@@ -1,7 +1,7 @@
 """Bring the state of a simulated arm up to date, once per cycle."""
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 from station.hw.franka.simulated.arm_step import ArmStep
 from station.hw.franka.simulated.friction_and_observer import (
@@ -11,6 +11,9 @@ from station.hw.franka.simulated.friction_and_observer import (
     FrictionAndObserver,
 )
 from station.hw.mujoco.world_step import WorldStep
+
+if TYPE_CHECKING:
+    from station.core.franka.franka_robot_state import RobotState
 
 # As C numbers, by the .pxd.
 _TOUCHED = TOUCHED
@@ -37,12 +40,6 @@ class AlertFlag:
 
     def __init__(self) -> None:
         self.is_alert = False
-
-
-class TimedState(Protocol):
-    """A state with its time [s]."""
-
-    time: float
 
 
 class SimulatedCycles:
@@ -72,7 +69,7 @@ class SimulatedCycles:
         step: ArmStep,
         world: WorldStep,
         *,
-        state: TimedState,
+        state: "RobotState",
         period: float,
         contact: ContactFlag,
         supervisor: AlertFlag,
@@ -96,8 +93,8 @@ class SimulatedCycles:
         self.cycle = world.count
         self.seen = world.count
 
-    def read(self) -> None:
-        """Let the world make its step if no other arm has, and read the joints."""
+    def read(self) -> "RobotState":
+        """Let the world make its step if no other arm has; return the arm's state."""
         world, step = self.world, self.step
         self.cycle += 1
         while world.count < self.cycle:
@@ -106,7 +103,7 @@ class SimulatedCycles:
         # After a late cycle another arm has led the world on: this state was read
         # already.
         if self.seen >= steps:
-            return
+            return self.state
         self.seen = steps
         time = steps * self.period
         if step.has_load or step.has_faults:
@@ -132,3 +129,4 @@ class SimulatedCycles:
             or self.supervisor.is_alert
         ):
             self.supervise(found)
+        return self.state

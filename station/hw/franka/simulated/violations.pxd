@@ -1,5 +1,4 @@
 cdef class Violations:
-    cdef readonly Py_ssize_t count
+    cdef public Py_ssize_t count
     cdef double[::1] rows
-    cpdef void clear(self) noexcept
     cpdef void add(self, int code, Py_ssize_t part, double value, double bound)

@@ -95,16 +95,12 @@ class Violations:
     """The findings of a check, in memory that is made once.
 
     Attributes:
-        count: How many violations there are.
+        count: How many violations there are; 0 forgets them.
     """
 
     def __init__(self) -> None:
         self.count = 0
         self.rows = zeros(CAPACITY * _COLUMNS)
-
-    def clear(self) -> None:
-        """Forget all violations."""
-        self.count = 0
 
     def add(self, code: int, part: int, value: float, bound: float) -> None:
         """Note a violation.

@@ -15,8 +15,6 @@ class Motion:
     """A motion that may wait for its beginning."""
 
     def __init__(self):
-        self.is_waiting = False
-        self.is_active = True
         self.waited = []
 
     def advance(self, cycles):
@@ -79,7 +77,7 @@ def test_a_very_late_loop_loses_twenty_cycles_and_no_more(arm):
 
 
 def test_a_motion_that_waits_hears_how_many_cycles_have_passed(arm):
-    arm.motion.is_waiting = True
+    arm.sender.is_waiting = True
     arm.reading.read(0.0, PERIOD)
     arm.reading.read(0.0, 3 * PERIOD)
     assert arm.motion.waited == [1, 3]
@@ -106,10 +104,12 @@ def test_a_reading_that_is_not_finite_is_named_and_ends_the_motion(
 
 
 def test_an_arm_is_interrupted_when_it_has_left_a_motion_that_has_begun():
-    motion, code = Motion(), Read().arm.state.doubles(MODE)
-    watch = ArmWatch(code, {1.0: "idle", 2.0: "move"}, motion)
+    arm = Read()
+    sender, code = arm.sender, arm.arm.state.doubles(MODE)
+    sender.is_active = True
+    watch = ArmWatch(code, {1.0: "idle", 2.0: "move"}, sender)
     assert (watch.is_interrupted(), watch.mode()) == (False, "move")
     code[0] = 1.0
     assert (watch.is_interrupted(), watch.mode()) == (True, "idle")
-    motion.is_waiting = True
+    sender.is_waiting = True
     assert not watch.is_interrupted()

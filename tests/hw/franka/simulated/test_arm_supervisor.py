@@ -28,7 +28,7 @@ class Supervised:
 
     def errors(self, *, is_recovering: bool = False) -> list[ArmError]:
         is_following = False
-        is_quiet = not self.watch.check_readings(is_following)
+        is_quiet = not self.watch.check_readings(is_following, has_moved=True)
         return self.supervisor.examine(
             is_quiet=is_quiet, is_following=is_following, is_recovering=is_recovering
         )

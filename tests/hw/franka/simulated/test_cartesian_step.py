@@ -46,7 +46,7 @@ class Motion:
 
     def follow(self, *, may_settle: bool = True) -> int:
         """Follow the command; return the number of violations."""
-        self.violations.clear()
+        self.violations.count = 0
         return self.step.follow_command(False, may_settle)  # noqa: FBT003
 
     def everything(self) -> list[float]:

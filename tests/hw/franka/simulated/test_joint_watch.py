@@ -53,7 +53,7 @@ def is_quiet(q, *, dq=(0.0,) * SIZE, q_d=None, is_following=False):
     put(memory.q_d, q if q_d is None else q_d)
     watch = watch_of(memory)
     watch.room = 1.0
-    return not watch.check_readings(is_following)
+    return not watch.check_readings(is_following, has_moved=True)
 
 
 def origin(q):
@@ -110,7 +110,7 @@ def test_both_modes_find_the_same(q, dq, q_d, is_following):
         put(memory.q_d, q_d)
         watch = watch_of(memory, module.JointWatch)
         watch.room = 1.0
-        found = [watch.check_readings(is_following), watch.room]
+        found = [watch.check_readings(is_following, has_moved=True), watch.room]
         for error in watch.violations.errors():
             found += [error.value, error.limit]
         return found

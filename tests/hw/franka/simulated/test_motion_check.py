@@ -82,7 +82,7 @@ def test_errors_of_positions_tell_where_they_come_from_in_the_order_of_their_kin
     assert (limit.where, limit.value, limit.limit) == ("joint4", 0.1, -0.0698)
     assert [e.name for e in found] == [f"joint_motion_generator_{r}" for r in rates]
     assert [error.where for error in found] == ["joint2", "joint4"] * 3
-    arm.check.violations.clear()
+    arm.check.violations.count = 0
     assert arm.check.check_positions(SOLVED_POSITION) == 7
     names = {error.name for error in arm.errors()}
     assert all(name.startswith("cartesian_motion_generator_joint") for name in names)
