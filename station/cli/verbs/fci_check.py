@@ -38,9 +38,6 @@ def add_check(parser: "Parser") -> None:
         "clear its whole reach, take the user stop in your hand, and take off what it "
         "carries. Without this the checks read, and move nothing",
     )
-    group.add_argument(
-        "--version", type=int, metavar="N", help="version to speak; default: the newest"
-    )
     group.add_argument("--port", type=int, help="TCP port; default 1337")
     group.add_argument(
         "--report", type=Path, metavar="FILE.json", help="write the matrix as JSON, too"

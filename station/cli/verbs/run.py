@@ -99,7 +99,18 @@ def add_fci(parser: "Parser") -> None:
         type=int,
         choices=range(5, 11),
         metavar="N",
-        help="the only version of the protocol that is spoken, 5 to 10; all by default",
+        help="the only version of the protocol that is spoken, 5 to 10; all by "
+        "default. Of `check`: the client's; the newest by default",
+    )
+    parser.add_argument(
+        "--desk",
+        nargs="?",
+        type=int,
+        const=443,
+        metavar="PORT",
+        help="serve what programs call of Franka Desk to unlock the arm, over https; "
+        "until they do, the brakes are closed and FCI is off. Default port 443, which "
+        "clients need that take the robot's address alone",
     )
 
 
@@ -281,7 +292,9 @@ def fci(options: Namespace) -> int:
     fetch_what_is_missing(config.robot_parameters(), say_progress)
     settings = FciSettings(options.host, options.patience)
     tell = _tell_line_json if options.json else _tell_line
-    FciRun(config, settings, options.version, tell=tell, warn=_warn).run()
+    version, desk = options.version, options.desk
+    run = FciRun(config, settings, version, desk_port=desk, tell=tell, warn=_warn)
+    run.run()
     return 0
 
 
