@@ -7,6 +7,7 @@ begin with. Nothing moves.
 from collections.abc import Mapping
 from itertools import pairwise
 from math import hypot, isfinite, nan
+from xml.etree import ElementTree
 
 import pytest
 
@@ -20,6 +21,7 @@ from station.hw.franka.fci.wire.robot_protocol import (
     Architecture,
     Command,
     ConnectStatus,
+    LibraryStatus,
     ModelStatus,
     RecoveryStatus,
     SetterStatus,
@@ -285,9 +287,39 @@ def test_model_library_is_sent(row: Row, dialog: Dialog) -> None:
     row.expect("success, and an ELF library for x86-64 Linux")
     values = {"architecture": Architecture.X64, "system": System.LINUX}
     answer = dialog.ask(Command.LOAD_MODEL_LIBRARY, **values)
+    row.see(f"{words(LibraryStatus, answer.status)}, {len(answer.rest)} bytes")
+    assert answer.status == LibraryStatus.SUCCESS
+    assert answer.rest.startswith(b"\x7fELF")
+
+
+def test_robot_model_is_what_libfranka_parses(row: Row, dialog: Dialog) -> None:
+    if Command.GET_ROBOT_MODEL not in dialog.protocol.exchanges:
+        row.leave_out()
+    row.expect(
+        "a URDF: links link0 to link8, link1 to link7 with masses; joints joint1 to "
+        "joint7 with limits, and with position_based_velocity_limits"
+    )
+    answer = dialog.ask(Command.GET_ROBOT_MODEL)
     row.see(f"{words(ModelStatus, answer.status)}, {len(answer.rest)} bytes")
     assert answer.status == ModelStatus.SUCCESS
-    assert answer.rest.startswith(b"\x7fELF")
+    robot = ElementTree.fromstring(answer.rest)
+    links = {one.get("name"): one for one in robot.iter("link")}
+    joints = {one.get("name"): one for one in robot.iter("joint")}
+    lacks = [f"link{i}" for i in range(9) if f"link{i}" not in links]
+    lacks += [f"joint{i}" for i in range(1, 8) if f"joint{i}" not in joints]
+    if not lacks:
+        lacks = [
+            f"{part} of {kind}{i}"
+            for kind, found, part in (
+                ("link", links, "inertial/mass"),
+                ("joint", joints, "limit"),
+                ("joint", joints, "position_based_velocity_limits"),
+            )
+            for i in range(1, 8)
+            if found[f"{kind}{i}"].find(part) is None
+        ]
+    row.see(f"{len(answer.rest)} bytes; missing: {', '.join(lacks) or 'nothing'}")
+    assert not lacks
 
 
 def test_frames_and_load_are_shown_as_they_were_set(row: Row, dialog: Dialog) -> None:

@@ -51,13 +51,22 @@ class PumpedClient(FciNetwork):
 
 
 def run_checks(
-    arm, tmp_path, monkeypatch, *, protocols, library=lambda *_: None, arguments=()
+    arm,
+    tmp_path,
+    monkeypatch,
+    *,
+    protocols,
+    library=lambda *_: None,
+    model="",
+    arguments=(),
 ):
     """Return the report of the checks against an arm."""
     seconds = count()
     settings = FciSettings(HOST, protocols=protocols)
     # A clock that is always late: the server polls once, and makes its cycle.
-    server = FciServer(arm, None, settings, library, lambda: float(next(seconds)))
+    server = FciServer(
+        arm, None, settings, library, lambda: float(next(seconds)), model
+    )
     now = SimpleNamespace(monotonic=lambda: arm.state.time, sleep=lambda _s: None)
     monkeypatch.setattr(dialog, "time", now)
     monkeypatch.setattr(

@@ -2,6 +2,7 @@
 
 import pytest
 
+from station.app.fci_run import robot_model_of
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.fci.wire.robot_protocol import FR3, PANDA
 from station.hw.franka.franka_parameters import read_parameters
@@ -22,17 +23,21 @@ def library(_architecture, _system):
     "protocol", [PANDA, *FR3], ids=lambda one: f"version {one.version}"
 )
 def test_simulated_arm_passes(protocol, tmp_path, monkeypatch, capsys):
-    arm_id = "panda" if protocol is PANDA else "fr3"
-    robot = {"arm_id": arm_id, "robot_description": "example-robot-data:panda"}
+    robot = {
+        "arm": "panda" if protocol is PANDA else "fr3",
+        "arm_id": "panda",
+        "robot_description": "example-robot-data:panda",
+    }
     root = Parameters(ParameterTree({"robot": robot}))
     parameters = read_parameters(root.namespace("robot"))
-    arm = simulate_one(parameters, root).arms[arm_id]
+    arm = simulate_one(parameters, root).arms["panda"]
     _, rows, report = run_checks(
         arm,
         tmp_path,
         monkeypatch,
         protocols=[protocol],
         library=library,
+        model=robot_model_of(parameters),
         arguments=["--fci-move"],
     )
     failed = {check: row for check, row in rows.items() if row["result"] == "failed"}
