@@ -136,7 +136,7 @@ def open_network(host: str, port: int) -> FciNetwork:
     deadline = time.monotonic() + _REFUSED_FOR
     while True:
         try:
-            return FciNetwork(host, port)
+            return FciNetwork(host, port, is_strict=False)
         except FciNetworkError:
             if time.monotonic() > deadline:
                 raise

@@ -7,6 +7,7 @@ begin with. Nothing moves.
 from collections.abc import Mapping
 from itertools import pairwise
 from math import hypot, isfinite, nan
+from socket import gethostbyname
 from xml.etree import ElementTree
 
 import pytest
@@ -139,6 +140,15 @@ def test_states_have_their_size(row: Row, dialog: Dialog) -> None:
         dialog.next_state()
     row.see(", ".join(f"{size} bytes" for size in sorted(dialog.sizes)))
     assert dialog.sizes == {dialog.protocol.state.size}
+
+
+def test_states_come_from_the_address_of_the_robot(
+    row: Row, dialog: Dialog, endpoint: Endpoint
+) -> None:
+    wanted = gethostbyname(endpoint.host)
+    row.expect(f"states from {wanted}: firewalls and cautious clients drop others")
+    row.see(f"states from {dialog.network.sender}")
+    assert dialog.network.sender == wanted
 
 
 def test_numbers_of_states_rise_by_one(row: Row, dialog: Dialog) -> None:
