@@ -87,7 +87,7 @@ class Call:
 
 
 async def _wait_for(change: Future[None] | None) -> None:
-    """Return when the arm has carried out a change."""
+    """Wait until the arm has carried out a change."""
     if change is not None:
         async with asyncio.timeout(_CARRIED_OUT):
             await asyncio.wrap_future(change)
