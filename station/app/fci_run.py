@@ -32,6 +32,7 @@ from station.hw.franka.fci.wire.robot_protocol import (
 from station.hw.franka.franka_parameters import FrankaParameters, read_parameters
 from station.hw.franka.hand.hand_services import HandServices
 from station.hw.franka.simulated.franka_world import simulate_one
+from station.hw.franka.simulated.simulated_arm import SimulatedArm
 
 ROBOT_TYPE = "franka_hw/FrankaHW"
 
@@ -53,6 +54,8 @@ class FciRun:
         version: The only version that is spoken; None for all that have a table.
         tell: Takes a line once clients can connect, and one at the end.
         warn: Takes a line about something that is not as it should be.
+        desk_port: TCP port of Desk; None serves no Desk: the brakes are open then, and
+            FCI is active.
     """
 
     def __init__(
@@ -61,10 +64,12 @@ class FciRun:
         settings: FciSettings,
         version: int | None = None,
         *,
+        desk_port: int | None = None,
         tell: Callable[[str], None],
         warn: Callable[[str], None],
     ) -> None:
         self._config, self._settings, self._version = config, settings, version
+        self._desk_port = desk_port
         self._tell = tell
         self._warn = warn
 
@@ -91,14 +96,15 @@ class FciRun:
         library = model_library_of(parameters, self._warn)
         protocols = protocols_of(parameters, self._version)
         settings = replace(self._settings, protocols=protocols)
-        server = FciServer(
-            world.arms[arm_id],
-            hand,
-            settings,
-            library,
-            robot_model=robot_model_of(parameters),
-        )
-        with contextlib.closing(server), realtime_interpreter():
+        arm = world.arms[arm_id]
+        model = robot_model_of(parameters)
+        server = FciServer(arm, hand, settings, library, robot_model=model)
+        with contextlib.ExitStack() as stack:
+            stack.enter_context(contextlib.closing(server))
+            if self._desk_port is not None:
+                kind = "FR3" if parameters.arm == "fr3" else "Panda"
+                self._serve_desk(stack, server, arm, hand, kind=kind)
+            stack.enter_context(realtime_interpreter())
             granted = request_realtime_priority()
             spoken = sorted(one.version for one in protocols)
             versions = " to ".join(map(str, dict.fromkeys((spoken[0], spoken[-1]))))
@@ -112,6 +118,35 @@ class FciRun:
             finally:
                 self._report(server.counts, time.monotonic() - started)
         return server.counts
+
+    def _serve_desk(
+        self,
+        stack: contextlib.ExitStack,
+        server: FciServer,
+        arm: SimulatedArm,
+        hand: HandServices | None,
+        *,
+        kind: str,
+    ) -> None:
+        """Serve Desk until the stack is left.
+
+        Raises:
+            StationError: The port or the certificate cannot be used.
+        """
+        # Imported here: without Desk no web server is needed.
+        from station.hw.franka.fci.desk.desk_server import (
+            DeskServer,
+            ServedArm,
+            new_desk,
+        )
+
+        host, port = self._settings.host, self._desk_port or 0
+        desk = DeskServer(new_desk(ServedArm(server, arm, hand, kind)), host, port)
+        stack.callback(desk.close)
+        self._tell(
+            f"Desk at https://{host}:{desk.port}; any name and password will do. "
+            f"SHA-256 of its certificate: {desk.fingerprint}. Brakes closed, FCI off."
+        )
 
     def _report(self, counts: FciCounts, duration: float) -> None:
         self._tell(

@@ -7,7 +7,7 @@ from station.cli.verbs import VERBS
 
 LINES = {
     "run": "run",
-    "fci": "fci station.yaml --host 127.0.0.2 --patience 0.1",
+    "fci": "fci station.yaml --host 127.0.0.2 --patience 0.1 --desk",
     "ui": "ui",
     "doctor": "doctor",
     "fetch_robot": "fetch_robot",

@@ -33,7 +33,11 @@ def _alone(module: str, name: str, summary: str) -> Verb:
 
 VERBS = (
     _alone("run", "run", "run a station until Ctrl-C"),
-    _alone("run", "fci", "serve a simulated Franka arm to programs that use libfranka"),
+    _alone(
+        "run",
+        "fci",
+        "serve a simulated Franka arm to programs that use libfranka, or check an arm",
+    ),
     Verb("ui", "ui", "run the dashboard alone, for any station"),
     _alone(
         "doctor",

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from station.cli.output import say, say_json, say_progress
 from station.cli.parser import ROBOT, add_base
+from station.cli.verbs.fci_check import CHECK, add_check, check
 
 if TYPE_CHECKING:
     from station.app.announcement import Announcement
@@ -70,8 +71,15 @@ def add_run(parser: "Parser") -> None:
 
 
 def add_fci(parser: "Parser") -> None:
-    """Add the arguments of `fci`."""
-    parser.add_argument("config", nargs="?", type=Path, metavar="CONFIG.yaml")
+    """Add the arguments of `fci`, and of its `check`."""
+    parser.add_argument(
+        "config",
+        nargs="?",
+        type=Path,
+        metavar="CONFIG.yaml | check",
+        help="the arm to serve; `check ADDRESS` checks the arm at an address",
+    )
+    add_check(parser)
     parser.add_argument(
         "--host",
         default="127.0.0.1",
@@ -91,7 +99,18 @@ def add_fci(parser: "Parser") -> None:
         type=int,
         choices=range(5, 11),
         metavar="N",
-        help="the only version of the protocol that is spoken, 5 to 10; all by default",
+        help="the only version of the protocol that is spoken, 5 to 10; all by "
+        "default. Of `check`: the client's; the newest by default",
+    )
+    parser.add_argument(
+        "--desk",
+        nargs="?",
+        type=int,
+        const=443,
+        metavar="PORT",
+        help="serve what programs call of Franka Desk to unlock the arm, over https; "
+        "until they do, the brakes are closed and FCI is off. Default port 443, which "
+        "clients need that take the robot's address alone",
     )
 
 
@@ -257,7 +276,12 @@ def _warn(line: str) -> None:
 
 
 def fci(options: Namespace) -> int:
-    """Serve a simulated Franka arm over the Franka Control Interface until Ctrl-C."""
+    """Serve a simulated Franka arm over the Franka Control Interface until Ctrl-C.
+
+    With `check` in the place of the configuration, check the arm at an address.
+    """
+    if options.config == CHECK:
+        return check(options)
     from station.app.fci_run import FciRun
     from station.app.panda_fetch import fetch_what_is_missing
     from station.config import load_config
@@ -268,7 +292,9 @@ def fci(options: Namespace) -> int:
     fetch_what_is_missing(config.robot_parameters(), say_progress)
     settings = FciSettings(options.host, options.patience)
     tell = _tell_line_json if options.json else _tell_line
-    FciRun(config, settings, options.version, tell=tell, warn=_warn).run()
+    version, desk = options.version, options.desk
+    run = FciRun(config, settings, version, desk_port=desk, tell=tell, warn=_warn)
+    run.run()
     return 0
 
 

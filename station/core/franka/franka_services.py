@@ -82,6 +82,14 @@ class ArmSimulation(ABC):
         """
 
     @abstractmethod
+    def set_brakes(self, *, closed: bool) -> None:
+        """Close or open the brakes of all joints; closed, the arm is in mode Other.
+
+        Args:
+            closed: Whether the joints are locked from now on; a motion ends.
+        """
+
+    @abstractmethod
     def apply_force(
         self,
         link: str,

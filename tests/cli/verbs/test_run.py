@@ -162,6 +162,14 @@ def test_the_configured_arm_is_served_where_it_is_told(runs, tmp_path, capsys):
     assert capsys.readouterr().out == "ready\n"
 
 
+@pytest.mark.parametrize(
+    ("line", "port"), [("", None), ("--desk", 443), ("--desk 8443", 8443)]
+)
+def test_desk_is_served_when_told(runs, line, port):
+    assert main(["fci", *line.split()]) == 0
+    assert runs[0]._desk_port == port
+
+
 @pytest.mark.usefixtures("runs")
 def test_json_is_a_line_per_message(capsys):
     assert main(["fci", "--json"]) == 0

@@ -8,6 +8,7 @@
     any         -- user stop pressed    -> UserStopped
     UserStopped -- user stop released   -> as in a recovery from Reflex
     Idle        -- guiding buttons held -> Guiding; released: Idle
+    any         -- brakes closed        -> Other; opened: Idle, with an error Reflex
     any         -- simulation diverged  -> Other; reset: Idle
 
 A recovery ends when the arm itself is at rest, not only its desired motion: a hand that
@@ -57,6 +58,7 @@ HALTED = (
 )
 """Modes in which no motion can be started."""
 _REMEDIES = {
+    RobotMode.OTHER: "open the brakes",
     RobotMode.USER_STOPPED: "release the user stop",
     RobotMode.REFLEX: "remove the cause, then recover",
     RobotMode.GUIDING: "let go of the guiding buttons",
@@ -216,12 +218,18 @@ class ArmModes:
         """Refuse when the arm cannot recover itself now.
 
         Raises:
-            ArmCommandError: The world has diverged, or the user stop is pressed.
+            ArmCommandError: The world has diverged, the brakes are closed, or the user
+                stop is pressed.
         """
         if self._world.diverged_because:
             raise ArmCommandError(
                 f"The arm cannot recover: {self._world.diverged_because}.",
                 remedy="Reset the simulation.",
+            )
+        if self._state.robot_mode is RobotMode.OTHER:
+            raise ArmCommandError(
+                "The arm cannot recover: its brakes are closed.",
+                remedy="Open the brakes.",
             )
         if self._state.robot_mode is RobotMode.USER_STOPPED:
             raise ArmCommandError(
@@ -319,6 +327,16 @@ class ArmModes:
             )
         elif not pressed and mode is RobotMode.GUIDING:
             self.end_motion(RobotMode.IDLE)
+
+    def set_brakes(self, *, closed: bool) -> None:
+        """Close or open the brakes; the arm holds its pose without them, too."""
+        mode = self._state.robot_mode
+        if closed and mode is not RobotMode.OTHER:
+            self.end_motion(RobotMode.OTHER)
+        has_diverged = self._world.diverged_because is not None
+        if not closed and mode is RobotMode.OTHER and not has_diverged:
+            has_errors = bool(self._supervisor.errors)
+            self._state.robot_mode = RobotMode.REFLEX if has_errors else RobotMode.IDLE
 
     def not_commandable(self, what: str) -> ArmCommandError:
         """Return the refusal of commands that do not fit the present motion.

@@ -210,6 +210,20 @@ class SimulatedArm(RobotArm):
         self.frames.set_frame(frame)
         self.contact.renew()
 
+    def set_mounted(self, end_effector: Load, nominal_frame: Sequence[float]) -> None:
+        """Let the state tell of another end effector; what is mounted stays.
+
+        Args:
+            end_effector: Its mass properties.
+            nominal_frame: F_T_NE, 16 numbers.
+
+        Raises:
+            ArmCommandError: A motion runs.
+        """
+        self._modes.refuse_while_moving("end effector")
+        self.frames.set_end_effector(end_effector, nominal_frame)
+        self.contact.renew()
+
     @override
     def set_stiffness_frame(self, frame: Sequence[float]) -> None:
         self._modes.refuse_while_moving("stiffness frame")
@@ -257,7 +271,7 @@ class SimulatedArm(RobotArm):
         return self._modes.remedy()
 
     @override
-    def simulation(self) -> ArmSimulation | None:
+    def simulation(self) -> ArmSimulation:
         return self._controls
 
     def after_reset(self) -> None:

@@ -48,6 +48,10 @@ class SimulatedArmControls(ArmSimulation):
         self._modes.set_guiding(pressed=pressed)
 
     @override
+    def set_brakes(self, *, closed: bool) -> None:
+        self._modes.set_brakes(closed=closed)
+
+    @override
     def apply_force(
         self,
         link: str,

@@ -68,12 +68,17 @@ class FciNetwork:
     Args:
         host: Address of the arm.
         port: Its TCP port.
+        is_strict: Whether states from another address than the arm's are dropped.
+
+    Attributes:
+        sender: The address from which states come; empty until one has come.
 
     Raises:
         FciNetworkError: Nobody answers there, or nobody who speaks FCI.
     """
 
-    def __init__(self, host: str, port: int) -> None:
+    def __init__(self, host: str, port: int, *, is_strict: bool = True) -> None:
+        self._is_strict, self.sender = is_strict, ""
         self._tcp = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
         self._udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._is_connected = False
@@ -151,10 +156,11 @@ class FciNetwork:
             if self._is_connected:
                 return udp.recv_into(buffer, 0, flags)
             size, address = udp.recvfrom_into(buffer, 0, flags)
-            if address[0] != self._peer:
+            if self._is_strict and address[0] != self._peer:
                 return 0
             # From now on the kernel drops what others send, and knows the receiver.
             udp.connect(address)
+            self.sender = address[0]
         except OSError:
             return 0
         self._is_connected = True

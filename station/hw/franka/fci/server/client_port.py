@@ -61,6 +61,7 @@ class ClientPort(Generic[_Session]):
         self._connection: socket.socket | None = None
         self._peer = ""
         self._unsent = bytearray()
+        self._is_open = True
         self.session: _Session | None = None
         self._udp = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._listener: socket.socket | None = None
@@ -135,12 +136,20 @@ class ClientPort(Generic[_Session]):
         except (BlockingIOError, ConnectionRefusedError):
             return
 
+    def set_open(self, *, is_open: bool) -> None:
+        """Listen, or send the client away and refuse connections."""
+        self._is_open = is_open
+        if not is_open and self._connection is not None:
+            self._drop("the port was closed")
+        if not is_open and self._listener is not None:
+            self._listener.close()
+            self._listener = None
+        elif is_open and self._listener is None and self._connection is None:
+            self._listener = self._listen()
+
     def close(self) -> None:
         """Send the client away and listen no longer."""
-        if self._connection is not None:
-            self._hang_up()
-        if self._listener is not None:
-            self._listener.close()
+        self.set_open(is_open=False)
         self._udp.close()
 
     def _listen(self) -> socket.socket:
@@ -205,7 +214,7 @@ class ClientPort(Generic[_Session]):
     def _drop(self, reason: str) -> None:
         _logger.info("%s: %s", self._what, reason)
         self._hang_up()
-        if self._listener is None:
+        if self._listener is None and self._is_open:
             self._listener = self._listen()
 
     def _hang_up(self) -> None:

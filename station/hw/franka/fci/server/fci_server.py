@@ -7,9 +7,12 @@ never late, and a client must not lose packets for a server that was.
 import select
 import time
 from collections.abc import Callable, Sequence
+from concurrent.futures import Future
 from dataclasses import dataclass
+from queue import SimpleQueue
 from typing import TYPE_CHECKING
 
+from station.core.errors import StationError
 from station.core.franka.franka_robot_state import RobotMode
 from station.hw.franka.arm.robot_arm import RobotArm
 from station.hw.franka.fci.server.client_port import ClientPort
@@ -92,6 +95,8 @@ class FciServer:
         self._settings = settings
         self._clock = clock
         self._message_id = 0
+        self._changes: SimpleQueue[tuple[Callable[[], None], Future[None]]]
+        self._changes = SimpleQueue()
         self.counts = FciCounts()
         self._robot_port = ClientPort(
             "Robot",
@@ -117,14 +122,48 @@ class FciServer:
         while not is_over():
             deadline = max(deadline + period, sent + _SHORTEST_WAIT * period)
             self._wait(deadline)
+            self._make_changes()
             self._cycle()
             sent = self._clock()
+
+    def change(self, action: Callable[[], None]) -> Future[None]:
+        """Let something be done between two cycles. Any thread.
+
+        Args:
+            action: The change; it may not wait.
+
+        Returns:
+            When it was done, or what it has raised.
+        """
+        done: Future[None] = Future()
+        self._changes.put((action, done))
+        return done
+
+    def set_open(self, *, is_open: bool) -> None:
+        """Listen at both ports, or send the clients away and refuse connections.
+
+        Raises:
+            OSError: Somebody else listens at a port meanwhile.
+        """
+        self._robot_port.set_open(is_open=is_open)
+        if self._gripper_port is not None:
+            self._gripper_port.set_open(is_open=is_open)
 
     def close(self) -> None:
         """Send the clients away."""
         self._robot_port.close()
         if self._gripper_port is not None:
             self._gripper_port.close()
+
+    def _make_changes(self) -> None:
+        while not self._changes.empty():
+            action, done = self._changes.get()
+            try:
+                action()
+            except (OSError, StationError) as error:
+                done.set_exception(error)
+            else:
+                done.set_result(None)
 
     def _cycle(self) -> None:
         """Let the arm make a step, and tell the clients."""

@@ -62,12 +62,14 @@ class Answer(Generic[_Command]):
         status: The status, one of those of the command, whatever its number is in the
             version that is spoken; `UNKNOWN` if the version does not have it.
         values: All fields, the status as its number on the wire.
+        rest: Bytes behind the fields, e.g. a model library.
     """
 
     command: _Command
     command_id: int
     status: int
     values: Mapping[str, Any]
+    rest: bytes = b""
 
 
 class FrameCutter:
@@ -136,8 +138,6 @@ class Messages(Generic[_Command]):
     def feed(self, data: bytes) -> Iterator[Answer[_Command]]:
         """Return the answers that are complete now; the rest waits for more bytes.
 
-        What follows the fields of an answer, e.g. a model library, is passed over.
-
         Args:
             data: The next bytes of the stream.
 
@@ -149,7 +149,8 @@ class Messages(Generic[_Command]):
             response = exchange.response
             values = response.unpack(body[: response.size])
             status = exchange.status_of(values["status"])
-            yield Answer(command, head["command_id"], status, values)
+            rest = body[response.size :]
+            yield Answer(command, head["command_id"], status, values, rest)
 
     def _response_of(self, head: Mapping[str, int]) -> tuple[_Command, Exchange]:
         number = head["command"]

@@ -1,0 +1,88 @@
+"""Verb `fci check`: does a robot's side of the Franka Control Interface do as it must?
+
+The checks are tests of pytest, which runs as a process of its own: its results are the
+matrix on the terminal and the report.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from argparse import Namespace
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from station.cli.errors import UsageError
+from station.cli.output import say_json
+
+if TYPE_CHECKING:
+    from station.cli.parser import Parser
+
+CHECK = Path("check")
+"""Word in the place of a configuration; a file of this name is written `./check`."""
+_SUITE = "station.testing.fci_conformance"
+_NO_ENDPOINT = 4  # pytest's code for wrong usage: nobody answers, or no known version
+
+
+def add_check(parser: "Parser") -> None:
+    """Add the arguments of `fci check`."""
+    parser.add_argument("address", nargs="?", metavar="ADDRESS", help="of the arm")
+    group = parser.add_argument_group("of `check ADDRESS`")
+    group.add_argument(
+        "--move",
+        action="store_true",
+        help="THE ARM MOVES AND IS STOPPED BY ERRORS ON PURPOSE: it turns joint 7 from "
+        "end to end, folds until it nearly touches itself, and jerks. On a real arm "
+        "clear its whole reach, take the user stop in your hand, and take off what it "
+        "carries. Without this the checks read, and move nothing",
+    )
+    group.add_argument("--port", type=int, help="TCP port; default 1337")
+    group.add_argument(
+        "--report", type=Path, metavar="FILE.json", help="write the matrix as JSON, too"
+    )
+
+
+def check(options: Namespace) -> int:
+    """Run the checks; return 0 if none has failed.
+
+    Raises:
+        UsageError: No address was given, or pytest is not installed.
+    """
+    if options.address is None:
+        raise UsageError(
+            "`station fci check` needs the address of an arm.",
+            remedy="station fci check 127.0.0.1",
+        )
+    if find_spec("pytest") is None:
+        raise UsageError(
+            "The checks are tests of pytest, which is not installed.",
+            remedy="Install it: pip install pytest.",
+        )
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "report.json" if options.report is None else None
+        command = _command(options, file or options.report.absolute())
+        # Wherever this is called, the configuration of pytest there means other tests.
+        output = subprocess.DEVNULL if options.json else None
+        code = subprocess.run(
+            command, cwd=folder, stdout=output, check=False
+        ).returncode
+        if code == _NO_ENDPOINT:
+            return 1
+        if options.json:
+            report = file or options.report
+            say_json(json.loads(report.read_text(encoding="utf-8")))
+    return code
+
+
+def _command(options: Namespace, report: Path) -> list[str]:
+    values = {"--fci-port": options.port, "--fci-version": options.version}
+    given = [f"{key}={value}" for key, value in values.items() if value is not None]
+    return [
+        *(sys.executable, "-m", "pytest", "-c", os.devnull, "-p", "no:cacheprovider"),
+        *("-p", f"{_SUITE}.plugin", "--pyargs", _SUITE),
+        *("-q", "--no-header", "--tb=no", "--no-summary"),
+        *("--fci", options.address, f"--fci-report={report}", *given),
+        *(["--fci-move"] if options.move else []),
+    ]

@@ -1,0 +1,427 @@
+"""The REST of Desk, as far as programs call it to unlock an arm.
+
+There are two interfaces with one state: `/api` of the FR3's system 5, which takes a
+name and a password with every request, and `/admin/api` and `/desk/api` of the Panda
+and of Desk's own pages, which take a cookie. Requests that change something carry the
+control token. Any name and any password will do: nobody's robot is behind it.
+"""
+
+import asyncio
+import base64
+import json
+import secrets
+from collections.abc import Awaitable, Callable, Mapping
+from concurrent.futures import Future
+from typing import Any
+from urllib.parse import parse_qs
+
+from starlette.applications import Starlette
+from starlette.requests import HTTPConnection, Request
+from starlette.responses import JSONResponse, PlainTextResponse, Response
+from starlette.routing import BaseRoute, Route, WebSocketRoute
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from station.hw.franka.fci.desk.desk_state import (
+    LONGEST_WAIT,
+    NO_END_EFFECTOR,
+    ControlToken,
+    Desk,
+    DeskRefusalError,
+    load_of,
+)
+
+JOINTS_PERIOD = 0.1
+"""Time between two messages with the joints' positions [s]."""
+_LOOK = 0.05
+_CARRIED_OUT = 2.0
+_DONE = Response(status_code=204)
+Answer = Any
+_Handler = Callable[[Desk, "Call"], Awaitable[Answer]]
+
+
+class Call:
+    """One request: its body, its control token.
+
+    Args:
+        request: The request.
+        body: Its body.
+    """
+
+    def __init__(self, request: Request, body: bytes) -> None:
+        self.request, self._body = request, body
+
+    def json(self) -> Mapping[str, Any]:
+        """Return the body, if it is an object of JSON, or a form.
+
+        Raises:
+            DeskRefusalError: It is neither.
+        """
+        if "x-www-form-urlencoded" in self.request.headers.get("content-type", ""):
+            return {k: v[0] for k, v in parse_qs(self._body.decode()).items()}
+        found = self.value() if self._body else {}
+        if not isinstance(found, dict):
+            raise DeskRefusalError(400, "InvalidArgument", "The body is no object.")
+        return found
+
+    def value(self) -> object:
+        """Return the body as JSON.
+
+        Raises:
+            DeskRefusalError: It is not JSON.
+        """
+        try:
+            return json.loads(self._body)
+        except ValueError as error:
+            raise DeskRefusalError(
+                400, "InvalidArgument", f"The body is no JSON: {error}."
+            ) from error
+
+    def text(self, name: str) -> str:
+        """Return a text of the body; empty without one."""
+        return str(self.json().get(name) or "")
+
+    @property
+    def token(self) -> str | None:
+        """The control token of the header."""
+        return self.request.headers.get("x-control-token")
+
+
+async def _wait_for(change: Future[None] | None) -> None:
+    """Wait until the arm has carried out a change."""
+    if change is not None:
+        async with asyncio.timeout(_CARRIED_OUT):
+            await asyncio.wrap_future(change)
+
+
+async def _system(desk: Desk, _call: Call) -> Answer:
+    serial = {"controlSerialNumber": "simulated", "cloud": {"status": "Disconnected"}}
+    return {"status": "Started", "operatingMode": desk.mode, **serial}
+
+
+async def _mode(desk: Desk, _call: Call) -> Answer:
+    return {"status": desk.mode}
+
+
+async def _change_mode(desk: Desk, call: Call) -> Answer:
+    await _wait_for(desk.change_mode(call.text("desiredOperatingMode")))
+    return _DONE
+
+
+async def _mode_of_path(desk: Desk, call: Call) -> Answer:
+    await _wait_for(desk.change_mode(call.request.path_params["mode"]))
+    return {}
+
+
+async def _token(desk: Desk, _call: Call) -> Answer:
+    token = desk.token
+    return {} if token is None else {"owner": token.owner, "tokenId": token.number}
+
+
+async def _take(desk: Desk, call: Call) -> Answer:
+    token = desk.request_control(call.text("owner"))
+    timeout = min(float(call.json().get("timeout") or 0.0), LONGEST_WAIT)
+    loop = asyncio.get_running_loop()
+    deadline = loop.time() + timeout
+    while desk.token is not token:
+        if loop.time() >= deadline:
+            desk.release_control(token.secret)
+            holder = "" if desk.token is None else desk.token.owner
+            raise DeskRefusalError(424, "Timeout", f"{holder} has control.")
+        await asyncio.sleep(_LOOK)
+    return {"token": token.secret, "tokenId": token.number}
+
+
+async def _release(desk: Desk, call: Call) -> Answer:
+    desk.check_control(call.token)
+    desk.release_control(call.token or "")
+    return _DONE
+
+
+async def _arm(desk: Desk, _call: Call) -> Answer:
+    return {"status": "Connected", "armType": desk.arm.kind}
+
+
+async def _joints(desk: Desk, _call: Call) -> Answer:
+    status = "Locked" if desk.are_brakes_closed else "Unlocked"
+    return [{"id": number, "brakeStatus": status} for number in range(1, 8)]
+
+
+def _brakes(*, closed: bool) -> _Handler:
+    async def set_brakes(desk: Desk, _call: Call) -> Answer:
+        await _wait_for(desk.set_brakes(closed=closed))
+        return {}
+
+    return set_brakes
+
+
+def _fci(*, active: bool) -> _Handler:
+    async def set_fci(desk: Desk, _call: Call) -> Answer:
+        await _wait_for(desk.set_fci(active=active))
+        return {}
+
+    return set_fci
+
+
+async def _fci_status(desk: Desk, _call: Call) -> Answer:
+    return {"status": "Active" if desk.is_fci_active else "Inactive"}
+
+
+async def _nothing(_desk: Desk, _call: Call) -> Answer:
+    return {}
+
+
+async def _self_tests(_desk: Desk, _call: Call) -> Answer:
+    return {"status": "OK", "remaining": 86_400}
+
+
+async def _self_tests_done(_desk: Desk, _call: Call) -> Answer:
+    return {"code": "SuccessResponse"}
+
+
+async def _reboot(desk: Desk, _call: Call) -> Answer:
+    await _wait_for(desk.reboot())
+    return _DONE
+
+
+async def _refuse(_desk: Desk, call: Call) -> Answer:
+    raise DeskRefusalError(
+        424, "SystemState", f"A simulated arm has no {call.request.url.path}."
+    )
+
+
+async def _login(_desk: Desk, call: Call) -> Answer:
+    if not call.text("login"):
+        raise DeskRefusalError(401, "Unauthorized", "The name is missing.")
+    return PlainTextResponse(secrets.token_hex(16))
+
+
+async def _old_token(desk: Desk, _call: Call) -> Answer:
+    return {
+        "activeToken": _as_old(desk.token),
+        "fciActive": desk.is_fci_active,
+    }
+
+
+async def _old_request(desk: Desk, call: Call) -> Answer:
+    is_forced = "force" in call.request.url.query
+    token = desk.request_control(call.text("requestedBy"), is_forced=is_forced)
+    return {"id": token.number, "token": token.secret}
+
+
+async def _old_release(desk: Desk, call: Call) -> Answer:
+    desk.release_control(call.text("token"))
+    return {}
+
+
+async def _old_fci(desk: Desk, call: Call) -> Answer:
+    desk.check_control(call.text("token"))
+    await _wait_for(desk.set_fci(active=True))
+    return {}
+
+
+async def _old_status(desk: Desk, _call: Call) -> Answer:
+    brakes = "Locked" if desk.are_brakes_closed else "Unlocked"
+    return {
+        "controlToken": {"activeToken": _as_old(desk.token)},
+        "derived": {"operatingMode": desk.mode},
+        "safety": {
+            "brakeState": [brakes] * 7,
+            "recoverableErrors": {"td2Timeout": False},
+            "safetyControllerStatus": "Idle",
+        },
+    }
+
+
+def _as_old(token: ControlToken | None) -> object:
+    return token and {
+        "id": token.number,
+        "requestedBy": token.owner,
+        "ownedBy": token.owner,
+    }
+
+
+async def _home(desk: Desk, _call: Call) -> Answer:
+    await _wait_for(desk.arm.home_gripper())
+    return {}
+
+
+async def _configuration(desk: Desk, _call: Call) -> Answer:
+    profile = desk.find_profile(desk.active)
+    name = "None" if desk.active == NO_END_EFFECTOR else "Other"
+    end_effector = {
+        "name": profile.get("endEffector", name),
+        "params": {**profile["inertial"], "transformation": profile["tcp"]},
+    }
+    return {"endEffectorConfiguration": {"endEffector": end_effector}}
+
+
+async def _configure(desk: Desk, call: Call) -> Answer:
+    told = call.json().get("endEffectorConfiguration", {}).get("endEffector")
+    if not isinstance(told, dict) or not isinstance(told.get("params"), dict):
+        raise DeskRefusalError(
+            424, "SystemState", "endEffectorConfiguration alone can be changed here."
+        )
+    params = dict(told["params"])
+    tcp = params.pop("transformation", None)
+    profile = {
+        "name": "Configured",
+        "endEffector": str(told.get("name") or "Other"),
+        "deviceId": "ee-no-gripper",
+        "inertial": params,
+        "tcp": tcp,
+    }
+    load_of(profile)
+    # One end effector of this interface, whatever it was called before.
+    desk.profiles["ee-configured"] = profile
+    await _wait_for(desk.activate_profile("ee-configured"))
+    return _DONE
+
+
+async def _profiles(desk: Desk, _call: Call) -> Answer:
+    return [desk.find_profile(name) for name in desk.profiles]
+
+
+async def _save(desk: Desk, call: Call) -> Answer:
+    name = call.request.path_params.get("name")
+    profile = desk.save_profile(name, dict(call.json()))
+    if name == desk.active:
+        await _wait_for(desk.activate_profile(name))
+    return profile
+
+
+async def _delete(desk: Desk, call: Call) -> Answer:
+    desk.delete_profile(call.request.path_params["name"])
+    return _DONE
+
+
+async def _active_profile(desk: Desk, _call: Call) -> Answer:
+    return desk.find_profile(desk.active)
+
+
+async def _activate(desk: Desk, call: Call) -> Answer:
+    await _wait_for(desk.activate_profile(str(call.value())))
+    return _DONE
+
+
+# Method, path, handler; those behind the line need the control token.
+_FREE: tuple[tuple[str, str, _Handler], ...] = (
+    ("GET", "/api/system", _system),
+    ("GET", "/api/system/operating-mode", _mode),
+    ("GET", "/api/system/control-token", _token),
+    ("POST", "/api/system/control-token:take", _take),
+    ("POST", "/api/system/control-token:release", _release),
+    ("GET", "/api/arm", _arm),
+    ("GET", "/api/arm/joints", _joints),
+    ("GET", "/api/fci", _fci_status),
+    ("GET", "/api/safety/recovery", _nothing),
+    ("POST", "/api/safety/recovery:confirm", _nothing),
+    ("GET", "/api/safety/self-tests", _self_tests),
+    ("GET", "/api/configuration", _configuration),
+    ("POST", "/api/system:reboot", _reboot),
+    ("POST", "/api/system:shutdown", _refuse),
+    ("POST", "/admin/api/logout", _nothing),
+    ("GET", "/admin/api/system-status", _old_status),
+    ("GET", "/admin/api/control-token", _old_token),
+    ("POST", "/admin/api/control-token/request", _old_request),
+    ("DELETE", "/admin/api/control-token", _old_release),
+    ("POST", "/admin/api/control-token/fci", _old_fci),
+    ("POST", "/admin/api/shutdown", _refuse),
+    ("GET", "/admin/api/end-effector/profiles", _profiles),
+    ("GET", "/admin/api/end-effector/profiles/active", _active_profile),
+    ("POST", "/desk/api/execution", _refuse),
+)
+_CONTROLLED: tuple[tuple[str, str, _Handler], ...] = (
+    ("POST", "/api/system/operating-mode:change", _change_mode),
+    ("POST", "/api/arm/joints:unlock", _brakes(closed=False)),
+    ("POST", "/api/arm/joints:lock", _brakes(closed=True)),
+    ("POST", "/api/fci:activate", _fci(active=True)),
+    ("POST", "/api/fci:deactivate", _fci(active=False)),
+    ("POST", "/api/safety/self-tests:execute", _self_tests_done),
+    ("PATCH", "/api/configuration", _configure),
+    ("POST", "/admin/api/safety/td2-tests/execute", _self_tests_done),
+    ("POST", "/admin/api/end-effector/profiles", _save),
+    ("PUT", "/admin/api/end-effector/profiles/active", _activate),
+    ("PUT", "/admin/api/end-effector/profiles/{name}", _save),
+    ("DELETE", "/admin/api/end-effector/profiles/{name}", _delete),
+    ("POST", "/desk/api/system/fci", _fci(active=True)),
+    ("POST", "/desk/api/joints/unlock", _brakes(closed=False)),
+    ("POST", "/desk/api/joints/lock", _brakes(closed=True)),
+    ("POST", "/desk/api/robot/open-brakes", _brakes(closed=False)),
+    ("POST", "/desk/api/robot/close-brakes", _brakes(closed=True)),
+    ("POST", "/desk/api/operating-mode/{mode}", _mode_of_path),
+    ("POST", "/desk/api/gripper/homing", _home),
+)
+_WITHOUT_LOGIN = "/admin/api/login"
+
+
+def _is_known(connection: HTTPConnection) -> bool:
+    """Return whether a request carries a name, or the cookie of a login."""
+    if connection.cookies.get("authorization"):
+        return True
+    told = connection.headers.get("authorization", "")
+    kind, _, value = told.partition(" ")
+    if kind.lower() != "basic":
+        return bool(told)  # the cookie's value, as the events of the buttons have it
+    try:
+        return bool(base64.b64decode(value, validate=True).partition(b":")[0])
+    except ValueError:
+        return False
+
+
+def _endpoint(
+    desk: Desk, handler: _Handler, *, is_controlled: bool
+) -> Callable[[Request], Awaitable[Response]]:
+    async def answer(request: Request) -> Response:
+        try:
+            if request.url.path != _WITHOUT_LOGIN and not _is_known(request):
+                raise DeskRefusalError(401, "Unauthorized", "Log in first.")
+            call = Call(request, await request.body())
+            if is_controlled:
+                desk.check_control(call.token)
+            found = await handler(desk, call)
+        except DeskRefusalError as error:
+            told = {"code": error.reason, "message": error.message}
+            return JSONResponse(told, error.status)
+        return found if isinstance(found, Response) else JSONResponse(found)
+
+    return answer
+
+
+def make_app(desk: Desk) -> Starlette:
+    """Return the web application of a Desk."""
+    routes: list[BaseRoute] = [
+        Route(path, _endpoint(desk, handler, is_controlled=number == 1), methods=[m])
+        for number, table in enumerate((_FREE, _CONTROLLED))
+        for m, path, handler in table
+    ]
+    login = _endpoint(desk, _login, is_controlled=False)
+    routes.append(Route(_WITHOUT_LOGIN, login, methods=["POST"]))
+
+    async def tell_joints(socket: WebSocket) -> None:
+        await _speak(socket, lambda: json.dumps({"jointAngles": desk.arm.joints()}))
+
+    async def tell_buttons(socket: WebSocket) -> None:
+        await _speak(socket, None)
+
+    routes += [
+        WebSocketRoute("/desk/api/robot/configuration", tell_joints),
+        WebSocketRoute("/desk/api/navigation/events", tell_buttons),
+    ]
+    return Starlette(routes=routes)
+
+
+async def _speak(socket: WebSocket, say: Callable[[], str] | None) -> None:
+    """Send messages until the client goes; without `say` none: nobody presses."""
+    if not _is_known(socket):
+        await socket.close()
+        return
+    await socket.accept()
+    try:
+        while True:
+            if say is None:
+                await socket.receive()
+            else:
+                await socket.send_text(say())
+                await asyncio.sleep(JOINTS_PERIOD)
+    except (WebSocketDisconnect, RuntimeError):
+        return

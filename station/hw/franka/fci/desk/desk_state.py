@@ -1,0 +1,306 @@
+"""The state of Desk: who holds control, brakes, FCI, operating mode, end effectors.
+
+Source: the requests of aiofranka 0.9.0 (server.py, client.py, tools.py) and of
+franky-control 2.0.0 (desk.py), and the answers that they wait for. The robot's own
+interface is not published; where they leave an answer open, docs/fci.md says so.
+"""
+
+import secrets
+import time
+from collections.abc import Callable, Mapping
+from concurrent.futures import Future
+from dataclasses import dataclass, field
+from itertools import count
+from math import asin, atan2
+from typing import Any, Protocol
+
+from station.core.description.urdf import Pose
+from station.core.errors import StationError
+from station.hw.franka.arm.load import Load
+from station.hw.franka.simulated.end_effector import as_transform
+
+EXECUTION, PROGRAMMING = "Execution", "Programming"
+NO_END_EFFECTOR = "ee-no-profile"
+"""Name of Desk's own profile without an end effector."""
+MOUNTED = "ee-mounted"
+"""Name of the profile of what the simulated arm carries."""
+LONGEST_WAIT = 60.0
+"""Longest wait for control [s]."""
+Profile = dict[str, Any]
+
+
+class DeskRefusalError(StationError):
+    """Desk does not do what a request asks for.
+
+    Args:
+        status: The HTTP status of the answer.
+        reason: The code of the answer.
+        message: The reason in words.
+    """
+
+    code = "desk_refusal"
+
+    def __init__(self, status: int, reason: str, message: str) -> None:
+        super().__init__(message)
+        self.status, self.reason = status, reason
+
+
+class DeskArm(Protocol):
+    """The interface of Desk to an arm. Any thread; a change is made between cycles.
+
+    Attributes:
+        kind: Kind of arm, as Desk calls it.
+    """
+
+    kind: str
+
+    def set_brakes(self, *, closed: bool) -> Future[None]:
+        """Close or open the brakes; closed, the arm's mode is Other."""
+
+    def set_fci(self, *, active: bool) -> Future[None]:
+        """Let programs of libfranka connect, or send them away and refuse them."""
+
+    def set_end_effector(self, load: Load, frame: tuple[float, ...]) -> Future[None]:
+        """Let the state tell another end effector, and its frame F_T_NE."""
+
+    def home_gripper(self) -> Future[None]:
+        """Begin the homing of the hand, if there is one."""
+
+    def joints(self) -> list[float]:
+        """Return the positions of the joints [rad], shape (7,)."""
+
+
+@dataclass(frozen=True, slots=True)
+class ControlToken:
+    """The right of one client to operate the robot.
+
+    Attributes:
+        number: Its public number.
+        secret: What the client sends with its requests.
+        owner: Name of the client.
+        since: When it was asked for [s].
+    """
+
+    number: int
+    secret: str
+    owner: str
+    since: float
+
+
+@dataclass(slots=True)
+class Desk:
+    """The state of Desk, and its rules. One thread, that of its server.
+
+    Attributes:
+        arm: The arm.
+        profiles: The end effectors by their names, those of Desk among them.
+        active: Name of the end effector that counts.
+        mode: The operating mode.
+        are_brakes_closed: Whether the joints are locked; at the start they are.
+        is_fci_active: Whether programs of libfranka can connect; at first they cannot.
+        token: The token in force; None when nobody has control.
+        waiting: Tokens that were asked for while somebody else had control.
+        now: Monotonic clock [s].
+    """
+
+    arm: DeskArm
+    profiles: dict[str, Profile]
+    active: str = MOUNTED
+    mode: str = EXECUTION
+    are_brakes_closed: bool = True
+    is_fci_active: bool = False
+    token: ControlToken | None = None
+    waiting: list[ControlToken] = field(default_factory=list)
+    now: Callable[[], float] = time.monotonic
+    _numbers: "count[int]" = field(default_factory=lambda: count(1))
+
+    def request_control(self, owner: str, *, is_forced: bool = False) -> ControlToken:
+        """Return a token: in force if nobody has control, else it waits for that.
+
+        Args:
+            owner: Name of the client.
+            is_forced: Whether it is in force at once; on a robot a person at the arm
+                presses a button for this.
+        """
+        number, secret = next(self._numbers), secrets.token_hex(16)
+        token = ControlToken(number, secret, owner, self.now())
+        if self.token is None or is_forced:
+            self.token = token
+        else:
+            self.waiting.append(token)
+        return token
+
+    def release_control(self, secret: str) -> None:
+        """Give a token back; the one that waits longest comes into force.
+
+        Raises:
+            DeskRefusalError: Nobody has such a token.
+        """
+        if self.token is not None and self.token.secret == secret:
+            # Clients of the old interface that give up do not say so.
+            begin = self.now() - LONGEST_WAIT
+            self.waiting = [one for one in self.waiting if one.since >= begin]
+            self.token = self.waiting.pop(0) if self.waiting else None
+            return
+        left = [one for one in self.waiting if one.secret != secret]
+        if len(left) == len(self.waiting):
+            self.check_control(secret)
+        self.waiting = left
+
+    def check_control(self, secret: str | None) -> None:
+        """Refuse a request without the token in force.
+
+        Args:
+            secret: The token of the request; None without one.
+
+        Raises:
+            DeskRefusalError: It is not the token in force.
+        """
+        if not secret:
+            raise DeskRefusalError(
+                400, "MissingControlToken", "The header X-Control-Token is missing."
+            )
+        if self.token is None or secret != self.token.secret:
+            raise DeskRefusalError(
+                423, "InvalidControlToken", "The control token is not the active one."
+            )
+
+    def set_brakes(self, *, closed: bool) -> Future[None]:
+        """Close or open the brakes; see `DeskArm`."""
+        self.are_brakes_closed = closed
+        return self.arm.set_brakes(closed=closed)
+
+    def set_fci(self, *, active: bool) -> Future[None]:
+        """Activate or deactivate FCI.
+
+        Raises:
+            DeskRefusalError: The operating mode is not Execution.
+        """
+        if active and self.mode != EXECUTION:
+            raise DeskRefusalError(
+                424, "SystemState", "FCI needs the operating mode Execution."
+            )
+        self.is_fci_active = active
+        return self.arm.set_fci(active=active)
+
+    def change_mode(self, mode: str) -> Future[None] | None:
+        """Change the operating mode; Programming deactivates FCI.
+
+        Raises:
+            DeskRefusalError: There is no such mode.
+        """
+        wanted = mode.capitalize()
+        if wanted not in (EXECUTION, PROGRAMMING):
+            raise DeskRefusalError(
+                400, "InvalidArgument", f"{mode!r} is no operating mode."
+            )
+        self.mode = wanted
+        return self.set_fci(active=False) if wanted == PROGRAMMING else None
+
+    def reboot(self) -> Future[None]:
+        """Begin anew: brakes closed, FCI off, nobody has control."""
+        self.token, self.mode = None, EXECUTION
+        self.waiting.clear()
+        self.set_fci(active=False)
+        return self.set_brakes(closed=True)
+
+    def find_profile(self, name: str) -> Profile:
+        """Return an end effector.
+
+        Raises:
+            DeskRefusalError: There is none of the name.
+        """
+        if name not in self.profiles:
+            raise DeskRefusalError(404, "NotFound", f"There is no profile {name!r}.")
+        return {**self.profiles[name], "id": name, "active": name == self.active}
+
+    def save_profile(self, name: str | None, profile: Profile) -> Profile:
+        """Keep an end effector, under a new name if none is given; return it.
+
+        Raises:
+            DeskRefusalError: The profile is Desk's own, or it is not complete.
+        """
+        self._check_own(name)
+        load_of(profile)
+        if name is None:
+            name = f"ee-{next(self._numbers)}"
+        else:
+            self.find_profile(name)
+        self.profiles[name] = dict(profile)
+        return self.find_profile(name)
+
+    def delete_profile(self, name: str) -> None:
+        """Forget an end effector.
+
+        Raises:
+            DeskRefusalError: There is none, it is Desk's own, or it counts now.
+        """
+        self.find_profile(name)
+        self._check_own(name)
+        if name == self.active:
+            raise DeskRefusalError(424, "SystemState", "The profile is active.")
+        del self.profiles[name]
+
+    def activate_profile(self, name: str) -> Future[None]:
+        """Let an end effector count.
+
+        Raises:
+            DeskRefusalError: There is none of the name.
+        """
+        load, frame = load_of(self.find_profile(name))
+        self.active = name
+        return self.arm.set_end_effector(load, frame)
+
+    def _check_own(self, name: str | None) -> None:
+        if name in (NO_END_EFFECTOR, MOUNTED):
+            raise DeskRefusalError(
+                424, "SystemState", f"The profile {name!r} is Desk's own."
+            )
+
+
+_AXES = ("x", "y", "z")
+_ANGLES = ("roll", "pitch", "yaw")
+_TENSOR = ("x11", "x12", "x13", "x12", "x22", "x23", "x13", "x23", "x33")
+
+
+def load_of(profile: Mapping[str, Any]) -> tuple[Load, tuple[float, ...]]:
+    """Return mass properties and F_T_NE of a profile.
+
+    Raises:
+        DeskRefusalError: A number is missing, or is none.
+    """
+    try:
+        inertial, tcp = profile["inertial"], profile["tcp"]
+        center = tuple(float(inertial["centerOfMass"][k]) for k in _AXES)
+        tensor = tuple(float(inertial["inertia"][k]) for k in _TENSOR)
+        way = tuple(float(tcp["translation"][k]) for k in _AXES)
+        angles = tuple(float(tcp["rotation"][k]) for k in _ANGLES)
+        load = Load(float(inertial["mass"]), center, tensor)
+    except (KeyError, TypeError, ValueError) as error:
+        raise DeskRefusalError(
+            400, "InvalidArgument", f"The end effector is not complete: {error}."
+        ) from error
+    x, y, z = way
+    roll, pitch, yaw = angles
+    return load, as_transform(Pose.from_rpy((x, y, z), (roll, pitch, yaw)))
+
+
+def profile_of(name: str, load: Load, frame: tuple[float, ...]) -> Profile:
+    """Return a profile; see `load_of`."""
+    tensor = dict(zip(_TENSOR, load.inertia, strict=True))
+    roll = atan2(frame[6], frame[10])
+    pitch = -asin(max(-1.0, min(1.0, frame[2])))
+    angles = roll, pitch, atan2(frame[1], frame[0])
+    return {
+        "name": name,
+        "deviceId": "ee-no-gripper",
+        "inertial": {
+            "mass": load.mass,
+            "centerOfMass": dict(zip(_AXES, load.center_of_mass, strict=True)),
+            "inertia": tensor,
+        },
+        "tcp": {
+            "translation": dict(zip(_AXES, frame[12:15], strict=True)),
+            "rotation": dict(zip(_ANGLES, angles, strict=True)),
+        },
+    }

@@ -1,0 +1,389 @@
+"""One client of an endpoint: its requests, the states, and motions in time with them.
+
+Source: libfranka@0.15.0 src/robot_impl.cpp, src/control_loop.cpp, the order of requests
+and answers; differs: nothing is limited or filtered, and every answer is reported.
+"""
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import IntEnum
+from typing import Any, TypeAlias
+
+from typing_extensions import override
+
+from station.core.franka.franka_errors import error_names
+from station.core.franka.franka_robot_state import RobotMode
+from station.hw.franka.fci.driver.fci_client import RobotAnswer, robot_client
+from station.hw.franka.fci.driver.network import FciNetwork, FciNetworkError
+from station.hw.franka.fci.wire.robot_protocol import (
+    NO_CONTROLLER,
+    NO_GENERATOR,
+    PROTOCOLS,
+    Command,
+    ConnectStatus,
+    MoveController,
+    MoveGenerator,
+    MoveStatus,
+    RobotProtocol,
+)
+
+State: TypeAlias = Mapping[str, Any]
+"""The fields of a state by their names on the wire."""
+Fields: TypeAlias = Mapping[str, Any]
+"""Fields of a command; those that are left out are zero."""
+Stream: TypeAlias = Callable[[int, State], Fields | None]
+"""Returns the command of a cycle, counted from 0; None for silence."""
+
+WAIT = 1.0
+"""Longest wait for an answer, or for a state, as libfranka's own [s]."""
+LONGEST_END = 3.0
+"""Longest wait for the end of a motion and of a recovery [s]."""
+_REFUSED_FOR = 2.0
+"""How long a connection may be refused after the last client has gone [s]."""
+_PAUSE = 0.02
+_SLOWEST = 10.0  # so many times longer than real a simulated motion may take
+_ROOM = 8192
+_DEVIATIONS = (10.0, 3.12, 6.283)
+
+
+class FciSilenceError(Exception):
+    """The endpoint did not send what a client waits for."""
+
+
+@dataclass(slots=True)
+class Outcome:
+    """The course of a motion.
+
+    Attributes:
+        started: The first answer to Move.
+        ended: The second one; None if none came.
+        first: The first state that showed the motion; None without one.
+        last: The newest state before the end, and after it.
+        errors: Names of the errors that ended the motion.
+        lowest_rate: Lowest success rate that a state told from the 100th cycle on.
+    """
+
+    started: int
+    ended: int | None = None
+    first: State = field(default_factory=dict)
+    last: State = field(default_factory=dict)
+    errors: Sequence[str] = ()
+    lowest_rate: float = 1.0
+
+    @override
+    def __str__(self) -> str:
+        """Return the course in words."""
+        if self.started != MoveStatus.MOTION_STARTED:
+            return f"Move answered with {words(MoveStatus, self.started)}"
+        end = "no end" if self.ended is None else words(MoveStatus, self.ended)
+        because = f" ({', '.join(self.errors)})" if self.errors else ""
+        rate = self.lowest_rate
+        late = f"; down to {rate:.0%} of the commands in time" if rate < 1.0 else ""
+        return f"{end}{because}{late}"
+
+
+def words(kind: type[IntEnum], status: int) -> str:
+    """Return a status as words, e.g. `reflex aborted`.
+
+    Args:
+        kind: The statuses of the command.
+        status: One of them, or one that the version does not have.
+    """
+    known = next((one.name for one in kind if one == status), f"unknown {status}")
+    return known.lower().replace("_", " ")
+
+
+@dataclass(frozen=True, slots=True)
+class Endpoint:
+    """The address of a robot, and what may be done there.
+
+    Attributes:
+        host: Name or address.
+        port: TCP port.
+        protocol: The version that is spoken.
+        may_move: Whether the arm may be moved.
+    """
+
+    host: str
+    port: int
+    protocol: RobotProtocol
+    may_move: bool = False
+
+    def open(self) -> "Dialog":
+        """Return a client that has connected and has seen a state.
+
+        Raises:
+            OSError: Nobody listens there, or no answer comes; a `FciNetworkError`.
+            FciSilenceError: No state comes.
+        """
+        dialog = Dialog(open_network(self.host, self.port), self.protocol)
+        try:
+            dialog.connect()
+            dialog.next_state()
+        except (OSError, FciSilenceError):
+            dialog.close()
+            raise
+        return dialog
+
+
+def open_network(host: str, port: int) -> FciNetwork:
+    """Return the sockets to an endpoint that may not yet listen again.
+
+    Raises:
+        FciNetworkError: Nobody listens there for 2 s.
+    """
+    deadline = time.monotonic() + _REFUSED_FOR
+    while True:
+        try:
+            return FciNetwork(host, port, is_strict=False)
+        except FciNetworkError:
+            if time.monotonic() > deadline:
+                raise
+            time.sleep(_PAUSE)
+
+
+def find_protocol(host: str, port: int, wanted: int | None) -> RobotProtocol:
+    """Return a version that an endpoint speaks.
+
+    Args:
+        host: Its name or address.
+        port: Its TCP port.
+        wanted: The version; None for the newest of those that have a table.
+
+    Raises:
+        FciNetworkError: The endpoint does not answer.
+        FciSilenceError: It does not speak the version, or none that has a table.
+    """
+    told = 0
+    for asked in sorted(PROTOCOLS, reverse=True) if wanted is None else [wanted]:
+        status, told = ask_version(host, port, asked)
+        if status == ConnectStatus.SUCCESS:
+            return PROTOCOLS[asked]
+    known = wanted or " or ".join(map(str, PROTOCOLS))
+    raise FciSilenceError(
+        f"{host}:{port} does not speak version {known}; it answers with {told}."
+    )
+
+
+def ask_version(host: str, port: int, version: int) -> tuple[int, int]:
+    """Return the status of Connect for a version, and the version that was answered.
+
+    Raises:
+        FciNetworkError: The endpoint does not answer.
+    """
+    network = open_network(host, port)
+    try:
+        client = robot_client(network, PROTOCOLS[max(PROTOCOLS)])
+        values = {"version": version, "udp_port": network.udp_port}
+        answer = client.ask(Command.CONNECT, values)
+        return answer.status, answer.values["version"]
+    finally:
+        network.close()
+
+
+class Dialog:
+    """A client that is connected. One thread.
+
+    Args:
+        network: The sockets.
+        protocol: The version that is spoken.
+
+    Attributes:
+        network: The sockets.
+        protocol: The version that is spoken.
+        client: Asks, and keeps the answers.
+        state: The newest state.
+        sizes: The sizes of the datagrams that have come [bytes].
+    """
+
+    def __init__(self, network: FciNetwork, protocol: RobotProtocol) -> None:
+        self.network, self.protocol = network, protocol
+        self.client = robot_client(network, protocol)
+        self.state: State = {}
+        self.sizes: set[int] = set()
+        self._buffer = bytearray(_ROOM)
+
+    def connect(self) -> None:
+        """Connect with the version.
+
+        Raises:
+            FciNetworkError: No answer comes.
+            IncompatibleVersionError: The endpoint speaks another version.
+        """
+        self.client.connect()
+
+    def close(self) -> None:
+        """Hang up."""
+        self.network.close()
+
+    def ask(self, command: Command, **values: object) -> RobotAnswer:
+        """Send a request, and return its first answer; see `FciClient.ask`."""
+        return self.client.ask(command, values)
+
+    def next_state(self) -> State:
+        """Wait for a state that is newer than the last one, and return it.
+
+        Raises:
+            FciSilenceError: None comes for a second.
+        """
+        deadline = time.monotonic() + WAIT
+        while time.monotonic() < deadline:
+            size = self.network.wait(self._buffer)
+            if not size:
+                continue
+            self.sizes.add(size)
+            layout = self.protocol.state
+            if size < layout.size:
+                raise FciSilenceError(
+                    f"a state of {size} bytes; version {self.protocol.version} has "
+                    f"{layout.size}"
+                )
+            state = layout.unpack(memoryview(self._buffer)[: layout.size])
+            if not self.state or state["message_id"] > self.state["message_id"]:
+                self.state = state
+                return state
+        raise FciSilenceError(f"no newer state within {WAIT:g} s")
+
+    def settle(self) -> State:
+        """Return the newest state: wait for one that is not older than this call.
+
+        Raises:
+            FciSilenceError: None comes.
+        """
+        while (size := self.network.poll(self._buffer)) > 0:
+            self.sizes.add(size)
+        return self.next_state()
+
+    def wait_until(self, holds: Callable[[State], bool], most: float) -> bool:
+        """Read states until one fulfils a condition; return whether one has.
+
+        Args:
+            holds: The condition.
+            most: Longest wait [s].
+
+        Raises:
+            FciSilenceError: No state comes.
+        """
+        deadline = time.monotonic() + most
+        while not holds(self.state):
+            if time.monotonic() > deadline:
+                return False
+            self.next_state()
+        return True
+
+    def start(
+        self, controller: MoveController, generator: MoveGenerator, **values: object
+    ) -> tuple[int, RobotAnswer]:
+        """Ask for a motion; return the number of the request, and the first answer.
+
+        Raises:
+            FciNetworkError: No answer comes.
+        """
+        request = {
+            "controller_mode": controller,
+            "motion_generator_mode": generator,
+            "maximum_path_deviation": _DEVIATIONS,
+            "maximum_goal_pose_deviation": _DEVIATIONS,
+            **values,
+        }
+        number = self.client.send(Command.MOVE, request)
+        answer = self.client.take_answer(number, WAIT)
+        if answer is None:
+            raise FciNetworkError("no answer to Move within 1 s")
+        return number, answer
+
+    def move(
+        self,
+        controller: MoveController,
+        generator: MoveGenerator,
+        stream: Stream,
+        cycles: int,
+        **values: object,
+    ) -> Outcome:
+        """Run a motion to its end, and return its course.
+
+        After the last cycle the motion is finished, unless the stream is silent then.
+
+        Args:
+            controller: The controller.
+            generator: The motion generator.
+            stream: The commands.
+            cycles: How many cycles the motion has, as the states count them.
+            values: Further fields of Move.
+
+        Raises:
+            FciNetworkError: The endpoint does not answer.
+            FciSilenceError: It sends no states, or does not show the motion.
+        """
+        number, answer = self.start(controller, generator, **values)
+        outcome = Outcome(answer.status)
+        if outcome.started != MoveStatus.MOTION_STARTED:
+            return outcome
+        shown = 1 + generator, controller
+        if not self.wait_until(lambda s: _modes(s) == shown, WAIT):
+            raise FciSilenceError(
+                f"the states show the modes {_modes(self.state)} for a motion with "
+                f"{shown}"
+            )
+        self._follow(number, generator, stream, cycles, outcome)
+        if outcome.ended is not None:
+            self._await_rest()
+        outcome.last = self.state
+        return outcome
+
+    def _follow(
+        self,
+        number: int,
+        generator: MoveGenerator,
+        stream: Stream,
+        cycles: int,
+        outcome: Outcome,
+    ) -> None:
+        finished = (
+            "torque_command_finished"
+            if generator is MoveGenerator.NONE
+            else "motion_generation_finished"
+        )
+        state = outcome.first = self.state
+        begin = state["message_id"]
+        deadline = time.monotonic() + _SLOWEST * cycles / 1000.0 + LONGEST_END
+        while time.monotonic() < deadline:
+            cycle = state["message_id"] - begin
+            values = stream(min(cycle, cycles), state)
+            if values is not None:
+                self.command({finished: cycle >= cycles, **values})
+            answer = self.client.take_answer(number)
+            if answer is None:
+                state = self.next_state()
+                answer = self.client.take_answer(number)
+            if cycle >= 100 and state["robot_mode"] == RobotMode.MOVE.value:
+                rate = state["control_command_success_rate"]
+                outcome.lowest_rate = min(outcome.lowest_rate, rate)
+            if answer is not None:
+                outcome.ended = answer.status
+                break
+        if outcome.ended not in (MoveStatus.SUCCESS, None):
+            self.wait_until(has_errors, 0.1)
+        outcome.errors = error_names(self.state["reflex_reason"])
+
+    def command(self, values: Fields) -> None:
+        """Send a command that answers the newest state."""
+        message = {"message_id": self.state["message_id"], **values}
+        self.network.send_datagram(bytearray(self.protocol.command.pack(message)))
+
+    def _await_rest(self) -> None:
+        idle = NO_GENERATOR, NO_CONTROLLER
+        if not self.wait_until(lambda s: _modes(s) == idle, WAIT):
+            raise FciSilenceError(
+                f"the states show the modes {_modes(self.state)} after the motion's end"
+            )
+
+
+def has_errors(state: State) -> bool:
+    """Return whether a state shows errors of the last motion."""
+    return any(state["reflex_reason"])
+
+
+def _modes(state: State) -> tuple[int, int]:
+    return state["motion_generator_mode"], state["controller_mode"]

@@ -1,0 +1,233 @@
+"""Options of pytest for the checks, their fixtures, and the matrix of their results."""
+
+import json
+from collections.abc import Generator, Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import pytest
+
+from station.core.errors import StationError
+from station.core.loop.scheduling import request_realtime_priority
+from station.hw.franka.fci.wire.robot_protocol import PANDA, PROTOCOLS
+from station.testing.fci_conformance.dialog import (
+    Dialog,
+    Endpoint,
+    FciSilenceError,
+    find_protocol,
+)
+
+PASSED, FAILED = "passed", "failed"
+NOT_IN_VERSION = "not in this version"
+MOVES = "skipped: it moves the arm"
+_AREAS = ("reading", "motions", "errors")
+
+
+@dataclass(slots=True)
+class Row:
+    """One check and its result.
+
+    Attributes:
+        check: The check, in words.
+        area: The group of checks that it belongs to.
+        result: `passed`, `failed`, `not in this version`, or why it was skipped.
+        expected: The behaviour that the protocol or libfranka's documents ask for.
+        seen: The behaviour of the endpoint.
+    """
+
+    check: str
+    area: str
+    result: str = ""
+    expected: str = ""
+    seen: str = ""
+
+    def expect(self, expected: str) -> None:
+        """Note what should happen; nothing has been seen yet."""
+        self.expected = expected
+
+    def see(self, seen: object) -> None:
+        """Note what has happened."""
+        self.seen = str(seen)
+
+    def leave_out(self) -> None:
+        """Leave the check out: the version that is spoken has nothing of the kind."""
+        pytest.skip(NOT_IN_VERSION)
+
+
+_endpoint_key = pytest.StashKey[Endpoint]()
+_rows_key = pytest.StashKey[list[Row]]()
+_row_key = pytest.StashKey[Row]()
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Declare the options."""
+    group = parser.getgroup("fci", "checks of the Franka Control Interface")
+    group.addoption("--fci", metavar="ADDRESS", help="name or address of the robot")
+    group.addoption("--fci-port", type=int, default=PANDA.port, metavar="PORT")
+    group.addoption(
+        "--fci-version",
+        type=int,
+        choices=sorted(PROTOCOLS),
+        help="version that the client speaks; the newest that the robot has if left "
+        "out",
+    )
+    group.addoption(
+        "--fci-move",
+        action="store_true",
+        help="move the arm, provoke its errors, recover",
+    )
+    group.addoption("--fci-report", type=Path, metavar="FILE", help="write JSON")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Find the endpoint's version, if an endpoint is named.
+
+    Raises:
+        UsageError: The endpoint does not answer, or speaks no version with a table.
+    """
+    config.addinivalue_line("markers", "moves: a check that moves the arm")
+    config.stash[_rows_key] = []
+    host = config.getoption("--fci")
+    if host is None:
+        return
+    port, version = config.getoption("--fci-port"), config.getoption("--fci-version")
+    try:
+        protocol = find_protocol(host, port, version)
+    except (OSError, StationError, FciSilenceError) as error:
+        raise pytest.UsageError(str(error)) from error
+    # So that the client's lateness is not taken for the endpoint's.
+    request_realtime_priority()
+    config.stash[_endpoint_key] = Endpoint(
+        host, port, protocol, config.getoption("--fci-move")
+    )
+
+
+def pytest_itemcollected(item: pytest.Item) -> None:
+    """Make the row of a check."""
+    # The package's own checks alone: a run may collect other tests, too.
+    if not item.module.__name__.startswith(__package__ or ""):  # type: ignore[attr-defined]
+        return
+    words = item.name.removeprefix("test_").replace("_", " ")
+    name, _, rest = words.partition("[")
+    case = rest.removesuffix("]")
+    area = item.module.__name__.rpartition(".test_")[2]  # type: ignore[attr-defined]
+    item.stash[_row_key] = row = Row(f"{name}: {case}" if case else name, area)
+    item.config.stash[_rows_key].append(row)
+
+
+def pytest_collection_modifyitems(
+    config: pytest.Config, items: list[pytest.Item]
+) -> None:
+    """Let checks that read come first, and those that provoke errors last."""
+
+    def place(row: Row | None) -> int:
+        return _AREAS.index(row.area) if row is not None and row.area in _AREAS else -1
+
+    items.sort(key=lambda item: place(item.stash.get(_row_key, None)))
+    config.stash[_rows_key].sort(key=place)
+
+
+@pytest.fixture
+def endpoint(request: pytest.FixtureRequest) -> Endpoint:
+    """Return the endpoint."""
+    found = request.config.stash.get(_endpoint_key, None)
+    if found is None:
+        pytest.skip("no endpoint: give its address with --fci")
+    if request.node.get_closest_marker("moves") and not found.may_move:
+        pytest.skip(MOVES)
+    return found
+
+
+@pytest.fixture
+def row(request: pytest.FixtureRequest) -> Row:
+    """Return the row of the check that runs."""
+    row: Row = request.node.stash[_row_key]
+    return row
+
+
+@pytest.fixture
+def dialog(endpoint: Endpoint) -> Iterator[Dialog]:
+    """Connect a client for one check."""
+    opened = endpoint.open()
+    yield opened
+    opened.close()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(
+    item: pytest.Item, call: pytest.CallInfo[None]
+) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Note the result of a check in its row."""
+    report = yield
+    row = item.stash.get(_row_key, None)
+    if row is None or (report.when != "call" and report.passed):
+        return report
+    if report.skipped:
+        row.result = _reason(report).removeprefix("Skipped: ")
+    elif report.passed:
+        row.result = PASSED
+    else:
+        row.result = FAILED
+        error = call.excinfo.value if call.excinfo is not None else None
+        if not isinstance(error, AssertionError) or not row.seen:
+            before = f"{row.seen}; " if row.seen else ""
+            row.seen = f"{before}{type(error).__name__}: {error}"
+    return report
+
+
+def _results(config: pytest.Config) -> list[Row]:
+    """Return the rows of the checks that were selected, and have a result."""
+    return [row for row in config.stash[_rows_key] if row.result]
+
+
+def _reason(report: pytest.TestReport) -> str:
+    """Return the reason for which a check was skipped."""
+    told = report.longrepr
+    return str(told[2]) if isinstance(told, tuple) else str(told)
+
+
+def pytest_terminal_summary(
+    terminalreporter: pytest.TerminalReporter, config: pytest.Config
+) -> None:
+    """Print the matrix."""
+    endpoint = config.stash.get(_endpoint_key, None)
+    if endpoint is None:
+        return
+    write = terminalreporter.write_line
+    where = f"{endpoint.host}:{endpoint.port}"
+    write("")
+    write(f"Franka Control Interface {endpoint.protocol.version} at {where}")
+    rows = _results(config)
+    width = max((len(row.check) for row in rows), default=0)
+    area = ""
+    for row in rows:
+        if row.area != area:
+            area = row.area
+            write(f"\n{area}")
+        write(f"  {row.check:{width}}  {row.result}")
+        if row.result == FAILED:
+            write(f"  {'':{width}}    expected: {row.expected or 'no error'}")
+            write(f"  {'':{width}}    seen:     {row.seen}")
+    write(f"\n{summary(rows)}")
+
+
+def summary(rows: list[Row]) -> str:
+    """Return the numbers of checks by their results, e.g. `20 passed, 1 failed`."""
+    results = [row.result for row in rows]
+    return ", ".join(f"{results.count(r)} {r}" for r in dict.fromkeys(results))
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Write the report."""
+    config = session.config
+    file = config.getoption("--fci-report")
+    endpoint = config.stash.get(_endpoint_key, None)
+    if file is None or endpoint is None:
+        return
+    report = {
+        "address": f"{endpoint.host}:{endpoint.port}",
+        "version": endpoint.protocol.version,
+        "moved": endpoint.may_move,
+        "checks": [asdict(row) for row in _results(config)],
+    }
+    file.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")

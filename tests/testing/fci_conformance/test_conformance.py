@@ -1,0 +1,95 @@
+"""The checks of an endpoint: ours passes; an arm without errors is found out."""
+
+import pytest
+
+from station.app.fci_run import robot_model_of
+from station.core.parameters import Parameters, ParameterTree
+from station.hw.franka.fci.wire.robot_protocol import FR3, PANDA
+from station.hw.franka.franka_parameters import read_parameters
+from station.hw.franka.simulated.franka_world import simulate_one
+from tests.hw.franka.scripted_arm import ScriptedArm
+from tests.testing.fci_conformance.pumped_endpoint import run_checks
+
+KNOWN = {"cartesian motion at a singular pose is refused"}
+"""Checks that the server does not pass; docs/fci.md says why."""
+
+
+def library(_architecture, _system):
+    return b"\x7fELF"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "protocol", [PANDA, *FR3], ids=lambda one: f"version {one.version}"
+)
+def test_simulated_arm_passes(protocol, tmp_path, monkeypatch, capsys):
+    robot = {
+        "arm": "panda" if protocol is PANDA else "fr3",
+        "arm_id": "panda",
+        "robot_description": "example-robot-data:panda",
+    }
+    root = Parameters(ParameterTree({"robot": robot}))
+    parameters = read_parameters(root.namespace("robot"))
+    arm = simulate_one(parameters, root).arms["panda"]
+    _, rows, report = run_checks(
+        arm,
+        tmp_path,
+        monkeypatch,
+        protocols=[protocol],
+        library=library,
+        model=robot_model_of(parameters),
+        arguments=["--fci-move"],
+    )
+    failed = {check: row for check, row in rows.items() if row["result"] == "failed"}
+    assert {*failed} <= KNOWN, capsys.readouterr().out
+    passed = [row for row in rows.values() if row["result"] == "passed"]
+    assert len(passed) > 60, capsys.readouterr().out
+    assert report["version"] == protocol.version
+    assert all(row["expected"] for row in rows.values() if row["result"] == "passed")
+
+
+def test_checks_that_move_are_left_out_unless_asked_for(tmp_path, monkeypatch, capsys):
+    arm = ScriptedArm()
+    code, rows, report = run_checks(arm, tmp_path, monkeypatch, protocols=[PANDA])
+    assert code == 1
+    assert not arm.sent
+    assert rows["stop preempts a motion"]["result"] == "skipped: it moves the arm"
+    assert rows["accelerometers feel gravity"]["result"] == "not in this version"
+    assert rows["version is agreed"] == {
+        "check": "version is agreed",
+        "area": "reading",
+        "result": "passed",
+        "expected": "Connect with version 5: success, version 5",
+        "seen": "success, version 5",
+    }
+    assert report["moved"] is False
+    said = capsys.readouterr().out
+    assert "Franka Control Interface 5 at " in said
+
+
+def test_arm_that_tells_no_gravity_and_has_no_model_is_found_out(
+    tmp_path, monkeypatch, capsys
+):
+    _, rows, _ = run_checks(ScriptedArm(), tmp_path, monkeypatch, protocols=[PANDA])
+    gravity = rows["gravity is told"]
+    assert gravity["result"] == "failed"
+    assert gravity["seen"] == "(0, 0, 0) m/s²"
+    assert "expected: O_ddP_O of 9.81 m/s²" in capsys.readouterr().out
+    assert rows["model library is sent"]["result"] == "failed"
+
+
+def test_arm_without_errors_is_found_out(tmp_path, monkeypatch):
+    """An arm that follows each command, and tells no names of errors."""
+    arguments = ["--fci-move", "-k", "jump or silence or singular or preempts"]
+    code, rows, _ = run_checks(
+        ScriptedArm(), tmp_path, monkeypatch, protocols=[PANDA], arguments=arguments
+    )
+    assert code == 1
+    assert rows["stop preempts a motion"]["result"] == "passed"
+    silence = rows["error by its cause: silence of positions at rest"]
+    assert silence["seen"] == "reflex aborted; robot mode 4; recovery: idle"
+    jumps = [row["result"] for check, row in rows.items() if "jump" in check]
+    assert jumps == ["failed"] * 7
+    jump = rows["error by its cause: jump of a joint position by 5 mrad"]
+    assert jump["seen"].startswith("success")
+    assert "joint_motion_generator_velocity_discontinuity" in jump["expected"]
