@@ -1,4 +1,5 @@
 // Small pieces of the page that every panel uses.
+import { html, render } from "../vendor/lit/lit-html.js";
 
 /** Return an element: `h("button", {class: "s", onclick: f}, "text", child)`. */
 export function h(tag, props = {}, ...children) {
@@ -13,44 +14,20 @@ export function h(tag, props = {}, ...children) {
   return made;
 }
 
+/** Draw a template into an element and return it; drawn again, only what differs changes. */
+export function drawn(element, template) {
+  render(template, element);
+  return element;
+}
+
 /** Set a text only when it differs, so that the browser has nothing to lay out. */
 export function show(element, text) {
   if (element.textContent !== text) element.textContent = text;
 }
 
-export function number(value, digits) {
-  if (value == null || !Number.isFinite(value)) return "–";
-  const text = value.toFixed(digits);
-  return /^-0\.?0*$/.test(text) ? text.slice(1) : text;
-}
-
-/** Return what the joints' names share up to an underscore, e.g. `panda_`. */
-export function sharedPrefix(names) {
-  if (names.length < 2) return "";
-  let shared = names[0];
-  for (const name of names) while (!name.startsWith(shared)) shared = shared.slice(0, -1);
-  return shared.slice(0, shared.lastIndexOf("_") + 1);
-}
-
-const SUFFIX = "_joint"; // says nothing where all joints have it
-
-/** Return how to name each of these joints in few characters: a map by their names. */
-export function shortNames(joints) {
-  const prefix = sharedPrefix(joints);
-  const suffixed = joints.every((joint) => joint.length > prefix.length + SUFFIX.length && joint.endsWith(SUFFIX));
-  return new Map(joints.map((joint) => [joint, joint.slice(prefix.length, suffixed ? -SUFFIX.length : undefined)]));
-}
-
-/** Return a long name that may be broken after a sign and nowhere else. */
+/** Return a long name, for a template, that may be broken after a sign and nowhere else. */
 export function breakable(text, sign) {
-  return text.split(sign).flatMap((part, i, all) => (i < all.length - 1 ? [part + sign, h("wbr")] : [part]));
-}
-
-/** Read a number as people type it, or null; a comma counts as the decimal point. */
-export function typed(text) {
-  const clean = text.trim().replace(",", ".").replace("−", "-");
-  const value = Number(clean);
-  return clean !== "" && Number.isFinite(value) ? value : null;
+  return text.split(sign).map((part, i) => (i ? html`${sign}<wbr>${part}` : part));
 }
 
 /**

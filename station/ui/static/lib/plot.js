@@ -1,5 +1,6 @@
 // A small plot over time on a canvas: traces, a cursor, markers, zoom and pan.
-import { number } from "./dom.js";
+import { csvOf } from "./history.js";
+import { number } from "./text.js";
 
 const COLOURS = 7; // `--trace0` to `--trace6` in the style sheet
 const DASHES = [[], [6, 3], [2, 3], [8, 3, 2, 3]];
@@ -9,56 +10,6 @@ const BOTTOM = 16;
 /** Return the dashes of a trace: no two of 28 traces have the same colour and dashes. */
 export function dashOf(i) {
   return DASHES[((i % COLOURS) + Math.floor(i / COLOURS)) % DASHES.length];
-}
-
-
-/** The samples of a channel of the last minute. */
-export class History {
-  constructor(seconds = 60) {
-    this.seconds = seconds;
-    this.times = [];
-    this.values = [];
-  }
-
-  add(time, value) {
-    const last = this.times.at(-1);
-    if (last !== undefined && time < last) this.clear(); // the station has restarted
-    if (time === last || value == null || !Number.isFinite(value)) return;
-    this.times.push(time);
-    this.values.push(value);
-    if (this.times[0] < time - 2 * this.seconds) {
-      const first = this.indexAt(time - this.seconds);
-      this.times.splice(0, first);
-      this.values.splice(0, first);
-    }
-  }
-
-  /** Return the rate of change at a sample, over its two neighbours; null at an end. */
-  slope(i) {
-    if (i < 1 || i >= this.times.length - 1) return null;
-    return (this.values[i + 1] - this.values[i - 1]) / (this.times[i + 1] - this.times[i - 1]);
-  }
-
-  /** Return the same samples, to which nothing is added. */
-  copy() {
-    return Object.assign(new History(this.seconds), { times: [...this.times], values: [...this.values] });
-  }
-
-  clear() {
-    this.times.length = this.values.length = 0;
-  }
-
-  /** Return the index of the first sample at or after a time. */
-  indexAt(time) {
-    let low = 0;
-    let high = this.times.length;
-    while (low < high) {
-      const middle = (low + high) >> 1;
-      if (this.times[middle] < time) low = middle + 1;
-      else high = middle;
-    }
-    return low;
-  }
 }
 
 /** Round a step up to 1, 2 or 5 times a power of ten. */
@@ -280,7 +231,7 @@ export class Plot {
     const x = this.cursor + (this.cursor > width / 2 ? -6 : 6);
     const since = this.fixed === null ? "" : ` (Δ ${number(time - this.fixed, 3)} s)`;
     pen.fillText(`${number(time, 2)} s${since}`, x, 14);
-    const at = (history, when) => history.values[Math.min(history.indexAt(when), history.values.length - 1)];
+    const at = (history, when) => history.valueAt(when);
     this.traces.forEach(({ label, history, unit }, i) => {
       if (!history.values.length) return;
       const value = at(history, time);
@@ -289,19 +240,10 @@ export class Plot {
     });
   }
 
-  /** Return what the plot shows as CSV, one row per sample of the first trace. */
+  /** Return what the plot shows as CSV. */
   csv(newest) {
     const end = this.end ?? newest;
-    const begin = end - this.span;
-    const head = ["time [s]", ...this.traces.map((t) => `${t.label} [${t.unit}]`)];
-    const lines = [head.join(",")];
-    const first = this.traces[0]?.history;
-    for (let i = first?.indexAt(begin) ?? 0; first && i < first.times.length && first.times[i] <= end; i += 1) {
-      const time = first.times[i];
-      const row = this.traces.map(({ history }) => history.values[Math.min(history.indexAt(time), history.values.length - 1)] ?? "");
-      lines.push([time, ...row].join(","));
-    }
-    return `${lines.join("\n")}\n`;
+    return csvOf(this.traces, end - this.span, end);
   }
 }
 

@@ -1,9 +1,10 @@
 // The hand of one arm: held directions, a typed place, and how fast it may move.
-import { h, holdButton, kept, number, show, typed } from "../lib/dom.js";
+import { h, holdButton, kept, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { refusals } from "../lib/refusals.js";
 import { act, api, teleoperation } from "../lib/station.js";
 import { store, switchTo } from "../lib/store.js";
+import { number, typed } from "../lib/text.js";
 
 const AXES = ["x", "y", "z", "about x", "about y", "about z"];
 const JOG = "CartesianJogController";

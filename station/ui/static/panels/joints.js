@@ -1,10 +1,11 @@
 // Joints: where each is, what it is told, exact typed values, and hold-to-run buttons.
-import { h, holdButton, kept, number, shortNames, show, typed } from "../lib/dom.js";
+import { h, holdButton, kept, show } from "../lib/dom.js";
 import { hideGhost, showGhost } from "../lib/ghost.js";
 import { Panel } from "../lib/panel.js";
 import { refusals } from "../lib/refusals.js";
 import { teleoperation, follow } from "../lib/station.js";
 import { store } from "../lib/store.js";
+import { number, shortNames, typed } from "../lib/text.js";
 
 const DEGREES = 180 / Math.PI;
 const NEAR_LIMIT = 0.05; // part of the range at each end

@@ -1,10 +1,13 @@
 // Plots: any channels of the streams, several plots, pause, zoom, cursor, markers, CSV.
-import { Channels, described, numbersIn, sample, sources } from "../lib/channels.js";
-import { h, kept, shortNames, show } from "../lib/dom.js";
+import { described, numbersIn } from "../lib/channel_maths.js";
+import { Channels, sample, sources } from "../lib/channels.js";
+import { h, kept, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
-import { History, Plot, dashOf, download } from "../lib/plot.js";
+import { History } from "../lib/history.js";
+import { Plot, dashOf, download } from "../lib/plot.js";
 import { follow } from "../lib/station.js";
 import { store } from "../lib/store.js";
+import { shortNames } from "../lib/text.js";
 
 const DRAW_HZ = 15;
 const SAMPLE_UNITS = { desired: "rad", actual: "rad", error: "rad", output: "Nm" };

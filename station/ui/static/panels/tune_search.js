@@ -1,11 +1,13 @@
 // "Tune for me": a search for better gains in a simulated copy of the station, its
 // progress and its best so far; nothing is applied before a person has seen the change.
-import { h, number, show, typed } from "../lib/dom.js";
+import { h, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
-import { History, Plot } from "../lib/plot.js";
+import { History } from "../lib/history.js";
+import { Plot } from "../lib/plot.js";
 import { refusals } from "../lib/refusals.js";
 import { act, api } from "../lib/station.js";
 import { store } from "../lib/store.js";
+import { number, typed } from "../lib/text.js";
 
 const LOOK_MS = 1000;
 const SHOWN = [

@@ -1,12 +1,14 @@
 // Tuning: gains of one controller, changed together; undo; sets; a bench for one joint.
 import "./gain_sets.js";
 import "./tune_search.js";
-import { h, kept, number, show, sharedPrefix, typed } from "../lib/dom.js";
+import { h, kept, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
-import { History, Plot } from "../lib/plot.js";
+import { History } from "../lib/history.js";
+import { Plot } from "../lib/plot.js";
 import { refusals } from "../lib/refusals.js";
 import { act, api, Refusal } from "../lib/station.js";
 import { store } from "../lib/store.js";
+import { number, sharedPrefix, typed } from "../lib/text.js";
 
 /** What each kind of test asks for besides its size and duration. */
 const EXCITATIONS = { step: [], sine: ["frequency"], chirp: ["first", "last"], relay: ["hysteresis"] };
