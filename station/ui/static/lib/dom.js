@@ -31,6 +31,34 @@ export function breakable(text, sign) {
 }
 
 /**
+ * A field for a number that is sent with Enter. What nobody has typed is only shown, so that
+ * Enter on it sends nothing; `input.edited` says whether somebody has. `changed` is told when
+ * a value is typed or left.
+ */
+export function valueField(label, send, changed = () => {}) {
+  const input = h("input", { class: "value", inputMode: "decimal", autocomplete: "off", spellcheck: false });
+  input.setAttribute("aria-label", label);
+  const edit = (edited) => () => {
+    input.edited = edited;
+    changed();
+  };
+  input.addEventListener("input", edit(true));
+  input.addEventListener("blur", edit(false));
+  input.addEventListener("keydown", (event) => event.key === "Enter" && input.edited && send());
+  input.addEventListener("focus", () => input.select());
+  // A second click would put the caret into a value that is only shown or was sent, and
+  // what is typed then would become one number with it. What is being typed keeps its caret.
+  // The browser collapses a selection that is clicked only after `click`, so its own way is barred.
+  input.addEventListener("mousedown", (event) => {
+    if (input.edited) return;
+    event.preventDefault();
+    input.focus();
+    input.select();
+  });
+  return input;
+}
+
+/**
  * A button that acts while it is held, by pointer or with the Enter key. One that is
  * disabled meanwhile, e.g. by a stop, has to be pressed anew.
  */
