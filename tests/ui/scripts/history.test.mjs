@@ -54,3 +54,9 @@ test("what is shown is saved, a row per sample of the first trace", () => {
   assert.equal(csvOf(traces, 1, 2), "time [s],q [rad],τ [Nm]\n1,2,\n2,3,\n");
   assert.equal(csvOf([], 0, 1), "time [s]\n");
 });
+
+test("the nearest sample may be before a time or after it", () => {
+  const history = filled([10, 11, 12]);
+  assert.deepEqual([-5, 0.4, 0.6, 1, 9].map((time) => history.nearest(time)), [10, 10, 11, 11, 12]);
+  assert.equal(new History().nearest(0), undefined);
+});

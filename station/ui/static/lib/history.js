@@ -41,6 +41,12 @@ export class History {
     return this.values[Math.min(this.indexAt(time), this.values.length - 1)];
   }
 
+  /** Return the value of the sample whose time is nearest; undefined without samples. */
+  nearest(time) {
+    const after = Math.min(this.indexAt(time), this.times.length - 1);
+    return this.values[after > 0 && time - this.times[after - 1] < this.times[after] - time ? after - 1 : after];
+  }
+
   /** Return the index of the first sample at or after a time. */
   indexAt(time) {
     let low = 0;

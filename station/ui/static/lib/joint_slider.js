@@ -1,5 +1,6 @@
 // The slider of a joint: where the joint is within its limits, what it is told, and a thumb.
 import { h } from "./dom.js";
+import { number } from "./text.js";
 
 const GRAB = 12; // pixels beside the thumb that belong to it
 const SEND_MS = 50; // between two places of a drag
@@ -125,7 +126,7 @@ export class JointSlider {
     this.position = position;
     this.command = command;
     if (!isGoing) this.wanted = null;
-    this.element.setAttribute("aria-valuenow", String(command ?? position));
+    this.element.setAttribute("aria-valuenow", number(command ?? position, 6));
     this.element.setAttribute("aria-valuetext", text);
     this.draw();
   }

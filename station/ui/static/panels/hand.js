@@ -134,8 +134,8 @@ class Hand extends Panel {
   }
 
   listSteps(chosen) {
-    const angle = (value) => (units.angle === "deg" ? `${number(value * DEGREES, 1)}°` : `${number(value, 4)} rad`);
-    this.step.replaceChildren(...STEPS.map(({ along, about }, i) => h("option", { value: String(i) }, `${number(along * 1e3, 1)} mm, ${angle(about)}`)));
+    const angle = (value) => (units.angle === "deg" ? `${Number((value * DEGREES).toFixed(1))}°` : `${number(value, 4)} rad`);
+    this.step.replaceChildren(...STEPS.map(({ along, about }, i) => h("option", { value: String(i) }, `${along * 1e3} mm, ${angle(about)}`)));
     this.step.value = String(chosen);
   }
 

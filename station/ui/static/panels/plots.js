@@ -4,10 +4,11 @@ import { Channels, sample, sources } from "../lib/channels.js";
 import { h, kept, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { History } from "../lib/history.js";
-import { Plot, dashOf, download } from "../lib/plot.js";
+import { Plot, download } from "../lib/plot.js";
 import { follow } from "../lib/station.js";
 import { store } from "../lib/store.js";
-import { shortNames } from "../lib/text.js";
+import { number, shortNames } from "../lib/text.js";
+import { dashOf } from "../lib/traces.js";
 
 const DRAW_HZ = 15;
 const SAMPLE_UNITS = { desired: "rad", actual: "rad", error: "rad", output: "Nm" };
@@ -44,6 +45,7 @@ class Plots extends Panel {
 
   setPaused(paused) {
     this.paused = paused;
+    this.isZoomed = false;
     show(this.pause, paused ? "Resume" : "Pause");
     this.pause.setAttribute("aria-pressed", String(paused));
     this.frozen.clear();
@@ -128,13 +130,14 @@ class Plots extends Panel {
   }
 
   addPlot(keys, xy = false, span = 10) {
-    const canvas = h("canvas", { tabIndex: 0, title: "Click, or Enter: a second cursor. Arrow keys: the first. Wheel, + and −: zoom. Drag while paused: move in time." });
+    const canvas = h("div", { class: "chart", tabIndex: 0, title: "Drag: zoom all plots to a range of time. Click, or Enter: a second cursor. Arrow keys: the first. Wheel, + and −: zoom. Double click: back." });
     canvas.setAttribute("role", "img");
     const legend = h("div", { class: "legend", tabIndex: 0 }); // long names are scrolled to
     legend.setAttribute("role", "group");
     legend.setAttribute("aria-label", "Channels of the plot");
     const button = (label, title, run) => h("button", { class: "s", type: "button", title, onclick: run }, label);
-    const entry = { keys, plot: new Plot(canvas), legend };
+    const entry = { keys, legend, values: [] };
+    entry.plot = new Plot(canvas, { group: "plots", moved: () => this.tell(entry), chosen: (begin, end) => this.zoomTo(begin, end) });
     Object.assign(entry.plot, { xy, span });
     if (this.paused) entry.plot.end = store.stationTime;
     const across = button("XY", "Draw the other channels over the first one instead of over time", () => {
@@ -152,6 +155,7 @@ class Plots extends Panel {
       button("CSV", "Save what is shown", () => download("plot.csv", entry.plot.csv(store.stationTime))),
       button("✕", "Remove this plot", () => {
         this.plots = this.plots.filter((other) => other !== entry);
+        entry.plot.forget();
         box.remove();
         this.keep();
       }),
@@ -164,8 +168,9 @@ class Plots extends Panel {
     const box = h("div", { class: "plot" }, h("div", { class: "plot-head" }, legend, menu), canvas);
     menu.addEventListener("toggle", () => menu.open && this.fillMenu(entry));
     canvas.addEventListener("dblclick", () => {
-      entry.plot.span = 10;
-      if (!this.paused) entry.plot.end = null;
+      if (this.isZoomed) this.setPaused(false);
+      for (const { plot } of this.plots) plot.span = 10;
+      this.keep();
     });
     this.plots.push(entry);
     this.row.append(box);
@@ -241,6 +246,26 @@ class Plots extends Panel {
     this.keep();
   }
 
+  /** Hold the picture, and show a range of time [s] in all plots. */
+  zoomTo(begin, end) {
+    if (!this.paused) {
+      this.setPaused(true);
+      this.isZoomed = true;
+    }
+    for (const { plot } of this.plots) Object.assign(plot, { end, span: end - begin });
+  }
+
+  /** Write the values at the cursor, else the newest ones, into the legend. */
+  tell({ plot, values, time }) {
+    const { cursor, fixed } = plot;
+    const since = cursor === null || fixed === null ? "" : `, Δ ${number(cursor - fixed, 3)} s`;
+    show(time, cursor === null ? "" : ` at ${number(cursor, 3)} s${since}`);
+    plot.traces.forEach((trace, i) => {
+      const { value, change } = plot.valueOf(trace);
+      show(values[i], value === undefined ? "–" : number(value, 4) + (change === null ? "" : ` (Δ ${number(change, 4)})`));
+    });
+  }
+
   /** Return what a key stands for: a channel, or its rate of change. */
   channel(key) {
     const known = (name) => (name.includes("|") ? described(name) : this.channels.get(name));
@@ -255,11 +280,13 @@ class Plots extends Panel {
     const units = [...new Set(entry.plot.traces.map((t) => t.unit).filter(Boolean))].join(", ");
     const labels = entry.plot.traces.map((trace) => trace.label);
     const shared = sharedStart(labels);
+    entry.time = h("span", {});
+    entry.values = labels.map(() => h("output", {}));
     entry.legend.replaceChildren(
-      h("b", {}, !labels.length ? "no channel chosen" : units ? `${shared} [${units}]` : shared),
-      ...labels.map((label, i) => h("span", { class: `trace t${i % 7}`, title: label }, swatch(i), label.slice(shared.length))),
+      h("b", {}, !labels.length ? "no channel chosen" : units ? `${shared} [${units}]` : shared, entry.time),
+      ...labels.map((label, i) => h("span", { class: `trace t${i % 7}`, title: label }, swatch(i), label.slice(shared.length), entry.values[i])),
     );
-    entry.plot.canvas.setAttribute("aria-label", `Plot of ${entry.plot.traces.map((t) => t.label).join(", ")}`);
+    entry.plot.place.setAttribute("aria-label", `Plot of ${entry.plot.traces.map((t) => t.label).join(", ")}`);
     this.note();
   }
 
@@ -287,7 +314,10 @@ class Plots extends Panel {
 
   draw() {
     if (!this.isShown || document.hidden) return;
-    for (const { plot } of this.plots) plot.draw(store.stationTime);
+    for (const entry of this.plots) {
+      entry.plot.draw(store.stationTime);
+      this.tell(entry);
+    }
   }
 }
 

@@ -39,13 +39,13 @@ class TuneSearch extends Panel {
     this.progress.setAttribute("aria-label", "Progress of the search");
     this.state = h("p", { class: "hint state", role: "status" }, "");
     this.diff = h("p", { class: "hint" });
-    const canvas = h("canvas", { class: "response" });
-    canvas.setAttribute("role", "img");
-    canvas.setAttribute("aria-label", "Responses at the start of the search and of the best trial");
-    this.plot = new Plot(canvas);
+    const chart = h("div", { class: "chart response" });
+    chart.setAttribute("role", "img");
+    chart.setAttribute("aria-label", "Responses at the start of the search and of the best trial");
+    this.plot = new Plot(chart);
     this.rows = h("tbody", {});
     const heads = ["", "at the start", "best so far"].map((text) => h("th", {}, text));
-    this.results = h("div", { hidden: true }, canvas, h("table", { class: "metrics" }, h("thead", {}, h("tr", {}, ...heads)), this.rows));
+    this.results = h("div", { hidden: true }, chart, h("table", { class: "metrics" }, h("thead", {}, h("tr", {}, ...heads)), this.rows));
     this.append(
       h("div", { class: "line" }, h("b", {}, "Search"), trialsLabel, sizeLabel, secondsLabel, this.startButton, this.cancelButton),
       this.progress,

@@ -213,14 +213,14 @@ class Tuning extends Panel {
     choose();
     this.runButton = h("button", { class: "s primary", type: "button", title: "Moves the chosen joint through the running controller, at most 0.3 rad, and leads it back.", disabled: true }, "Run test");
     this.runButton.addEventListener("click", () => this.run());
-    const canvas = h("canvas", { class: "response" });
-    canvas.setAttribute("role", "img");
-    canvas.setAttribute("aria-label", "The last two tests, A and B, over each other");
-    this.response = new Plot(canvas);
+    const chart = h("div", { class: "chart response" });
+    chart.setAttribute("role", "img");
+    chart.setAttribute("aria-label", "The last two tests, A and B, over each other");
+    this.response = new Plot(chart);
     this.runs = [];
     this.table = h("tbody", {});
     const heads = ["run", "rise", "overshoot", "settling", "steady error", "RMS", "peak"];
-    this.results = h("div", { hidden: true }, canvas, h("table", { class: "metrics" }, h("thead", {}, h("tr", {}, ...heads.map((text) => h("th", {}, text)))), this.table));
+    this.results = h("div", { hidden: true }, chart, h("table", { class: "metrics" }, h("thead", {}, h("tr", {}, ...heads.map((text) => h("th", {}, text)))), this.table));
     setInterval(() => this.isShown && this.runs.length && this.response.draw(this.response.end), 200);
     return h("div", { class: "bench" }, h("div", { class: "line" }, h("b", {}, "Test"), this.kind, ...Object.values(this.bench).map(({ label }) => label), this.runButton), this.results);
   }
