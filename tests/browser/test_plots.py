@@ -153,3 +153,22 @@ def test_cursors_and_zoom_are_those_of_all_plots_and_the_legend_tells_values(
     page.mouse.dblclick(right, middle)
     assert page.evaluate(spans) == [10, 10]
     workspace.button("plots", "Resume").click()
+
+
+def test_a_channel_is_dragged_from_one_plot_to_another(workspace, client):
+    page, dock = workspace.page, workspace.dock("plots")
+    boxes = dock.locator(".plot")
+    named = "() => [...document.querySelectorAll('.plot .chart')].map(e => e.ariaLabel)"
+    before = page.evaluate(named)
+    assert "q joint4" in before[0]
+    trace = boxes.first.locator(".trace").nth(3)
+    trace.drag_to(boxes.nth(1).locator(".chart"))
+    after = page.evaluate(named)
+    assert "q joint4" not in after[0]
+    assert after[1] == before[1] + ", q joint4"
+    page.mouse.move(5, 5)
+    shown = boxes.nth(1).locator(".trace output").last
+    wanted = client.joint_states().position[3]
+    assert wait_until(lambda: abs(float(shown.inner_text()) - wanted) < 5e-3)
+    boxes.nth(1).locator(".trace").last.drag_to(boxes.first.locator(".chart"))
+    assert page.evaluate(named)[1] == before[1]

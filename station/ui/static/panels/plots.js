@@ -166,6 +166,8 @@ class Plots extends Panel {
     entry.menu = menu;
     entry.plot.markers = store.markers;
     const box = h("div", { class: "plot" }, h("div", { class: "plot-head" }, legend, menu), canvas);
+    box.addEventListener("dragover", (event) => this.dragged && event.preventDefault());
+    box.addEventListener("drop", (event) => this.drop(event, entry));
     menu.addEventListener("toggle", () => menu.open && this.fillMenu(entry));
     canvas.addEventListener("dblclick", () => {
       if (this.isZoomed) this.setPaused(false);
@@ -255,6 +257,17 @@ class Plots extends Panel {
     for (const { plot } of this.plots) Object.assign(plot, { end, span: end - begin });
   }
 
+  /** Let a channel that was dragged from the legend of another plot be one of this plot instead. */
+  drop(event, entry) {
+    if (!this.dragged || this.dragged.entry === entry) return;
+    event.preventDefault();
+    const { entry: from, key } = this.dragged;
+    from.keys = from.keys.filter((other) => other !== key);
+    entry.keys = [...entry.keys.filter((other) => other !== key), key];
+    for (const changed of [from, entry]) this.apply(changed);
+    this.keep();
+  }
+
   /** Write the values at the cursor, else the newest ones, into the legend. */
   tell({ plot, values, time }) {
     const { cursor, fixed } = plot;
@@ -284,7 +297,9 @@ class Plots extends Panel {
     entry.values = labels.map(() => h("output", {}));
     entry.legend.replaceChildren(
       h("b", {}, !labels.length ? "no channel chosen" : units ? `${shared} [${units}]` : shared, entry.time),
-      ...labels.map((label, i) => h("span", { class: `trace t${i % 7}`, title: label }, swatch(i), label.slice(shared.length), entry.values[i])),
+      ...labels.map((label, i) =>
+        h("span", { class: `trace t${i % 7}`, title: `${label}; drag it to another plot`, draggable: true, ondragstart: () => (this.dragged = { entry, key: known[i] }), ondragend: () => (this.dragged = null) }, swatch(i), label.slice(shared.length), entry.values[i]),
+      ),
     );
     entry.plot.place.setAttribute("aria-label", `Plot of ${entry.plot.traces.map((t) => t.label).join(", ")}`);
     this.note();
