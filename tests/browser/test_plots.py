@@ -1,5 +1,7 @@
 """The dock Plots: pause, marks, legend, and what is kept when the page is reloaded."""
 
+import math
+import re
 from pathlib import Path
 
 import pytest
@@ -172,3 +174,32 @@ def test_a_channel_is_dragged_from_one_plot_to_another(workspace, client):
     assert wait_until(lambda: abs(float(shown.inner_text()) - wanted) < 5e-3)
     boxes.nth(1).locator(".trace").last.drag_to(boxes.first.locator(".chart"))
     assert page.evaluate(named)[1] == before[1]
+
+
+def test_differences_and_the_norm_of_channels_are_kept_with_the_plot(workspace, client):
+    page = workspace.page
+    box = workspace.dock("plots").locator(".plot").first
+    box.locator(".picker > summary").click()
+    show = box.get_by_label("Show", exact=True)
+    show.select_option("minus the first")
+    box.locator(".picker > summary").click()
+    page.mouse.move(5, 5)
+    named = box.locator(".chart").get_attribute("aria-label")
+    first = int(re.search("\N{MINUS SIGN} q joint([1-7])", named).group(1))
+    joints = client.joint_states().position[:7]
+    others = [q for i, q in enumerate(joints, 1) if i != first]
+
+    def tells(wanted):
+        shown = [float(t) for t in box.locator(".trace output").all_inner_texts()]
+        return sorted(shown) == pytest.approx(sorted(wanted), abs=5e-3)
+
+    assert wait_until(lambda: tells([q - joints[first - 1] for q in others]))
+    box.locator(".picker > summary").click()
+    show.select_option("norm of all")
+    assert wait_until(lambda: tells([math.hypot(*joints)]))
+    page.reload()
+    box = WorkspacePage(page).dock("plots").locator(".plot").first
+    assert wait_until(lambda: tells([math.hypot(*joints)]))
+    box.locator(".picker > summary").click()
+    box.get_by_label("Show", exact=True).select_option("channels as they are")
+    assert wait_until(lambda: tells(joints))

@@ -9,6 +9,7 @@ import { follow } from "../lib/station.js";
 import { store } from "../lib/store.js";
 import { number, shortNames } from "../lib/text.js";
 import { dashOf } from "../lib/traces.js";
+import { TRANSFORMS, transformed } from "../lib/transforms.js";
 
 const DRAW_HZ = 15;
 const SAMPLE_UNITS = { desired: "rad", actual: "rad", error: "rad", output: "Nm" };
@@ -67,7 +68,7 @@ class Plots extends Panel {
     this.listChannels();
     if (this.plots.length || !store.docks.joints.length) return;
     const saved = kept.get("plots-2", null);
-    if (saved?.length) for (const { keys, xy, span } of saved) this.addPlot(keys ?? [], xy, span);
+    if (saved?.length) for (const { keys, xy, span, how } of saved) this.addPlot(keys ?? [], xy, span, how);
     else
       for (const [quantity] of SHOWN_AT_FIRST)
         this.addPlot(store.docks.joints.slice(0, 7).map((joint) => `${quantity}/${joint}`));
@@ -129,29 +130,39 @@ class Plots extends Panel {
     }
   }
 
-  addPlot(keys, xy = false, span = 10) {
+  addPlot(keys, xy = false, span = 10, how = "") {
     const canvas = h("div", { class: "chart", tabIndex: 0, title: "Drag: zoom all plots to a range of time. Click, or Enter: a second cursor. Arrow keys: the first. Wheel, + and −: zoom. Double click: back." });
     canvas.setAttribute("role", "img");
     const legend = h("div", { class: "legend", tabIndex: 0 }); // long names are scrolled to
     legend.setAttribute("role", "group");
     legend.setAttribute("aria-label", "Channels of the plot");
     const button = (label, title, run) => h("button", { class: "s", type: "button", title, onclick: run }, label);
-    const entry = { keys, legend, values: [] };
+    const entry = { keys, legend, values: [], how };
     entry.plot = new Plot(canvas, { group: "plots", moved: () => this.tell(entry), chosen: (begin, end) => this.zoomTo(begin, end) });
     Object.assign(entry.plot, { xy, span });
     if (this.paused) entry.plot.end = store.stationTime;
     const across = button("XY", "Draw the other channels over the first one instead of over time", () => {
       entry.plot.xy = !entry.plot.xy;
+      this.apply(entry);
       across.setAttribute("aria-pressed", String(entry.plot.xy));
       this.keep();
     });
     across.setAttribute("aria-pressed", String(xy));
+    const transform = h("select", { title: "What is shown of the channels." }, ...Object.entries(TRANSFORMS).map(([value, text]) => h("option", { value }, text)));
+    transform.setAttribute("aria-label", "Show");
+    transform.value = how;
+    transform.addEventListener("change", () => {
+      entry.how = transform.value;
+      this.apply(entry);
+      this.keep();
+    });
     const tools = h(
       "div",
       { class: "line" },
       button("−", "Show more time (or turn the wheel)", () => this.zoom(entry, 1.5)),
       button("+", "Show less time (or turn the wheel)", () => this.zoom(entry, 1 / 1.5)),
       across,
+      transform,
       button("CSV", "Save what is shown", () => download("plot.csv", entry.plot.csv(store.stationTime))),
       button("✕", "Remove this plot", () => {
         this.plots = this.plots.filter((other) => other !== entry);
@@ -289,24 +300,32 @@ class Plots extends Panel {
 
   apply(entry) {
     const known = entry.keys.filter((key) => this.channel(key));
-    entry.plot.traces = known.map((key) => ({ ...this.channel(key), history: this.drawnHistory(key) }));
+    entry.sources = known.map((key) => ({ ...this.channel(key), history: this.drawnHistory(key) }));
+    this.transform(entry);
     const units = [...new Set(entry.plot.traces.map((t) => t.unit).filter(Boolean))].join(", ");
     const labels = entry.plot.traces.map((trace) => trace.label);
     const shared = sharedStart(labels);
+    const keys = labels.length === known.length ? known : entry.how === "difference" ? known.slice(1) : [];
     entry.time = h("span", {});
     entry.values = labels.map(() => h("output", {}));
     entry.legend.replaceChildren(
       h("b", {}, !labels.length ? "no channel chosen" : units ? `${shared} [${units}]` : shared, entry.time),
       ...labels.map((label, i) =>
-        h("span", { class: `trace t${i % 7}`, title: `${label}; drag it to another plot`, draggable: true, ondragstart: () => (this.dragged = { entry, key: known[i] }), ondragend: () => (this.dragged = null) }, swatch(i), label.slice(shared.length), entry.values[i]),
+        h("span", { class: `trace t${i % 7}`, title: keys[i] ? `${label}; drag it to another plot` : label, draggable: Boolean(keys[i]), ondragstart: () => (this.dragged = { entry, key: keys[i] }), ondragend: () => (this.dragged = null) }, swatch(i), label.slice(shared.length), entry.values[i]),
       ),
     );
     entry.plot.place.setAttribute("aria-label", `Plot of ${entry.plot.traces.map((t) => t.label).join(", ")}`);
     this.note();
   }
 
+  /** Make what is drawn of the channels; an XY plot has them as they are. */
+  transform({ plot, sources, how }) {
+    const end = plot.end ?? store.stationTime;
+    plot.traces = plot.xy ? sources : transformed(sources, how, end - plot.span, end);
+  }
+
   keep() {
-    kept.set("plots-2", this.plots.map(({ keys, plot }) => ({ keys, xy: plot.xy, span: plot.span })));
+    kept.set("plots-2", this.plots.map(({ keys, plot, how }) => ({ keys, xy: plot.xy, span: plot.span, how })));
     this.note();
   }
 
@@ -330,6 +349,7 @@ class Plots extends Panel {
   draw() {
     if (!this.isShown || document.hidden) return;
     for (const entry of this.plots) {
+      this.transform(entry);
       entry.plot.draw(store.stationTime);
       this.tell(entry);
     }

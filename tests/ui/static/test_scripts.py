@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-SCRIPTS = sorted(Path(__file__).with_name("scripts").glob("*.test.mjs"))
+SCRIPTS = sorted(Path(__file__).parent.glob("*.test.mjs"))
 OLDEST = 20
 """The first version of Node whose runner is stable."""
 
