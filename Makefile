@@ -53,10 +53,12 @@ static: $(READY_DEV)
 	.venv/bin/python tools/client_page.py --check
 	.venv/bin/python tools/generate_notebook.py --check
 	.venv/bin/python tools/import_rules.py --check
+	.venv/bin/python tools/page_modules.py --check
 	.venv/bin/python tools/check_subjects.py
 
 client: $(READY_DEV)
 	.venv/bin/python tools/client_page.py
+	.venv/bin/python tools/page_modules.py
 	.venv/bin/python tools/import_rules.py
 	.venv/bin/python tools/generate_notebook.py
 

@@ -78,7 +78,7 @@ def test_a_plot_draws_rates_and_one_channel_over_another(workspace):
     box.get_by_role("button", name="rate of change of q joint1", exact=True).click()
     box.get_by_role("button", name="XY", exact=True).click()
     box.locator(".picker > summary").click()
-    assert "d/dt q joint1" in box.locator("canvas").get_attribute("aria-label")
+    assert "d/dt q joint1" in box.locator(".chart").get_attribute("aria-label")
     kept = workspace.page.evaluate("() => localStorage.getItem('station.plots-2')")
     assert '"xy":true' in kept
     assert "d/dt position/panda_joint1" in kept

@@ -102,7 +102,7 @@ def test_what_one_browser_moves_the_other_sees(ada, watching, enabled):
     ada.type_into("joints", "Command of joint1", "-0.2")
     assert wait_until(lambda: abs(position(enabled, "panda_joint1") + 0.2) < 0.02)
     watching.page.wait_for_function(
-        "() => Math.abs(Number(document.querySelector('.joints tbody td:nth-child(3)')"
+        "() => Math.abs(Number(document.querySelector('.joints tbody td:nth-child(2)')"
         ".textContent) + 0.2) < 0.02"
     )
 

@@ -113,7 +113,7 @@ def test_the_hand_of_the_chosen_arm_goes_to_a_typed_place(workspace, client, arm
     dock = _choose(workspace, arm)
     dock.get_by_role("button", name="Start hand targets").click()
     assert wait_until(lambda: f"{arm}_{KINDS[1]}" in _running(client))
-    dock.get_by_text(f"{arm}_{KINDS[1]} moves the hand to a place").wait_for()
+    dock.get_by_text(f"{arm}_{KINDS[1]} moves the hand to a pose").wait_for()
     here, still = _hand(client, arm), _hand(client, other)[1]
     dock.get_by_role("button", name="Here", exact=True).click()
     shown = dock.get_by_label("Hand x [m]").input_value()

@@ -9,7 +9,7 @@ Viser has no login, and its page may lose a click. So this gateway stands before
 nothing is shown or done without a session, and the stop button is the gateway's own.
 """
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Iterator
 from dataclasses import asdict, dataclass, field
 from importlib import resources
 from pathlib import PurePosixPath
@@ -31,6 +31,8 @@ from station.web.failed_logins import FailedLogins
 from station.wire.protocol import PREFIX
 
 if TYPE_CHECKING:
+    from importlib.resources.abc import Traversable
+
     from starlette.requests import Request
     from starlette.websockets import WebSocket
 
@@ -264,23 +266,18 @@ async def _static(request: "Request") -> Response:
     return _file(name, _STATIC_TYPES[PurePosixPath(name).suffix])
 
 
-def _static_files() -> frozenset[str]:
-    """Return the names of the scripts and styles that pages load."""
-    root = resources.files("station.ui").joinpath("static")
-    folders = [("", root), *((f"{d.name}/", d) for d in root.iterdir() if d.is_dir())]
-    return frozenset(
-        prefix + file.name
-        for prefix, folder in folders
-        for file in folder.iterdir()
-        if PurePosixPath(file.name).suffix in _STATIC_TYPES
-    )
+def _static_files(folder: "Traversable", prefix: str = "") -> Iterator[str]:
+    """Yield the names of the scripts and styles that pages load."""
+    for file in folder.iterdir():
+        if file.is_dir():
+            yield from _static_files(file, f"{prefix}{file.name}/")
+        elif PurePosixPath(file.name).suffix in _STATIC_TYPES:
+            yield prefix + file.name
 
 
-_STATIC_FILES = _static_files()
+_STATIC = resources.files("station.ui").joinpath("static")
+_STATIC_FILES = frozenset(_static_files(_STATIC))
 
 
 def _file(name: str, media_type: str) -> Response:
-    content = (
-        resources.files("station.ui").joinpath("static", *name.split("/")).read_bytes()
-    )
-    return Response(content, media_type=media_type)
+    return Response(_STATIC.joinpath(name).read_bytes(), media_type=media_type)

@@ -1,14 +1,17 @@
 // The workspace: where the docks are, their sizes and folds, and what the strip's log,
 // the first minute and the progress line show. Each panel is a file in `panels/`.
 import { alarms } from "./lib/alarms.js";
-import { h, kept, number, show } from "./lib/dom.js";
+import { h, kept, show } from "./lib/dom.js";
 import { control } from "./lib/control.js";
 import { refusals, remedyOf } from "./lib/refusals.js";
 import { act, teleoperation } from "./lib/station.js";
 import { enableSliders, stopController, store, switchTo } from "./lib/store.js";
+import { number } from "./lib/text.js";
 import { showTour } from "./lib/tour.js";
 import { watchScene } from "./lib/scene.js";
 import { showViewTools } from "./lib/view_tools.js";
+import { html, nothing, render } from "./vendor/lit/lit-html.js";
+import { repeat } from "./vendor/lit/directives/repeat.js";
 import "./panels/joints.js";
 import "./panels/controllers.js";
 import "./panels/gripper.js";
@@ -156,12 +159,9 @@ async function recover() {
 function showTrouble() {
   const { trouble, reason, label, action } = store.docks.rescue;
   const line = element("trouble");
-  const key = `${trouble}|${reason}|${action}`;
-  if (line.dataset.key === key) return;
-  line.dataset.key = key;
   line.hidden = !trouble;
-  const button = action && store.isOperator ? h("button", { class: "s primary", type: "button", onclick: recover }, label) : null;
-  line.replaceChildren(h("b", {}, `✖ ${trouble}`), h("span", {}, reason), ...(button ? [button] : []));
+  const button = action && store.isOperator ? html`<button class="s primary" type="button" @click=${recover}>${label}</button>` : nothing;
+  render(html`<b>✖ ${trouble}</b><span>${reason}</span>${button}`, line);
 }
 
 const remedies = {
@@ -176,42 +176,32 @@ const remedies = {
 
 function remedyButton(entry) {
   const remedy = remedyOf(entry, { stop: store.stop, ...store.docks }, remedies);
-  return remedy && store.isOperator
-    ? h("button", { class: "s primary", type: "button", onclick: remedy.run }, remedy.label)
-    : null;
+  return remedy && store.isOperator ? html`<button class="s primary" type="button" @click=${remedy.run}>${remedy.label}</button>` : nothing;
 }
 
 function logRow(entry) {
   const time = new Date(entry.at).toLocaleTimeString("en-GB");
   const count = entry.count > 1 ? ` (${entry.count} times)` : "";
-  return h(
-    "div",
-    { class: "row" },
-    h("time", {}, time),
-    h("span", { class: "cause" }, `▲ ${entry.detail}${count}`),
-    entry.remedy ? h("span", { class: "remedy" }, entry.remedy) : null,
-    remedyButton(entry),
-  );
+  const remedy = entry.remedy ? html`<span class="remedy">${entry.remedy}</span>` : nothing;
+  return html`<div class="row"><time>${time}</time><span class="cause">▲ ${entry.detail}${count}</span>${remedy}${remedyButton(entry)}</div>`;
 }
 
 function showLog() {
   show(element("log-count"), String(refusals.entries.length));
-  const rows = refusals.entries.map(logRow);
-  const empty = h("p", { class: "hint" }, "Nothing was refused since this page was opened.");
-  element("log").replaceChildren(h("h2", {}, "Refusals"), ...(rows.length ? rows : [empty]));
+  const rows = repeat(refusals.entries, (entry) => entry, logRow);
+  const empty = html`<p class="hint">Nothing was refused since this page was opened.</p>`;
+  render(html`<h2>Refusals</h2>${refusals.entries.length ? rows : empty}`, element("log"));
 }
 
 let lineTimer = null;
 function showRefusal() {
   showLog();
   const line = element("refusal-line");
-  const entry = refusals.entries[0];
-  const close = h("button", { class: "s", type: "button", title: "Hide; it stays in the log." }, "Hide");
-  close.addEventListener("click", () => (line.hidden = true));
-  line.replaceChildren(logRow(entry), close);
+  const hide = () => (line.hidden = true);
+  render(html`${logRow(refusals.entries[0])}<button class="s" type="button" title="Hide; it stays in the log." @click=${hide}>Hide</button>`, line);
   line.hidden = false;
   clearTimeout(lineTimer);
-  lineTimer = setTimeout(() => (line.hidden = true), 20000);
+  lineTimer = setTimeout(hide, 20000);
 }
 
 function showEnable() {

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 _STATE_EVERY = 5
 _SESSION_ENDED = 4401
 _Finite = Annotated[float, Field(allow_inf_nan=False)]
+_Place = Annotated[list[_Finite], Field(min_length=3, max_length=3)]
+_Pose = Annotated[list[_Finite], Field(min_length=7, max_length=7)]
 _Sign = Literal[1, -1]
 
 
@@ -50,7 +52,7 @@ class _HandJog(_Message):
 class _HandGo(_Message):
     do: Literal["reach"]
     arm: str
-    position: list[_Finite] = Field(min_length=3, max_length=3)
+    position: _Place | _Pose
 
 
 class _HandSpeed(_Message):

@@ -329,12 +329,16 @@ def test_every_answer_is_sealed(browser, path):
     assert headers["referrer-policy"] == "same-origin"
 
 
-@pytest.mark.parametrize("name", ["page.css", "page.js", "login.js"])
+@pytest.mark.parametrize(
+    "name", ["page.css", "page.js", "lib/dom.js", "vendor/lit/directives/repeat.js"]
+)
 def test_static_files_are_served(browser, name):
     assert browser.get(f"/static/{name}").status_code == 200
 
 
-@pytest.mark.parametrize("name", ["page.html", "..%2Fmain.py", "x"])
+@pytest.mark.parametrize(
+    "name", ["page.html", "package.json", "..%2Fmain.py", "x", "lib"]
+)
 def test_other_files_are_not(browser, name):
     assert browser.get(f"/static/{name}").status_code == 404
 

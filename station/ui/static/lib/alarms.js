@@ -1,9 +1,11 @@
 // The alarms of the station: what asks for a person, and who has seen it. The strip counts
 // those that nobody has seen; the dock Timeline lists and acknowledges them.
-import { h, show } from "./dom.js";
+import { show } from "./dom.js";
 import { forPerson } from "./refusals.js";
 import { act, api, follow } from "./station.js";
 import { store } from "./store.js";
+import { html, nothing } from "../vendor/lit/lit-html.js";
+import { repeat } from "../vendor/lit/directives/repeat.js";
 
 const LOOK_MS = 2000;
 
@@ -60,25 +62,18 @@ function row(alarm) {
     alarm.cleared_at === null ? "still there" : `gone since ${clock(alarm.cleared_at)}`,
     seen ? `seen by ${alarm.acknowledged_by} at ${clock(alarm.acknowledged_at)}` : "not acknowledged",
   ].join(", ");
-  const button = h("button", { class: "s", type: "button", title: "Confirm that you have seen the alarm; nothing moves, and nothing is cleared.", disabled: !store.isOperator }, "Acknowledge");
-  button.setAttribute("aria-label", `Acknowledge ${alarm.text}`);
-  button.addEventListener("click", () => alarms.acknowledge([alarm]));
-  return h(
-    "div",
-    { class: `row ${alarm.severity}` },
-    h("time", { title: new Date(alarm.raised_at * 1e3).toISOString() }, clock(alarm.raised_at)),
-    h("b", {}, `${alarm.severity === "error" ? "✖" : "▲"} ${alarm.text} `),
-    h("span", { class: "remedy" }, forPerson(alarm.remedy ?? "")),
-    h("small", {}, ` ${state} `),
-    seen ? null : button,
-  );
+  return html`<div class="row ${alarm.severity}">
+    <time title=${new Date(alarm.raised_at * 1e3).toISOString()}>${clock(alarm.raised_at)}</time>
+    <b>${alarm.severity === "error" ? "✖" : "▲"} ${alarm.text} </b>
+    <span class="remedy">${forPerson(alarm.remedy ?? "")}</span>
+    <small> ${state} </small>
+    ${seen ? nothing : html`<button class="s" type="button" title="Confirm that you have seen the alarm; nothing moves, and nothing is cleared." aria-label="Acknowledge ${alarm.text}" ?disabled=${!store.isOperator} @click=${() => alarms.acknowledge([alarm])}>Acknowledge</button>`}
+  </div>`;
 }
 
-/** Return the rows of the list, and one button for all that nobody has seen. */
+/** Return the rows of the list as a template, and one button for all that nobody has seen. */
 export function alarmRows() {
-  if (!alarms.list.length) return [h("p", { class: "hint" }, "Nothing asks for attention, and everything that did was seen.")];
-  const all = h("button", { class: "s", type: "button", disabled: !store.isOperator }, "Acknowledge all");
-  all.addEventListener("click", () => alarms.acknowledge(alarms.unseen()));
-  const rows = alarms.list.map(row);
-  return alarms.unseen().length > 1 ? [h("div", { class: "line" }, all), ...rows] : rows;
+  if (!alarms.list.length) return html`<p class="hint">Nothing asks for attention, and everything that did was seen.</p>`;
+  const all = html`<div class="line"><button class="s" type="button" ?disabled=${!store.isOperator} @click=${() => alarms.acknowledge(alarms.unseen())}>Acknowledge all</button></div>`;
+  return html`${alarms.unseen().length > 1 ? all : nothing}${repeat(alarms.list, ({ id }) => id, row)}`;
 }

@@ -1,4 +1,5 @@
 // Small pieces of the page that every panel uses.
+import { html, render } from "../vendor/lit/lit-html.js";
 
 /** Return an element: `h("button", {class: "s", onclick: f}, "text", child)`. */
 export function h(tag, props = {}, ...children) {
@@ -13,44 +14,48 @@ export function h(tag, props = {}, ...children) {
   return made;
 }
 
+/** Draw a template into an element and return it; drawn again, only what differs changes. */
+export function drawn(element, template) {
+  render(template, element);
+  return element;
+}
+
 /** Set a text only when it differs, so that the browser has nothing to lay out. */
 export function show(element, text) {
   if (element.textContent !== text) element.textContent = text;
 }
 
-export function number(value, digits) {
-  if (value == null || !Number.isFinite(value)) return "–";
-  const text = value.toFixed(digits);
-  return /^-0\.?0*$/.test(text) ? text.slice(1) : text;
-}
-
-/** Return what the joints' names share up to an underscore, e.g. `panda_`. */
-export function sharedPrefix(names) {
-  if (names.length < 2) return "";
-  let shared = names[0];
-  for (const name of names) while (!name.startsWith(shared)) shared = shared.slice(0, -1);
-  return shared.slice(0, shared.lastIndexOf("_") + 1);
-}
-
-const SUFFIX = "_joint"; // says nothing where all joints have it
-
-/** Return how to name each of these joints in few characters: a map by their names. */
-export function shortNames(joints) {
-  const prefix = sharedPrefix(joints);
-  const suffixed = joints.every((joint) => joint.length > prefix.length + SUFFIX.length && joint.endsWith(SUFFIX));
-  return new Map(joints.map((joint) => [joint, joint.slice(prefix.length, suffixed ? -SUFFIX.length : undefined)]));
-}
-
-/** Return a long name that may be broken after a sign and nowhere else. */
+/** Return a long name, for a template, that may be broken after a sign and nowhere else. */
 export function breakable(text, sign) {
-  return text.split(sign).flatMap((part, i, all) => (i < all.length - 1 ? [part + sign, h("wbr")] : [part]));
+  return text.split(sign).map((part, i) => (i ? html`${sign}<wbr>${part}` : part));
 }
 
-/** Read a number as people type it, or null; a comma counts as the decimal point. */
-export function typed(text) {
-  const clean = text.trim().replace(",", ".").replace("−", "-");
-  const value = Number(clean);
-  return clean !== "" && Number.isFinite(value) ? value : null;
+/**
+ * A field for a number that is sent with Enter. What nobody has typed is only shown, so that
+ * Enter on it sends nothing; `input.edited` says whether somebody has. `changed` is told when
+ * a value is typed or left.
+ */
+export function valueField(label, send, changed = () => {}) {
+  const input = h("input", { class: "value", inputMode: "decimal", autocomplete: "off", spellcheck: false });
+  input.setAttribute("aria-label", label);
+  const edit = (edited) => () => {
+    input.edited = edited;
+    changed();
+  };
+  input.addEventListener("input", edit(true));
+  input.addEventListener("blur", edit(false));
+  input.addEventListener("keydown", (event) => event.key === "Enter" && input.edited && send());
+  input.addEventListener("focus", () => input.select());
+  // A second click would put the caret into a value that is only shown or was sent, and
+  // what is typed then would become one number with it. What is being typed keeps its caret.
+  // The browser collapses a selection that is clicked only after `click`, so its own way is barred.
+  input.addEventListener("mousedown", (event) => {
+    if (input.edited) return;
+    event.preventDefault();
+    input.focus();
+    input.select();
+  });
+  return input;
 }
 
 /**

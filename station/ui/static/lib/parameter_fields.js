@@ -1,6 +1,7 @@
 // Fields for the parameters of a controller: what its type declares, with unit and default.
-import { breakable, h, typed } from "./dom.js";
+import { breakable, drawn, h } from "./dom.js";
 import { Refusal } from "./station.js";
+import { typed } from "./text.js";
 
 /** Return whether a declared name such as `<joint>/pid/p` stands for a path. */
 function standsFor(name, path) {
@@ -36,7 +37,7 @@ function field(path, value, declared, names) {
   const shown = path.map((part) => names.get(part) ?? part).join("/");
   const facts = declared ? [shown === label ? "" : label, declared.description, rangeOf(declared), choices.join(", ")].filter(Boolean).join("; ") : "";
   const unit = [declared?.unit, declared?.required ? "required" : ""].filter(Boolean).join(", ");
-  return { path, input, kind, row: h("label", { title: facts }, h("span", {}, ...breakable(shown, "_")), input, h("small", {}, unit)) };
+  return { path, input, kind, row: h("label", { title: facts }, drawn(h("span"), breakable(shown, "_")), input, h("small", {}, unit)) };
 }
 
 function leaves(params, path = []) {

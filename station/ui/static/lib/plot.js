@@ -1,307 +1,201 @@
-// A small plot over time on a canvas: traces, a cursor, markers, zoom and pan.
-import { number } from "./dom.js";
+// A plot over time, drawn by uPlot: traces, cursors, marks, zoom.
+import { h } from "./dom.js";
+import { csvOf } from "./history.js";
+import { number } from "./text.js";
+import { COLOURS, FONT, dashOf, withRoom } from "./traces.js";
+import { drawXy } from "./xy_plot.js";
+import uPlot from "../vendor/uplot/uPlot.esm.js";
 
-const COLOURS = 7; // `--trace0` to `--trace6` in the style sheet
-const DASHES = [[], [6, 3], [2, 3], [8, 3, 2, 3]];
-const LEFT = 46;
-const BOTTOM = 16;
+const NEAR = 8; // pixels from a mark within which its text is shown
+const SHORTEST = 0.2; // shown time [s]
+const LONGEST = 60;
 
-/** Return the dashes of a trace: no two of 28 traces have the same colour and dashes. */
-export function dashOf(i) {
-  return DASHES[((i % COLOURS) + Math.floor(i / COLOURS)) % DASHES.length];
-}
-
-
-/** The samples of a channel of the last minute. */
-export class History {
-  constructor(seconds = 60) {
-    this.seconds = seconds;
-    this.times = [];
-    this.values = [];
-  }
-
-  add(time, value) {
-    const last = this.times.at(-1);
-    if (last !== undefined && time < last) this.clear(); // the station has restarted
-    if (time === last || value == null || !Number.isFinite(value)) return;
-    this.times.push(time);
-    this.values.push(value);
-    if (this.times[0] < time - 2 * this.seconds) {
-      const first = this.indexAt(time - this.seconds);
-      this.times.splice(0, first);
-      this.values.splice(0, first);
-    }
-  }
-
-  /** Return the rate of change at a sample, over its two neighbours; null at an end. */
-  slope(i) {
-    if (i < 1 || i >= this.times.length - 1) return null;
-    return (this.values[i + 1] - this.values[i - 1]) / (this.times[i + 1] - this.times[i - 1]);
-  }
-
-  /** Return the same samples, to which nothing is added. */
-  copy() {
-    return Object.assign(new History(this.seconds), { times: [...this.times], values: [...this.values] });
-  }
-
-  clear() {
-    this.times.length = this.values.length = 0;
-  }
-
-  /** Return the index of the first sample at or after a time. */
-  indexAt(time) {
-    let low = 0;
-    let high = this.times.length;
-    while (low < high) {
-      const middle = (low + high) >> 1;
-      if (this.times[middle] < time) low = middle + 1;
-      else high = middle;
-    }
-    return low;
-  }
-}
-
-/** Round a step up to 1, 2 or 5 times a power of ten. */
-function niceStep(rough) {
-  const power = 10 ** Math.floor(Math.log10(rough));
-  return power * [1, 2, 5, 10].find((factor) => factor * power >= rough);
+/** Return the samples of all traces from `begin` to `end` over the same times. */
+function aligned(traces, begin, end) {
+  const parts = traces.map(({ history: { times, values }, history }) => {
+    // A sample more on each side, so that the lines reach the edges.
+    const from = Math.max(history.indexAt(begin) - 1, 0);
+    const to = history.indexAt(end) + 1;
+    return [times.slice(from, to), values.slice(from, to)];
+  });
+  if (!parts.length) return [[]];
+  const [[first]] = parts;
+  const isSame = ([times]) => times.length === first.length && times[0] === first[0] && times.at(-1) === first.at(-1);
+  return parts.every(isSame) ? [first, ...parts.map(([, values]) => values)] : uPlot.join(parts);
 }
 
 export class Plot {
-  constructor(canvas) {
-    this.canvas = canvas;
+  /**
+   * `place` is the element to draw into. Plots of one `group` share their cursor. `moved()` is
+   * called when a cursor moves, `chosen(begin, end)` when a range of time is dragged [s].
+   */
+  constructor(place, { group = "", moved = () => {}, chosen = () => {} } = {}) {
+    Object.assign(this, { place, group, moved, chosen });
     this.span = 10; // seconds shown
     this.end = null; // time at the right edge; null follows the newest sample
-    this.cursor = null; // x in pixels
+    this.cursor = null; // time of the cursor
     this.fixed = null; // time of the second cursor; the values tell their difference to it
     this.xy = false; // whether the first trace is the abscissa of the others
     this.traces = []; // {label, history, unit}
     this.markers = [];
-    canvas.addEventListener("pointermove", (event) => {
-      this.cursor = event.offsetX;
-      if (event.buttons === 1 && this.end !== null)
-        this.end -= (event.movementX * this.span) / (this.canvas.clientWidth - LEFT);
-    });
-    let pressedAt = 0;
-    canvas.addEventListener("pointerdown", (event) => (pressedAt = event.clientX));
-    canvas.addEventListener("click", (event) => Math.abs(event.clientX - pressedAt) < 4 && this.fix());
-    canvas.addEventListener("pointerleave", () => (this.cursor = null));
-    canvas.addEventListener("blur", () => (this.cursor = null));
-    canvas.addEventListener("keydown", (event) => this.press(event));
-    canvas.addEventListener("wheel", (event) => {
+    place.addEventListener("keydown", (event) => this.press(event));
+    place.addEventListener("blur", () => this.chart?.setCursor({ left: -10, top: -10 }, true, true));
+    place.addEventListener("wheel", (event) => {
       event.preventDefault();
       this.zoom(event.deltaY > 0 ? 1.25 : 0.8);
     }, { passive: false });
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.forget());
   }
 
   /** Put the second cursor where the first is, or take it away when it is there. */
   fix() {
-    const time = this.cursor === null ? null : this.timeAt(this.cursor);
-    const isThere = this.fixed !== null && time !== null && Math.abs(time - this.fixed) < this.span / 100;
-    this.fixed = isThere ? null : time;
+    const isThere = this.fixed !== null && this.cursor !== null && Math.abs(this.cursor - this.fixed) < this.span / 100;
+    this.fixed = isThere ? null : this.cursor;
+    this.moved();
   }
 
   /** The keys of a plot: arrows move the cursor, Enter fixes the second, + and − zoom. */
   press(event) {
     const step = { ArrowLeft: -4, ArrowRight: 4 }[event.key];
-    if (step) this.cursor = Math.max(LEFT, Math.min((this.cursor ?? this.canvas.clientWidth / 2) + step, this.canvas.clientWidth));
-    else if (event.key === "Enter") this.fix();
+    if (step && this.chart) {
+      const { width, height } = this.chart.over.getBoundingClientRect();
+      const before = this.chart.cursor.left >= 0 ? this.chart.cursor.left : width / 2;
+      this.chart.setCursor({ left: Math.max(0, Math.min(before + step, width)), top: height / 2 }, true, true);
+    } else if (event.key === "Enter") this.fix();
     else if (event.key === "+") this.zoom(0.8);
     else if (event.key === "-") this.zoom(1.25);
     else return;
     event.preventDefault();
   }
 
-  timeAt(x) {
-    return this.shownEnd - this.span + ((x - LEFT) / (this.canvas.clientWidth - LEFT - 4)) * this.span;
+  zoom(factor) {
+    this.span = Math.min(Math.max(this.span * factor, SHORTEST), LONGEST);
   }
 
-  zoom(factor) {
-    this.span = Math.min(Math.max(this.span * factor, 0.2), 60);
+  /** Begin anew, e.g. with other traces or colours. */
+  forget() {
+    this.chart?.destroy();
+    this.chart = null;
+  }
+
+  make(width, height) {
+    const style = getComputedStyle(this.place);
+    const colour = (name) => style.getPropertyValue(name).trim();
+    const axis = { stroke: colour("--dim"), font: FONT, grid: { stroke: colour("--line"), width: 1 }, ticks: { show: false } };
+    const digits = (step) => Math.min(Math.max(0, -Math.floor(Math.log10(step) + 1e-9)), 5);
+    const texts = (unit) => (_, values, __, ___, step) => values.map((value) => number(value, digits(step)) + unit);
+    const sync = this.group ? { key: this.group, setSeries: false, scales: ["x", null] } : {};
+    this.key = this.keyOf();
+    this.chart = new uPlot(
+      {
+        width,
+        height,
+        padding: [6, 6, 0, 0],
+        legend: { show: false },
+        scales: { x: { time: false, auto: false }, y: { range: (_, low, high) => (low === null ? [-1, 1] : withRoom(low, high)) } },
+        axes: [{ ...axis, size: 18, gap: 2, space: 70, values: texts(" s") }, { ...axis, size: 46, gap: 3, space: 26, values: texts("") }],
+        series: [{}, ...this.traces.map(({ label }, i) => ({ label, stroke: colour(`--trace${i % COLOURS}`), width: 1.6, dash: dashOf(i), points: { show: false }, spanGaps: true }))],
+        cursor: { y: false, points: { size: 6 }, drag: { x: true, y: false, setScale: false }, sync, bind: { dblclick: () => null } },
+        hooks: {
+          setCursor: [({ cursor }) => this.chart && this.hear(cursor.left)],
+          setSelect: [(chart) => this.choose(chart)],
+          draw: [(chart) => this.drawMarks(chart, colour("--marker"), colour("--dim"))],
+        },
+      },
+      [[], ...this.traces.map(() => [])],
+      this.place,
+    );
+    this.chart.over.addEventListener("click", () => this.isDragged || this.fix());
+    this.chart.over.addEventListener("pointerdown", () => (this.isDragged = false));
+  }
+
+  keyOf() {
+    return JSON.stringify(this.traces.map(({ label, unit }) => [label, unit]));
+  }
+
+  /** Note where the cursor is [px]; outside of the plot it is nowhere. */
+  hear(left) {
+    this.cursor = left >= 0 ? this.chart.posToVal(left, "x") : null;
+    this.moved();
+  }
+
+  choose(chart) {
+    const { left, width } = chart.select;
+    if (width < 4) return;
+    this.isDragged = true;
+    this.chosen(chart.posToVal(left, "x"), chart.posToVal(left + width, "x"));
+    chart.setSelect({ left: 0, width: 0, top: 0, height: 0 }, false);
   }
 
   /** Draw the plot; `newest` is the present station time [s]. */
   draw(newest) {
-    const style = getComputedStyle(this.canvas);
-    const { clientWidth: width, clientHeight: height } = this.canvas;
-    if (width < 20 || height < 20) return;
-    const ratio = devicePixelRatio;
-    if (this.canvas.width !== Math.round(width * ratio) || this.canvas.height !== Math.round(height * ratio)) {
-      this.canvas.width = Math.round(width * ratio);
-      this.canvas.height = Math.round(height * ratio);
-    }
-    const pen = this.canvas.getContext("2d");
-    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
-    pen.clearRect(0, 0, width, height);
-    pen.font = "11px system-ui, 'DejaVu Sans', sans-serif";
+    const { clientWidth: width, clientHeight: height } = this.place;
+    if (width < 60 || height < 40) return;
     const end = this.end ?? newest;
     this.shownEnd = end;
     const begin = end - this.span;
-    if (this.xy && this.traces.length > 1) return this.drawXy(pen, { width, height, begin, end, style });
-    const box = { width, height, begin, end, style, x: (t) => LEFT + ((t - begin) / this.span) * (width - LEFT - 4) };
-    const [low, high] = this.bounds(begin, end);
-    box.y = (v) => 4 + ((high - v) / (high - low)) * (height - BOTTOM - 8);
-    this.drawGrid(pen, box, low, high);
-    this.drawMarkers(pen, box);
-    this.traces.forEach((trace, i) => this.drawTrace(pen, box, trace, i));
-    if (this.cursor !== null) this.drawCursor(pen, box);
-  }
-
-  bounds(begin, end) {
-    let low = Infinity;
-    let high = -Infinity;
-    for (const { history } of this.traces)
-      for (let i = history.indexAt(begin); i < history.times.length && history.times[i] <= end; i += 1) {
-        low = Math.min(low, history.values[i]);
-        high = Math.max(high, history.values[i]);
-      }
-    if (!Number.isFinite(low)) return [-1, 1];
-    const room = Math.max((high - low) * 0.08, Math.max(Math.abs(high), 1) * 1e-3);
-    return [low - room, high + room];
-  }
-
-  drawGrid(pen, { width, height, style, x, y, begin, end, unit = "s" }, low, high) {
-    pen.strokeStyle = style.getPropertyValue("--line");
-    pen.fillStyle = style.getPropertyValue("--dim");
-    pen.lineWidth = 1;
-    pen.setLineDash([]);
-    const step = niceStep((high - low) / Math.max(height / 44, 2));
-    const digits = Math.max(0, -Math.floor(Math.log10(step)));
-    pen.textAlign = "right";
-    pen.textBaseline = "middle";
-    for (let v = Math.ceil(low / step) * step; v <= high; v += step) {
-      pen.beginPath();
-      pen.moveTo(LEFT, y(v));
-      pen.lineTo(width, y(v));
-      pen.stroke();
-      pen.fillText(number(v, Math.min(digits, 5)), LEFT - 5, Math.max(y(v), 6));
+    if (this.xy && this.traces.length > 1) {
+      this.forget();
+      this.canvas ??= h("canvas");
+      if (!this.canvas.isConnected) this.place.append(this.canvas);
+      return drawXy(this.canvas, this.traces, begin, end);
     }
-    pen.textAlign = "center";
-    pen.textBaseline = "alphabetic";
-    const tick = niceStep((end - begin) / Math.max(width / 90, 2));
-    for (let t = Math.ceil(begin / tick) * tick; t <= end; t += tick) {
-      pen.beginPath();
-      pen.moveTo(x(t), 4);
-      pen.lineTo(x(t), height - BOTTOM);
-      pen.stroke();
-      if (x(t) > LEFT + 12 && x(t) < width - 14) pen.fillText(`${number(t, Math.max(0, -Math.floor(Math.log10(tick))))} ${unit}`, x(t), height - 3);
-    }
-  }
-
-  /** Draw all traces but the first over the first. */
-  drawXy(pen, { width, height, begin, end, style }) {
-    const [abscissa, ...others] = this.traces;
-    const curves = others.map(({ history }) => {
-      const points = [];
-      for (let i = history.indexAt(begin); i < history.times.length && history.times[i] <= end; i += 1) {
-        const j = Math.min(abscissa.history.indexAt(history.times[i]), abscissa.history.values.length - 1);
-        if (j >= 0) points.push([abscissa.history.values[j], history.values[i]]);
-      }
-      return points;
+    this.canvas?.remove();
+    if (this.chart && this.key !== this.keyOf()) this.forget();
+    if (!this.chart) this.make(width, height);
+    else if (this.chart.width !== width || this.chart.height !== height) this.chart.setSize({ width, height });
+    this.chart.batch(() => {
+      this.chart.setData(aligned(this.traces, begin, end), false);
+      this.chart.setScale("x", { min: begin, max: end });
     });
-    const range = (k) => {
-      const all = curves.flat().map((point) => point[k]);
-      if (!all.length) return [-1, 1];
-      const [low, high] = all.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
-      const room = Math.max((high - low) * 0.08, Math.max(Math.abs(high), 1) * 1e-3);
-      return [low - room, high + room];
+    this.hear(this.chart.cursor.left); // the picture may have moved under the pointer
+    return undefined;
+  }
+
+  /** Draw the marks of events, and the second cursor. */
+  drawMarks(chart, colour, dim) {
+    const { ctx: pen, bbox } = chart;
+    const ratio = devicePixelRatio;
+    const { min, max } = chart.scales.x;
+    const place = (time) => chart.valToPos(time, "x", true);
+    const line = (x, dash) => {
+      pen.setLineDash(dash.map((part) => part * ratio));
+      pen.beginPath();
+      pen.moveTo(x, bbox.top);
+      pen.lineTo(x, bbox.top + bbox.height);
+      pen.stroke();
     };
-    const [left, right] = range(0);
-    const [low, high] = range(1);
-    const x = (v) => LEFT + ((v - left) / (right - left)) * (width - LEFT - 4);
-    const y = (v) => 4 + ((high - v) / (high - low)) * (height - BOTTOM - 8);
-    this.drawGrid(pen, { width, height, style, x, y, begin: left, end: right, unit: abscissa.unit }, low, high);
-    curves.forEach((points, i) => {
-      pen.strokeStyle = pen.fillStyle = style.getPropertyValue(`--trace${(i + 1) % COLOURS}`);
-      pen.lineWidth = 1.6;
-      pen.setLineDash(dashOf(i + 1));
-      pen.beginPath();
-      for (const [a, b] of points) pen.lineTo(x(a), y(b));
-      pen.stroke();
-      pen.setLineDash([]);
-      const last = points.at(-1);
-      if (last) pen.fillRect(x(last[0]) - 3, y(last[1]) - 3, 6, 6);
-    });
-    pen.fillStyle = style.getPropertyValue("--text");
-    pen.textAlign = "right";
-    pen.fillText(`across: ${abscissa.label} [${abscissa.unit}]`, width - 6, 14);
-  }
-
-  drawMarkers(pen, { height, style, x, begin, end }) {
-    pen.strokeStyle = pen.fillStyle = style.getPropertyValue("--marker");
-    pen.textAlign = "left";
-    pen.setLineDash([2, 3]);
-    for (const { at, text } of this.markers) {
-      if (at < begin || at > end) continue;
-      pen.beginPath();
-      pen.moveTo(x(at), 4);
-      pen.lineTo(x(at), height - BOTTOM);
-      pen.stroke();
-      pen.fillText("▾", x(at) - 4, 10);
-      if (this.cursor !== null && Math.abs(x(at) - this.cursor) < 8) pen.fillText(text, x(at) + 6, height - BOTTOM - 6);
-    }
-  }
-
-  drawTrace(pen, { style, x, y, begin, end, width }, { history }, i) {
-    pen.strokeStyle = style.getPropertyValue(`--trace${i % COLOURS}`);
-    pen.lineWidth = 1.6;
-    pen.setLineDash(dashOf(i));
-    pen.beginPath();
-    const { times, values } = history;
-    const first = Math.max(history.indexAt(begin) - 1, 0);
-    // More points than pixels draw nothing more.
-    let last = first;
-    while (last < times.length && times[last] <= end) last += 1;
-    const every = Math.max(1, Math.floor((last - first) / (width * 2)));
     pen.save();
-    pen.rect(LEFT, 0, width - LEFT, 1e4);
-    pen.clip();
-    pen.beginPath();
-    for (let j = first; j < last; j += every) pen.lineTo(x(times[j]), y(values[j]));
-    pen.stroke();
+    pen.lineWidth = ratio;
+    pen.font = FONT.replace("11px", `${11 * ratio}px`);
+    pen.strokeStyle = pen.fillStyle = colour;
+    const at = chart.cursor.left >= 0 ? bbox.left + chart.cursor.left * ratio : -Infinity;
+    for (const { at: time, text } of this.markers) {
+      if (time < min || time > max) continue;
+      const x = place(time);
+      line(x, [2, 3]);
+      pen.textAlign = "center";
+      pen.fillText("▾", x, bbox.top + 8 * ratio);
+      if (Math.abs(x - at) > NEAR * ratio) continue;
+      const isRight = x > bbox.left + bbox.width / 2;
+      pen.textAlign = isRight ? "right" : "left";
+      pen.fillText(text, x + (isRight ? -6 : 6) * ratio, bbox.top + bbox.height - 6 * ratio);
+    }
+    pen.strokeStyle = dim;
+    if (this.fixed !== null && this.fixed >= min && this.fixed <= max) line(place(this.fixed), []);
     pen.restore();
-    pen.setLineDash([]);
   }
 
-  drawCursor(pen, { width, height, style, x: place }) {
-    if (this.cursor < LEFT) return;
-    const time = this.timeAt(this.cursor);
-    const line = (at) => {
-      pen.beginPath();
-      pen.moveTo(at, 4);
-      pen.lineTo(at, height - BOTTOM);
-      pen.stroke();
-    };
-    pen.strokeStyle = style.getPropertyValue("--dim");
-    line(this.cursor);
-    if (this.fixed !== null) line(place(this.fixed));
-    pen.fillStyle = style.getPropertyValue("--text");
-    pen.textAlign = this.cursor > width / 2 ? "right" : "left";
-    const x = this.cursor + (this.cursor > width / 2 ? -6 : 6);
-    const since = this.fixed === null ? "" : ` (Δ ${number(time - this.fixed, 3)} s)`;
-    pen.fillText(`${number(time, 2)} s${since}`, x, 14);
-    const at = (history, when) => history.values[Math.min(history.indexAt(when), history.values.length - 1)];
-    this.traces.forEach(({ label, history, unit }, i) => {
-      if (!history.values.length) return;
-      const value = at(history, time);
-      const change = this.fixed === null ? "" : ` (Δ ${number(value - at(history, this.fixed), 4)})`;
-      pen.fillText(`${label}: ${number(value, 4)} ${unit}${change}`, x, 28 + 13 * i);
-    });
+  /** Return the value of a trace at the cursor, else its newest, and its difference to the second cursor. */
+  valueOf({ history }) {
+    const value = this.cursor === null ? history.values.at(-1) : history.nearest(this.cursor);
+    return { value, change: this.cursor === null || this.fixed === null ? null : value - history.nearest(this.fixed) };
   }
 
-  /** Return what the plot shows as CSV, one row per sample of the first trace. */
+  /** Return what the plot shows as CSV. */
   csv(newest) {
     const end = this.end ?? newest;
-    const begin = end - this.span;
-    const head = ["time [s]", ...this.traces.map((t) => `${t.label} [${t.unit}]`)];
-    const lines = [head.join(",")];
-    const first = this.traces[0]?.history;
-    for (let i = first?.indexAt(begin) ?? 0; first && i < first.times.length && first.times[i] <= end; i += 1) {
-      const time = first.times[i];
-      const row = this.traces.map(({ history }) => history.values[Math.min(history.indexAt(time), history.values.length - 1)] ?? "");
-      lines.push([time, ...row].join(","));
-    }
-    return `${lines.join("\n")}\n`;
+    return csvOf(this.traces, end - this.span, end);
   }
 }
 

@@ -1,9 +1,10 @@
 // The toolbar over the 3D view: from where to look, and what to lay over the robots.
 // The choice is this browser's; the gateway draws it in the views of this session alone.
-import { h, holdButton, kept, typed } from "./dom.js";
+import { h, holdButton, kept } from "./dom.js";
 import { refusals } from "./refusals.js";
 import { act, send } from "./station.js";
 import { store } from "./store.js";
+import { typed } from "./text.js";
 
 const CAMERAS = [
   ["fit", "Fit", "Show all robots."],

@@ -1,9 +1,10 @@
 // What Franka Desk sets of an arm: collision thresholds, load, end effector, guiding.
-import { h, number, show, typed } from "../lib/dom.js";
+import { h, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { refusals } from "../lib/refusals.js";
 import { act, api } from "../lib/station.js";
 import { store } from "../lib/store.js";
+import { number, typed } from "../lib/text.js";
 
 const repeated = (list, n) => (list.length === 1 ? Array(n).fill(list[0]) : list);
 const rounded = (list) => list.map((value) => String(Number(number(value, 6)))).join(", ");

@@ -1,9 +1,12 @@
 // Controllers: a row for each, what a switch would do before the click, and loading.
 import "./load_form.js";
-import { breakable, h, number, shortNames, show } from "../lib/dom.js";
+import { breakable, h, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { act, api } from "../lib/station.js";
 import { restartController, stopController, store, switchTo } from "../lib/store.js";
+import { number, shortNames } from "../lib/text.js";
+import { html, nothing, render } from "../vendor/lit/lit-html.js";
+import { repeat } from "../vendor/lit/directives/repeat.js";
 
 const SYMBOLS = { running: "●", initialized: "○", stopped: "○", loading: "…", aborted: "✖", waiting: "…" };
 
@@ -30,61 +33,39 @@ class Controllers extends Panel {
   }
 
   refresh() {
-    const key = JSON.stringify(store.docks.controllers.map((c) => ({ ...c, update_p50: 0, update_p99: 0, update_count: 0 }))) + store.isOperator;
-    if (key !== this.shown) {
-      this.shown = key;
-      const focused = document.activeElement?.dataset?.key;
-      this.cells = new Map();
-      // What moves the robot comes first, and in the order of loading: a row that changed its
-      // place when it is started would lie under a pointer that meant another one.
-      const rank = (c) => (c.resources.length ? 0 : 1);
-      const rows = [...store.docks.controllers].sort((a, b) => rank(a) - rank(b));
-      this.isDrawing = true;
-      this.body.replaceChildren(...rows.map((c) => this.row(c)));
-      if (focused) this.body.querySelector(`[data-key="${CSS.escape(focused)}"]`)?.focus();
-      this.isDrawing = false;
-    }
-    for (const c of store.docks.controllers) {
-      const cell = this.cells.get(c.name);
-      show(cell, c.update_count ? `${number(c.update_p50 * 1e6, 0)} µs` : "–");
-      cell.title = c.update_count ? `p99 ${number(c.update_p99 * 1e6, 0)} µs, ${c.update_count} updates` : "It has not run yet";
-    }
+    // What moves the robot comes first, and in the order of loading: a row that changed its
+    // place when it is started would lie under a pointer that meant another one.
+    const rank = (c) => (c.resources.length ? 0 : 1);
+    const rows = [...store.docks.controllers].sort((a, b) => rank(a) - rank(b));
+    render(repeat(rows, (c) => c.name, (c) => this.row(c)), this.body);
   }
 
   row(c) {
-    const button = (label, title, run, look) => {
-      const made = h("button", { class: label === "Start" ? "s primary" : "s", type: "button", title, disabled: !store.isOperator }, SIGNS[label] ?? label);
-      made.setAttribute("aria-label", `${label} ${c.name}`);
-      made.dataset.key = `${label} ${c.name}`;
-      made.addEventListener("click", run);
-      if (look) {
-        made.addEventListener("focus", () => this.isDrawing || look());
-        made.addEventListener("pointerenter", (event) => this.isPointedAt(event) && look());
-      }
-      return made;
-    };
-    const update = h("td", { class: "update" });
-    this.cells.set(c.name, update);
     const actions =
       c.state === "running"
         ? [
-            button("Stop", `Stop ${c.name}; its joints hold`, () => stopController(c.name)),
-            button("Restart", `Stop ${c.name} and start it again`, () => restartController(c.name), () => this.say(`Restart ${c.name}: its joints hold, and it starts anew from where they are.`)),
+            { label: "Stop", title: `Stop ${c.name}; its joints hold`, run: () => stopController(c.name) },
+            { label: "Restart", title: `Stop ${c.name} and start it again`, run: () => restartController(c.name), look: () => this.say(`Restart ${c.name}: its joints hold, and it starts anew from where they are.`) },
           ]
         : [
-            button("Start", c.reason || `Start ${c.name}`, () => this.start(c), () => this.look(c)),
-            button("Unload", `Unload ${c.name}`, () => this.unload(c)),
+            { label: "Start", title: c.reason || `Start ${c.name}`, run: () => this.start(c), look: () => this.look(c) },
+            { label: "Unload", title: `Unload ${c.name}`, run: () => this.unload(c) },
           ];
-    const fault = c.fault ? h("div", { class: "fault" }, `✖ ${c.fault}`) : null;
-    return h(
-      "tr",
-      { class: c.state },
-      h("th", { scope: "row", title: `${c.name}\n${c.type}` }, ...breakable(c.name, "_"), h("small", {}, ...breakable(c.type, "/")), fault),
-      h("td", { class: "state", title: c.state }, `${SYMBOLS[c.state] ?? "○"} ${c.state === "initialized" ? "ready" : c.state}`),
-      h("td", { class: "claims", title: c.claims }, ...c.claims_short.map((claim) => h("div", {}, claim.replace("-", "\u2011")))),
-      update,
-      h("td", { class: "actions" }, ...actions),
-    );
+    const p99 = c.update_count ? `p99 ${number(c.update_p99 * 1e6, 0)} µs, ${c.update_count} updates` : "It has not run yet";
+    const claims = c.claims_short.map((claim) => html`<div>${claim.replace("-", "\u2011")}</div>`);
+    // A button that means something else is another one: a held Enter must not press it.
+    return html`<tr class=${c.state}>
+      <th scope="row" title=${`${c.name}\n${c.type}`}>${breakable(c.name, "_")}<small>${breakable(c.type, "/")}</small>${c.fault ? html`<div class="fault">✖ ${c.fault}</div>` : nothing}</th>
+      <td class="state" title=${c.state}>${SYMBOLS[c.state] ?? "○"} ${c.state === "initialized" ? "ready" : c.state}</td>
+      <td class="claims" title=${c.claims}>${claims}</td>
+      <td class="update" title=${p99}>${c.update_count ? `${number(c.update_p50 * 1e6, 0)} µs` : "–"}</td>
+      <td class="actions">${repeat(actions, ({ label }) => label, (action) => this.button(c, action))}</td>
+    </tr>`;
+  }
+
+  button(c, { label, title, run, look }) {
+    return html`<button class=${label === "Start" ? "s primary" : "s"} type="button" title=${title} aria-label="${label} ${c.name}" ?disabled=${!store.isOperator}
+      @click=${run} @focus=${look} @pointerenter=${look && ((event) => this.isPointedAt(event) && look())}>${SIGNS[label] ?? label}</button>`;
   }
 
   /** Whether a pointer came to a button: one that was drawn anew under a pointer at rest is entered, too. */

@@ -1,9 +1,10 @@
 // Sets of gains, kept by the station: save, compare with the gains in force, apply.
-import { h, number, show } from "../lib/dom.js";
+import { h, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { refusals } from "../lib/refusals.js";
 import { act, api } from "../lib/station.js";
 import { store } from "../lib/store.js";
+import { number } from "../lib/text.js";
 
 /** The names that the station can keep as files. */
 const NAME = /^[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}$/;

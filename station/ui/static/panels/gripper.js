@@ -1,8 +1,9 @@
 // Gripper: how wide it is, and open, close, grasp with a force, home.
-import { h, number, show, typed } from "../lib/dom.js";
+import { h, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { act, api } from "../lib/station.js";
 import { store } from "../lib/store.js";
+import { number, typed } from "../lib/text.js";
 
 const LOOK_MS = 400;
 

@@ -1,9 +1,12 @@
-// The hand of one arm: held directions, a typed place, and how fast it may move.
-import { h, holdButton, kept, number, show, typed } from "../lib/dom.js";
+// The hand of one arm: held directions, steps, a typed pose, and how fast it may move.
+import { h, holdButton, kept, show, valueField } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
+import { anglesOfMatrix, fromAngles, stepped, toAngles } from "../lib/pose_maths.js";
 import { refusals } from "../lib/refusals.js";
-import { act, api, teleoperation } from "../lib/station.js";
+import { act, api, follow, teleoperation } from "../lib/station.js";
 import { store, switchTo } from "../lib/store.js";
+import { number, typed } from "../lib/text.js";
+import { DEGREES, units } from "../lib/units.js";
 
 const AXES = ["x", "y", "z", "about x", "about y", "about z"];
 const JOG = "CartesianJogController";
@@ -13,6 +16,15 @@ const FRAMES = ["the base", "the end effector"];
 /** Speeds at first, and the most that is offered until a controller says its own [m/s], [rad/s]. */
 const SPEEDS = { along: 0.05, about: 0.3 };
 const MOST = { along: 0.3, about: 1 };
+/** Steps of the buttons while the hand takes targets [m], [rad]. */
+const STEPS = [
+  { along: 1e-4, about: 0.1 / DEGREES },
+  { along: 1e-3, about: 1 / DEGREES },
+  { along: 1e-2, about: 5 / DEGREES },
+];
+const ANGLES = ["roll", "pitch", "yaw"];
+const SUM_MS = 1500; // steps that follow each other within this time add up
+const FIRST_TURN = 3;
 
 class Hand extends Panel {
   build() {
@@ -22,23 +34,25 @@ class Hand extends Panel {
     this.startTarget = starter("Start hand targets", TARGETS);
     this.handButtons = AXES.flatMap((axis, i) =>
       [-1, 1].map((sign) =>
-        holdButton(`${sign < 0 ? "−" : "+"} ${axis}`, `Move the hand ${sign < 0 ? "against" : "along"} ${axis} while held`, () => this.hold(i, sign), () => teleoperation.say({ do: "release" })),
+        holdButton(`${sign < 0 ? "−" : "+"} ${axis}`, "", () => this.press(i, sign), () => this.letGo()),
       ),
     );
-    this.targets = ["x", "y", "z"].map((axis) => {
-      const input = h("input", { class: "value", inputMode: "decimal" });
-      input.setAttribute("aria-label", `Hand ${axis} [m]`);
-      input.addEventListener("keydown", (event) => event.key === "Enter" && this.go());
-      return input;
-    });
-    this.reach = h("button", { class: "s", type: "button", title: "Move the hand there; it keeps its orientation.", onclick: () => this.go() }, "Go there");
+    this.targets = AXES.slice(0, FIRST_TURN).map((axis) => valueField(`Hand ${axis} [m]`, () => this.go()));
+    this.angles = ANGLES.map((angle) => valueField(`Hand ${angle}`, () => this.go()));
+    this.angleUnit = h("span", {}, units.sign);
+    this.step = h("select", { title: "How far one press of a button moves the hand; while the hand takes targets." });
+    this.step.setAttribute("aria-label", "Step of the hand");
+    this.step.addEventListener("change", () => kept.set("hand-step", Number(this.step.value)));
+    this.listSteps(kept.get("hand-step", 1));
+    units.addEventListener("change", () => this.changeUnit());
+    this.reach = h("button", { class: "s", type: "button", title: "Move the hand there; without angles it keeps its orientation.", onclick: () => this.go() }, "Go there");
     this.axes = h("select", { title: "Frame along whose axes the buttons move the hand." }, ...FRAMES.map((frame, i) => h("option", { value: String(i) }, frame)));
     this.axes.setAttribute("aria-label", "Axes of the jog");
     this.axes.addEventListener("change", () => this.setFrame());
     const here = h("button", { class: "s", type: "button", title: "Fill in where the hand is.", onclick: () => this.fillIn() }, "Here");
     teleoperation.addEventListener("change", () => this.isShown && this.refresh());
     store.addEventListener("gains", () => (this.framed = "")); // the axes are a gain of the jog
-    const fields = this.targets.map((input, i) => h("label", {}, `${AXES[i]} `, input));
+    const named = (inputs, names) => inputs.map((input, i) => h("label", {}, `${names[i]} `, input));
     this.append(
       h(
         "details",
@@ -47,9 +61,10 @@ class Hand extends Panel {
         this.state,
         h("div", { class: "line" }, this.startJog, this.startTarget),
         this.buildSpeeds(),
-        h("div", { class: "line" }, h("label", {}, "axes of ", this.axes)),
+        h("div", { class: "line" }, h("label", {}, "axes of ", this.axes), h("label", {}, "step ", this.step)),
         h("div", { class: "jog" }, ...this.handButtons),
-        h("div", { class: "line" }, ...fields, " m", here, this.reach),
+        h("div", { class: "line" }, ...named(this.targets, AXES), " m"),
+        h("div", { class: "line" }, ...named(this.angles, ANGLES), this.angleUnit, here, this.reach),
       ),
     );
   }
@@ -77,7 +92,7 @@ class Hand extends Panel {
     if (this.armName && store.isOperator) teleoperation.say({ do: "release" });
     this.armName = name;
     this.framed = "";
-    for (const input of this.targets) input.value = ""; // a place in the base of another arm
+    for (const input of [...this.targets, ...this.angles]) input.value = ""; // a pose in the base of another arm
     if (this.isShown) this.refresh();
   }
 
@@ -87,10 +102,56 @@ class Hand extends Panel {
     return hands?.[this.armName] ?? hands?.[""];
   }
 
-  hold(axis, sign) {
+  /** A button is pressed, or still held: a jog moves while it is, a step is made once. */
+  press(axis, sign) {
+    if (this.isStepping) {
+      if (!this.isPressed) this.makeStep(axis, sign);
+      this.isPressed = true;
+      return;
+    }
     // With every message, since a socket that was opened anew does not know it.
     teleoperation.say({ do: "hand_speed", ...this.chosenSpeeds });
     teleoperation.say({ do: "hand", arm: this.armName, axis, sign });
+  }
+
+  letGo() {
+    if (!this.isPressed) teleoperation.say({ do: "release" });
+    this.isPressed = false;
+  }
+
+  makeStep(axis, sign) {
+    const isLate = performance.now() - this.steppedAt > SUM_MS;
+    const from = (isLate ? null : this.wanted) ?? this.desired;
+    if (!from) return;
+    const { along, about } = STEPS[Number(this.step.value)];
+    this.wanted = stepped(from, axis, sign * (axis < FIRST_TURN ? along : about), this.axes.value === "1");
+    this.steppedAt = performance.now();
+    this.reachFor(this.wanted);
+  }
+
+  reachFor(position) {
+    teleoperation.say({ do: "reach", arm: this.armName, position });
+  }
+
+  listSteps(chosen) {
+    const angle = (value) => (units.angle === "deg" ? `${Number((value * DEGREES).toFixed(1))}°` : `${number(value, 4)} rad`);
+    this.step.replaceChildren(...STEPS.map(({ along, about }, i) => h("option", { value: String(i) }, `${along * 1e3} mm, ${angle(about)}`)));
+    this.step.value = String(chosen);
+  }
+
+  /** Angles have another unit from now on: what is typed keeps its meaning. */
+  changeUnit() {
+    const factor = units.angle === "deg" ? DEGREES : 1 / DEGREES;
+    for (const input of this.angles) {
+      const value = typed(input.value);
+      if (value !== null) input.value = this.angleText(value * factor);
+    }
+    show(this.angleUnit, units.sign);
+    this.listSteps(this.step.value);
+  }
+
+  angleText(value) {
+    return number(value, units.angle === "deg" ? 2 : 4);
   }
 
   /** The top speeds that were chosen [m/s], [rad/s]. */
@@ -100,13 +161,34 @@ class Hand extends Panel {
 
   go() {
     const position = this.targets.map((input) => typed(input.value));
-    if (position.includes(null)) refusals.add({ code: "not_a_number", detail: "Type x, y and z in metres." });
-    else teleoperation.say({ do: "reach", arm: this.armName, position });
+    const angles = this.angles.map((input) => typed(input.value));
+    const isOfPlace = this.angles.every((input) => !input.value.trim());
+    if (position.includes(null) || (angles.includes(null) && !isOfPlace)) return refusals.add({ code: "not_a_number", detail: "Type x, y and z in metres, and all three angles or none." });
+    this.wanted = null;
+    for (const input of [...this.targets, ...this.angles]) input.edited = false;
+    this.reachFor(isOfPlace ? position : [...position, ...fromAngles(angles.map((angle) => angle / units.scale))]);
+    if (this.contains(document.activeElement)) document.activeElement.select?.(); // to be typed over
+    return undefined;
   }
 
+  /** Fill in what the hand is told, or else where it is. */
   fillIn() {
-    const pose = store.arms[this.armName]?.O_T_EE;
-    if (pose) this.targets.forEach((input, i) => (input.value = number(pose[12 + i], 4)));
+    const measured = store.arms[this.armName]?.O_T_EE;
+    const told = this.isStepping ? this.desired : null;
+    if (!told && !measured) return;
+    const place = told ?? measured.slice(12);
+    const angles = told ? toAngles(told.slice(FIRST_TURN)) : anglesOfMatrix(measured);
+    this.targets.forEach((input, i) => (input.value = number(place[i], 4)));
+    this.angles.forEach((input, i) => (input.value = this.angleText(angles[i] * units.scale)));
+  }
+
+  /** Hear what the controller of targets is told; steps begin there. */
+  followTarget(name) {
+    if (name === this.followed) return;
+    this.followed = name;
+    this.endOfTarget?.();
+    this.desired = this.wanted = null;
+    this.endOfTarget = name ? follow(`controller_state/${name}`, "rate=12&fields=desired", ({ data }) => (this.desired = data.desired)) : null;
   }
 
   start(kind) {
@@ -128,6 +210,7 @@ class Hand extends Panel {
 
   /** Let a running jog controller move the hand in other axes. */
   async setFrame() {
+    if (this.isStepping) return; // steps are made here
     const { controller } = this.told.jog;
     await act("PATCH", `/controllers/${controller}/gains`, { values: { frame: Number(this.axes.value) } });
     this.framed = ""; // asked again, also when it was refused
@@ -137,9 +220,16 @@ class Hand extends Panel {
     if (!this.told) return;
     const { jog, target, message, fastest } = this.told;
     const isOf = ({ controller, reason }) => Boolean(controller) && !reason;
-    for (const button of this.handButtons) button.disabled = !isOf(jog);
+    this.isStepping = isOf(target);
+    this.followTarget(this.isStepping ? target.controller : "");
+    this.handButtons.forEach((button, i) => {
+      button.disabled = !isOf(jog) && !this.isStepping;
+      const way = `Move the hand ${i % 2 ? "along" : "against"} ${AXES[i >> 1]} ${this.isStepping ? "by one step" : "while held"}`;
+      button.title = button.ariaLabel = way;
+    });
+    this.step.disabled = !this.isStepping;
     this.reach.disabled = !isOf(target);
-    this.axes.disabled = !isOf(jog) || !store.isOperator;
+    this.axes.disabled = (!isOf(jog) && !this.isStepping) || !store.isOperator;
     this.startJog.hidden = Boolean(jog.controller) || !store.isOperator;
     this.startTarget.hidden = Boolean(target.controller) || !store.isOperator;
     if (isOf(jog) && jog.controller !== this.framed) this.askFrame(jog.controller);
@@ -154,7 +244,7 @@ class Hand extends Panel {
       : isOf(jog)
         ? `Hold a button: ${jog.controller} moves the hand in the axes of ${FRAMES[this.frame] ?? FRAMES[0]}.`
         : isOf(target)
-          ? `${target.controller} moves the hand to a place that you type here, or to where you drag the arrows at the hand in the 3D view.`
+          ? `${target.controller} moves the hand to a pose that you type here, by one step for each press of a button, or to where you drag the arrows at the hand in the 3D view.`
           : "Start one of the two: a jog while a button is held, or targets that the hand goes to. What moves single joints stops then.";
     show(this.state, text);
   }

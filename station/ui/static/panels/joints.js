@@ -1,12 +1,14 @@
 // Joints: where each is, what it is told, exact typed values, and hold-to-run buttons.
-import { h, holdButton, kept, number, shortNames, show, typed } from "../lib/dom.js";
+import { h, holdButton, kept, show, valueField } from "../lib/dom.js";
 import { hideGhost, showGhost } from "../lib/ghost.js";
+import { JointSlider } from "../lib/joint_slider.js";
 import { Panel } from "../lib/panel.js";
 import { refusals } from "../lib/refusals.js";
 import { teleoperation, follow } from "../lib/station.js";
 import { store } from "../lib/store.js";
+import { number, shortNames, typed } from "../lib/text.js";
+import { DEGREES, units } from "../lib/units.js";
 
-const DEGREES = 180 / Math.PI;
 const NEAR_LIMIT = 0.05; // part of the range at each end
 const POSITIONS = ["rad", "m"]; // units of what a held button can move
 const SHOW_SENT_MS = 500; // until the dashboard says how far it is
@@ -15,13 +17,12 @@ const FAR = { rad: 20 / DEGREES, m: 0.1 };
 
 class Joints extends Panel {
   build() {
-    this.unit = kept.get("angle", "deg");
     this.rows = new Map();
     this.desired = new Map(); // what each joint is told, by its controller
     this.endsOfSamples = [];
     const choose = (unit) => {
       const button = h("button", { class: "s", type: "button" }, unit);
-      button.addEventListener("click", () => this.setUnit(unit));
+      button.addEventListener("click", () => units.choose(unit));
       button.dataset.unit = unit;
       return button;
     };
@@ -39,7 +40,8 @@ class Joints extends Panel {
     this.state = h("p", { class: "hint state" }, "Waiting for the station …");
     this.far = h("div", { class: "line far", role: "alert", hidden: true });
     this.append(h("div", { class: "scroll" }, h("table", { class: "joints" }, h("thead", {}, this.head), this.body)), this.far, this.state, this.poses());
-    this.setUnit(this.unit);
+    units.addEventListener("change", () => this.showUnit());
+    this.showUnit();
     this.showSpeed();
     this.drawWithJoints(12, () => this.draw());
     teleoperation.addEventListener("change", () => this.isShown && this.showState());
@@ -125,7 +127,7 @@ class Joints extends Panel {
     const size = Math.abs(target - (this.desired.get(joint) ?? position));
     const isRefused = limits && (target < limits[0] || target > limits[1]);
     if (isRefused || !POSITIONS.includes(element?.unit)) return { size: 0, most: Infinity };
-    const isAngle = element.unit === "rad" && this.unit === "deg";
+    const isAngle = element.unit === "rad" && units.angle === "deg";
     const text = isAngle ? `${number(size * DEGREES, 1)}°` : `${number(size, 3)} ${element.unit}`;
     return { size, most: FAR[element.unit], text };
   }
@@ -143,19 +145,22 @@ class Joints extends Panel {
   }
 
   move(targets) {
+    this.movedAt = performance.now();
     teleoperation.say(this.wantedSpeed);
     teleoperation.say({ do: "go", targets });
   }
 
-  setUnit(unit) {
-    this.unit = unit;
-    kept.set("angle", unit);
+  showUnit() {
+    const unit = units.angle;
     for (const button of this.units) button.setAttribute("aria-pressed", String(button.dataset.unit === unit));
     const angle = unit === "deg" ? "°" : "rad";
-    const heads = ["joint", "range", `q [${angle}]`, "command", `dq [${angle}/s]`, "τ [Nm]", "τext", "hold"];
-    const titles = ["", "Present position within the limits; the thin mark is the command", "Measured position", "Type a value and press Enter", "Measured speed", "Measured torque", "External torque as a Franka arm estimates it [Nm]; – for other joints", "Moves while it is held"];
+    const heads = ["joint", `q [${angle}]`, "command", `dq [${angle}/s]`, "τ [Nm]", "τext", "hold"];
+    const titles = ["", "Measured position", "Type a value and press Enter", "Measured speed", "Measured torque", "External torque as a Franka arm estimates it [Nm]; – for other joints", "Moves while it is held"];
     this.head.replaceChildren(...heads.map((text, i) => h("th", { title: titles[i], class: text === "τext" ? "ext" : "" }, text)));
-    for (const row of this.rows.values()) row.sent = null;
+    for (const row of this.rows.values()) {
+      row.sent = null;
+      this.showLimits(row);
+    }
     this.showSpeed();
   }
 
@@ -164,11 +169,7 @@ class Joints extends Panel {
     kept.set("speed", value);
     const number = (value / DEGREES).toFixed(2);
     const slides = [...this.rows.keys()].some((joint) => store.docks.sliding.includes(joint));
-    show(this.speedText, (this.unit === "deg" ? `${value} °/s` : `${number} rad/s`) + (slides ? `, ${number} m/s` : ""));
-  }
-
-  get scale() {
-    return this.unit === "deg" ? DEGREES : 1;
+    show(this.speedText, (units.angle === "deg" ? `${value} °/s` : `${number} rad/s`) + (slides ? `, ${number} m/s` : ""));
   }
 
   refresh() {
@@ -191,7 +192,8 @@ class Joints extends Panel {
       const usable = may && Boolean(element);
       row.element = element;
       row.input.disabled = !usable;
-      for (const button of row.hold) button.disabled = !usable || !POSITIONS.includes(element.unit);
+      row.slider.disabled = !usable || !POSITIONS.includes(element.unit);
+      for (const button of row.hold) button.disabled = row.slider.isDisabled;
     }
     this.showState();
   }
@@ -212,48 +214,36 @@ class Joints extends Panel {
     const going = teleoperation.state.remaining ?? 0;
     // The distances of several joints have one number, which has a unit if all turn.
     if (going > 1e-6 && operated.elements.some((e) => e.unit === "m")) return "Moving.";
-    if (going > 1e-6) return `Moving: ${number(going * this.scale, 2)} ${this.unit} to go.`;
+    if (going > 1e-6) return `Moving: ${number(going * units.scale, 2)} ${units.angle} to go.`;
     return `${operated.names.join(" and ")} ${operated.names.length > 1 ? "take" : "takes"} values: type one and press Enter, or hold − and +.`;
   }
 
   buildRows(names) {
     this.rows.clear();
-    this.body.replaceChildren(...[...shortNames(names)].map(([joint, label]) => this.makeRow(joint, label)));
+    this.body.replaceChildren(...[...shortNames(names)].flatMap(([joint, label]) => this.makeRow(joint, label)));
     this.showSpeed();
   }
 
+  /** Return the two lines of a joint: its values, and its slider between its limits. */
   makeRow(joint, label) {
     const limits = store.docks.limits[joint];
-    const here = h("i", { class: "here" });
-    const told = h("i", { class: "told" });
-    const bar = h("div", { class: "range" }, told, here);
+    const unit = store.docks.sliding.includes(joint) ? "m" : "rad";
     const cells = ["q", "dq", "tau", "ext"].map((name) => h("td", { class: name }));
-    const input = h("input", { class: "value", inputMode: "decimal", autocomplete: "off", spellcheck: false });
-    input.setAttribute("aria-label", `Command of ${label}`);
-    here.hidden = !limits; // A joint that turns without end has no place within limits.
-    const row = { here, told, bar, cells, input, limits, sent: null, position: 0, hold: [], edited: false };
-    // What nobody has typed is only shown: Enter on it moves nothing.
-    input.addEventListener("input", () => {
-      row.edited = true;
-      this.forgetFar();
+    const input = valueField(`Command of ${label}`, () => this.send(joint, row), () => this.forgetFar());
+    const slider = new JointSlider({
+      label,
+      limits,
+      unit,
+      move: (target) => {
+        row.sent = null;
+        this.forgetFar();
+        this.move({ [joint]: target });
+      },
+      pick: (target) => this.isAgreed({ [joint]: target }) && this.move({ [joint]: target }),
+      show: (target) => (target === null ? hideGhost() : showGhost({ [joint]: target }, "where you drag it")),
     });
-    input.addEventListener("blur", () => {
-      row.edited = false;
-      this.forgetFar();
-    });
-    input.addEventListener("keydown", (event) => {
-      if (event.key === "Enter" && row.edited) this.send(joint, row);
-    });
-    input.addEventListener("focus", () => input.select());
-    // A second click would put the caret into a value that is only shown or was sent, and
-    // what is typed then would become one number with it. What is being typed keeps its caret.
-    // The browser collapses a selection that is clicked only after `click`, so its own way is barred.
-    input.addEventListener("mousedown", (event) => {
-      if (row.edited) return;
-      event.preventDefault();
-      input.focus();
-      input.select();
-    });
+    const ends = [h("small", {}), h("small", {})];
+    const row = { slider, ends, cells, input, limits, unit, sent: null, position: 0, hold: [] };
     row.hold = [-1, 1].map((sign) =>
       holdButton(
         sign < 0 ? "−" : "+",
@@ -272,9 +262,16 @@ class Joints extends Panel {
     );
     this.rows.set(joint, row);
     const [q, dq, tau, ext] = cells;
-    const unit = store.docks.sliding.includes(joint) ? "m" : "rad";
-    const title = limits ? `${joint}: ${number(limits[0], 4)} to ${number(limits[1], 4)} ${unit}` : `${joint}: without limits`;
-    return h("tr", { title }, h("th", { scope: "row" }, label), h("td", {}, bar), q, h("td", {}, input), dq, tau, ext, h("td", { class: "holds" }, ...row.hold));
+    this.showLimits(row);
+    return [
+      h("tr", { title: joint }, h("th", { scope: "row" }, label), q, h("td", {}, input), dq, tau, ext, h("td", { class: "holds" }, ...row.hold)),
+      h("tr", { class: "slide" }, h("td", { colSpan: 7 }, h("div", {}, ends[0], slider.element, ends[1]))),
+    ];
+  }
+
+  showLimits({ ends, limits, unit }) {
+    const text = (value) => (unit === "m" ? `${number(value, 3)} m` : `${number(value * units.scale, units.angle === "deg" ? 1 : 3)}${units.sign}`);
+    ends.forEach((end, i) => show(end, limits ? text(limits[i]) : "no limit"));
   }
 
   send(joint, row) {
@@ -286,13 +283,13 @@ class Joints extends Panel {
     const target = value / this.scaleOf(row.element);
     if (!this.isAgreed({ [joint]: target })) return;
     row.sent = { text: row.input.value.trim(), target, at: performance.now() };
-    row.edited = false;
+    row.input.edited = false;
     this.move({ [joint]: target });
     row.input.select();
   }
 
   scaleOf(element) {
-    return element?.unit.startsWith("rad") ? this.scale : 1;
+    return element?.unit.startsWith("rad") ? units.scale : 1;
   }
 
   draw() {
@@ -303,40 +300,37 @@ class Joints extends Panel {
       if (i < 0) continue;
       row.position = position[i];
       const angular = !store.docks.sliding.includes(joint);
-      const scale = angular ? this.scale : 1;
-      const digits = this.unit === "deg" && angular ? 2 : 4;
+      const scale = angular ? units.scale : 1;
+      const digits = units.angle === "deg" && angular ? 2 : 4;
       const unit = angular ? "" : " m";
       show(row.cells[0], number(position[i] * scale, digits) + unit);
-      show(row.cells[1], number(velocity[i] * scale, this.unit === "deg" && angular ? 1 : 3));
+      show(row.cells[1], number(velocity[i] * scale, units.angle === "deg" && angular ? 1 : 3));
       show(row.cells[2], number(effort[i], 1));
       const arm = arms.find(([id]) => joint.startsWith(`${id}_joint`));
       const external = arm?.[1].tau_ext_hat_filtered?.[Number(joint.slice(-1)) - 1];
       show(row.cells[3], number(external, 1));
-      this.drawRange(row, position[i]);
+      this.drawSlider(joint, row, digits);
       this.drawCommand(joint, row, digits);
     }
   }
 
-  drawRange(row, position) {
+  drawSlider(joint, row, digits) {
+    const command = POSITIONS.includes(row.element?.unit) ? (this.desired.get(joint) ?? null) : null;
+    const isGoing = teleoperation.state.remaining > 1e-6 || performance.now() - this.movedAt < SHOW_SENT_MS;
+    const value = number((command ?? row.position) * (row.unit === "m" ? 1 : units.scale), digits);
+    row.slider.update(row.position, command, isGoing, `${value}${row.unit === "m" ? " m" : units.sign}`);
     if (!row.limits) return;
-    const [low, high] = row.limits;
-    const part = (position - low) / (high - low);
-    row.here.style.left = `${Math.min(Math.max(part, 0), 1) * 100}%`;
-    row.bar.classList.toggle("near", part < NEAR_LIMIT || part > 1 - NEAR_LIMIT);
+    const part = row.slider.part(row.position);
+    row.slider.element.classList.toggle("near", part < NEAR_LIMIT || part > 1 - NEAR_LIMIT);
   }
 
   drawCommand(joint, row, digits) {
     const value = this.desired.get(joint);
-    row.told.hidden = value == null || !POSITIONS.includes(row.element?.unit);
     if (value == null) {
-      if (!row.edited) row.input.value = "";
+      if (!row.input.edited) row.input.value = "";
       return;
     }
-    if (row.limits) {
-      const [low, high] = row.limits;
-      row.told.style.left = `${Math.min(Math.max((value - low) / (high - low), 0), 1) * 100}%`;
-    }
-    if (row.edited) return;
+    if (row.input.edited) return;
     // What a person typed stays as typed while it is what the robot is told.
     const isOnItsWay = teleoperation.state.remaining > 1e-6 || performance.now() - row.sent?.at < SHOW_SENT_MS;
     if (row.sent && !isOnItsWay && Math.abs(row.sent.target - value) >= 1e-9) row.sent = null;

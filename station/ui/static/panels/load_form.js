@@ -1,10 +1,11 @@
 // Loading a controller: its type, and its parameters in fields or as YAML.
-import { h, shortNames, show } from "../lib/dom.js";
+import { h, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { fieldsOf, valuesOf } from "../lib/parameter_fields.js";
 import { refusals } from "../lib/refusals.js";
 import { act, api, Refusal, send } from "../lib/station.js";
 import { store, switchTo } from "../lib/store.js";
+import { shortNames } from "../lib/text.js";
 
 class LoadForm extends Panel {
   toggle() {

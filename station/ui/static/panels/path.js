@@ -1,10 +1,14 @@
 // Waypoint paths: captured, edited and played at the station, so they outlive this page.
 import { hideGhost, showGhost } from "../lib/ghost.js";
-import { h, number, show, sharedPrefix, typed } from "../lib/dom.js";
+import { h, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { refusals } from "../lib/refusals.js";
 import { act, api, Refusal } from "../lib/station.js";
 import { store, switchTo } from "../lib/store.js";
+import { number, sharedPrefix, typed } from "../lib/text.js";
+import { html, render } from "../vendor/lit/lit-html.js";
+import { live } from "../vendor/lit/directives/live.js";
+import { repeat } from "../vendor/lit/directives/repeat.js";
 
 const LOOK_MS = 250;
 const LIST_MS = 2000;
@@ -112,13 +116,15 @@ class Path extends Panel {
   }
 
   draw(path) {
-    const key = JSON.stringify(path);
-    if (key === this.drawn || (path.name === this.path.name && this.list.contains(document.activeElement) && document.activeElement.matches("input"))) return;
-    this.drawn = key;
+    const text = JSON.stringify(path);
+    if (text === this.drawn || (path.name === this.path.name && this.list.contains(document.activeElement) && document.activeElement.matches("input"))) return;
+    this.drawn = text;
     this.path = path;
-    const focused = document.activeElement?.dataset?.key;
-    this.list.replaceChildren(...path.waypoints.map((point, i) => this.row(point, i)));
-    if (focused) this.list.querySelector(`[data-key="${CSS.escape(focused)}"]`)?.focus();
+    const focused = document.activeElement;
+    const key = ({ name }, i) => (path.waypoints.findIndex((other) => other.name === name) === i ? name : `${name} ${i}`);
+    render(repeat(path.waypoints, key, (point, i) => this.row(point, i)), this.list);
+    // A row that has changed its place has lost the focus.
+    if (this.list.contains(focused)) focused.focus();
     this.showPlayback(this.playback);
   }
 
@@ -126,22 +132,10 @@ class Path extends Panel {
     const { waypoints } = this.path;
     const prefix = sharedPrefix(Object.keys(point.positions));
     const changed = (change) => waypoints.map((other, j) => (j === i ? { ...other, ...change } : other));
-    const button = (label, title, run, disabled = false) => {
-      const made = h("button", { class: "s", type: "button", title, onclick: run, disabled: disabled || !store.isOperator }, label);
-      made.setAttribute("aria-label", `${title}: ${point.name}`);
-      made.dataset.key = `${title} ${i}`;
-      return made;
-    };
-    const field = (look, value, label, change) => {
-      const input = h("input", { class: look, value });
-      input.setAttribute("aria-label", label);
-      input.addEventListener("change", () => {
-        input.blur();
-        change(input);
-      });
-      input.addEventListener("keydown", (event) => event.key === "Enter" && input.blur());
-      return input;
-    };
+    const button = (label, title, run, disabled = false) => html`<button class="s" type="button" title=${title} aria-label="${title}: ${point.name}" ?disabled=${disabled || !store.isOperator} @click=${run}>${label}</button>`;
+    // What was typed and refused is put back, so the field itself is compared.
+    const field = (look, value, label, change) => html`<input class=${look} .value=${live(value)} aria-label=${label}
+      @change=${({ target }) => { target.blur(); change(target); }} @keydown=${({ key, target }) => key === "Enter" && target.blur()}>`;
     const name = field("name", point.name, `Name of waypoint ${i + 1}`, (input) => this.save(changed({ name: input.value })));
     const seconds = field("value", String(point.duration), `Seconds to ${point.name}`, (input) => {
       const duration = typed(input.value);
@@ -155,30 +149,18 @@ class Path extends Panel {
       [moved[i], moved[j]] = [moved[j], moved[i]];
       this.save(moved);
     };
+    const set = () => {
+      const positions = Object.fromEntries(Object.keys(point.positions).map((joint) => [joint, store.joints.position[store.joints.name.indexOf(joint)]]));
+      this.save(changed({ positions }));
+    };
     const title = Object.entries(point.positions).map(([joint, q]) => `${joint.slice(prefix.length)}: ${number(q, 4)}`).join("\n");
-    return h(
-      "li",
-      { title },
-      name,
-      seconds,
-      " s ",
-      this.shown(button("Go", "Move to this waypoint", () => this.play(i)), point),
-      button("Set", "Replace by where the arm is now", () => {
-        const positions = Object.fromEntries(Object.keys(point.positions).map((joint) => [joint, store.joints.position[store.joints.name.indexOf(joint)]]));
-        this.save(changed({ positions }));
-      }),
-      button("↑", "Move up", swap(i - 1), i === 0),
-      button("↓", "Move down", swap(i + 1), i === waypoints.length - 1),
-      button("✕", "Remove", () => this.save(waypoints.filter((_, j) => j !== i))),
-    );
-  }
-
-  /** Show a waypoint as a ghost while the pointer or the focus is on its button. */
-  shown(button, point) {
+    // A waypoint is shown as a ghost while the pointer or the focus is on its button.
     const isFree = () => !this.previewTimer;
-    for (const name of ["pointerenter", "focus"]) button.addEventListener(name, () => isFree() && showGhost(point.positions, `waypoint ${point.name}`));
-    for (const name of ["pointerleave", "blur"]) button.addEventListener(name, () => isFree() && hideGhost());
-    return button;
+    const look = () => isFree() && showGhost(point.positions, `waypoint ${point.name}`);
+    const leave = () => isFree() && hideGhost();
+    return html`<li title=${title}>${name}${seconds} s
+      <span @pointerover=${look} @focusin=${look} @pointerout=${leave} @focusout=${leave}>${button("Go", "Move to this waypoint", () => this.play(i))}</span>${button("Set", "Replace by where the arm is now", set)}${button("↑", "Move up", swap(i - 1), i === 0)}${button("↓", "Move down", swap(i + 1), i === waypoints.length - 1)}${button("✕", "Remove", () => this.save(waypoints.filter((_, j) => j !== i)))}
+    </li>`;
   }
 
   /** Let the ghost pass the waypoints once, straight between them, at the chosen speed. */

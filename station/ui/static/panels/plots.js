@@ -1,10 +1,15 @@
 // Plots: any channels of the streams, several plots, pause, zoom, cursor, markers, CSV.
-import { Channels, described, numbersIn, sample, sources } from "../lib/channels.js";
-import { h, kept, shortNames, show } from "../lib/dom.js";
+import { described, numbersIn } from "../lib/channel_maths.js";
+import { Channels, sample, sources } from "../lib/channels.js";
+import { h, kept, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
-import { History, Plot, dashOf, download } from "../lib/plot.js";
+import { History } from "../lib/history.js";
+import { Plot, download } from "../lib/plot.js";
 import { follow } from "../lib/station.js";
 import { store } from "../lib/store.js";
+import { number, shortNames } from "../lib/text.js";
+import { dashOf } from "../lib/traces.js";
+import { TRANSFORMS, transformed } from "../lib/transforms.js";
 
 const DRAW_HZ = 15;
 const SAMPLE_UNITS = { desired: "rad", actual: "rad", error: "rad", output: "Nm" };
@@ -41,6 +46,7 @@ class Plots extends Panel {
 
   setPaused(paused) {
     this.paused = paused;
+    this.isZoomed = false;
     show(this.pause, paused ? "Resume" : "Pause");
     this.pause.setAttribute("aria-pressed", String(paused));
     this.frozen.clear();
@@ -62,7 +68,7 @@ class Plots extends Panel {
     this.listChannels();
     if (this.plots.length || !store.docks.joints.length) return;
     const saved = kept.get("plots-2", null);
-    if (saved?.length) for (const { keys, xy, span } of saved) this.addPlot(keys ?? [], xy, span);
+    if (saved?.length) for (const { keys, xy, span, how } of saved) this.addPlot(keys ?? [], xy, span, how);
     else
       for (const [quantity] of SHOWN_AT_FIRST)
         this.addPlot(store.docks.joints.slice(0, 7).map((joint) => `${quantity}/${joint}`));
@@ -124,31 +130,43 @@ class Plots extends Panel {
     }
   }
 
-  addPlot(keys, xy = false, span = 10) {
-    const canvas = h("canvas", { tabIndex: 0, title: "Click, or Enter: a second cursor. Arrow keys: the first. Wheel, + and −: zoom. Drag while paused: move in time." });
+  addPlot(keys, xy = false, span = 10, how = "") {
+    const canvas = h("div", { class: "chart", tabIndex: 0, title: "Drag: zoom all plots to a range of time. Click, or Enter: a second cursor. Arrow keys: the first. Wheel, + and −: zoom. Double click: back." });
     canvas.setAttribute("role", "img");
     const legend = h("div", { class: "legend", tabIndex: 0 }); // long names are scrolled to
     legend.setAttribute("role", "group");
     legend.setAttribute("aria-label", "Channels of the plot");
     const button = (label, title, run) => h("button", { class: "s", type: "button", title, onclick: run }, label);
-    const entry = { keys, plot: new Plot(canvas), legend };
+    const entry = { keys, legend, values: [], how };
+    entry.plot = new Plot(canvas, { group: "plots", moved: () => this.tell(entry), chosen: (begin, end) => this.zoomTo(begin, end) });
     Object.assign(entry.plot, { xy, span });
     if (this.paused) entry.plot.end = store.stationTime;
     const across = button("XY", "Draw the other channels over the first one instead of over time", () => {
       entry.plot.xy = !entry.plot.xy;
+      this.apply(entry);
       across.setAttribute("aria-pressed", String(entry.plot.xy));
       this.keep();
     });
     across.setAttribute("aria-pressed", String(xy));
+    const transform = h("select", { title: "What is shown of the channels." }, ...Object.entries(TRANSFORMS).map(([value, text]) => h("option", { value }, text)));
+    transform.setAttribute("aria-label", "Show");
+    transform.value = how;
+    transform.addEventListener("change", () => {
+      entry.how = transform.value;
+      this.apply(entry);
+      this.keep();
+    });
     const tools = h(
       "div",
       { class: "line" },
       button("−", "Show more time (or turn the wheel)", () => this.zoom(entry, 1.5)),
       button("+", "Show less time (or turn the wheel)", () => this.zoom(entry, 1 / 1.5)),
       across,
+      transform,
       button("CSV", "Save what is shown", () => download("plot.csv", entry.plot.csv(store.stationTime))),
       button("✕", "Remove this plot", () => {
         this.plots = this.plots.filter((other) => other !== entry);
+        entry.plot.forget();
         box.remove();
         this.keep();
       }),
@@ -159,10 +177,13 @@ class Plots extends Panel {
     entry.menu = menu;
     entry.plot.markers = store.markers;
     const box = h("div", { class: "plot" }, h("div", { class: "plot-head" }, legend, menu), canvas);
+    box.addEventListener("dragover", (event) => this.dragged && event.preventDefault());
+    box.addEventListener("drop", (event) => this.drop(event, entry));
     menu.addEventListener("toggle", () => menu.open && this.fillMenu(entry));
     canvas.addEventListener("dblclick", () => {
-      entry.plot.span = 10;
-      if (!this.paused) entry.plot.end = null;
+      if (this.isZoomed) this.setPaused(false);
+      for (const { plot } of this.plots) plot.span = 10;
+      this.keep();
     });
     this.plots.push(entry);
     this.row.append(box);
@@ -238,6 +259,37 @@ class Plots extends Panel {
     this.keep();
   }
 
+  /** Hold the picture, and show a range of time [s] in all plots. */
+  zoomTo(begin, end) {
+    if (!this.paused) {
+      this.setPaused(true);
+      this.isZoomed = true;
+    }
+    for (const { plot } of this.plots) Object.assign(plot, { end, span: end - begin });
+  }
+
+  /** Let a channel that was dragged from the legend of another plot be one of this plot instead. */
+  drop(event, entry) {
+    if (!this.dragged || this.dragged.entry === entry) return;
+    event.preventDefault();
+    const { entry: from, key } = this.dragged;
+    from.keys = from.keys.filter((other) => other !== key);
+    entry.keys = [...entry.keys.filter((other) => other !== key), key];
+    for (const changed of [from, entry]) this.apply(changed);
+    this.keep();
+  }
+
+  /** Write the values at the cursor, else the newest ones, into the legend. */
+  tell({ plot, values, time }) {
+    const { cursor, fixed } = plot;
+    const since = cursor === null || fixed === null ? "" : `, Δ ${number(cursor - fixed, 3)} s`;
+    show(time, cursor === null ? "" : ` at ${number(cursor, 3)} s${since}`);
+    plot.traces.forEach((trace, i) => {
+      const { value, change } = plot.valueOf(trace);
+      show(values[i], value === undefined ? "–" : number(value, 4) + (change === null ? "" : ` (Δ ${number(change, 4)})`));
+    });
+  }
+
   /** Return what a key stands for: a channel, or its rate of change. */
   channel(key) {
     const known = (name) => (name.includes("|") ? described(name) : this.channels.get(name));
@@ -248,20 +300,32 @@ class Plots extends Panel {
 
   apply(entry) {
     const known = entry.keys.filter((key) => this.channel(key));
-    entry.plot.traces = known.map((key) => ({ ...this.channel(key), history: this.drawnHistory(key) }));
+    entry.sources = known.map((key) => ({ ...this.channel(key), history: this.drawnHistory(key) }));
+    this.transform(entry);
     const units = [...new Set(entry.plot.traces.map((t) => t.unit).filter(Boolean))].join(", ");
     const labels = entry.plot.traces.map((trace) => trace.label);
     const shared = sharedStart(labels);
+    const keys = labels.length === known.length ? known : entry.how === "difference" ? known.slice(1) : [];
+    entry.time = h("span", {});
+    entry.values = labels.map(() => h("output", {}));
     entry.legend.replaceChildren(
-      h("b", {}, !labels.length ? "no channel chosen" : units ? `${shared} [${units}]` : shared),
-      ...labels.map((label, i) => h("span", { class: `trace t${i % 7}`, title: label }, swatch(i), label.slice(shared.length))),
+      h("b", {}, !labels.length ? "no channel chosen" : units ? `${shared} [${units}]` : shared, entry.time),
+      ...labels.map((label, i) =>
+        h("span", { class: `trace t${i % 7}`, title: keys[i] ? `${label}; drag it to another plot` : label, draggable: Boolean(keys[i]), ondragstart: () => (this.dragged = { entry, key: keys[i] }), ondragend: () => (this.dragged = null) }, swatch(i), label.slice(shared.length), entry.values[i]),
+      ),
     );
-    entry.plot.canvas.setAttribute("aria-label", `Plot of ${entry.plot.traces.map((t) => t.label).join(", ")}`);
+    entry.plot.place.setAttribute("aria-label", `Plot of ${entry.plot.traces.map((t) => t.label).join(", ")}`);
     this.note();
   }
 
+  /** Make what is drawn of the channels; an XY plot has them as they are. */
+  transform({ plot, sources, how }) {
+    const end = plot.end ?? store.stationTime;
+    plot.traces = plot.xy ? sources : transformed(sources, how, end - plot.span, end);
+  }
+
   keep() {
-    kept.set("plots-2", this.plots.map(({ keys, plot }) => ({ keys, xy: plot.xy, span: plot.span })));
+    kept.set("plots-2", this.plots.map(({ keys, plot, how }) => ({ keys, xy: plot.xy, span: plot.span, how })));
     this.note();
   }
 
@@ -284,7 +348,11 @@ class Plots extends Panel {
 
   draw() {
     if (!this.isShown || document.hidden) return;
-    for (const { plot } of this.plots) plot.draw(store.stationTime);
+    for (const entry of this.plots) {
+      this.transform(entry);
+      entry.plot.draw(store.stationTime);
+      this.tell(entry);
+    }
   }
 }
 

@@ -1,10 +1,13 @@
 // Simulation: pause, step, speed, reset, pushes and faults, and where the objects of the
 // scene are; absent on a real robot.
-import { h, number, show, typed } from "../lib/dom.js";
+import { h, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { refusals } from "../lib/refusals.js";
 import { act, api } from "../lib/station.js";
 import { store } from "../lib/store.js";
+import { number, typed } from "../lib/text.js";
+import { html, render } from "../vendor/lit/lit-html.js";
+import { repeat } from "../vendor/lit/directives/repeat.js";
 
 const LOOK_MS = 500;
 const FAULTS = ["collision", "lost_packets", "delayed_cycle", "nan_sensor", "stuck_joint"];
@@ -61,16 +64,9 @@ class Simulation extends Panel {
 
   drawObjects(objects) {
     this.scene.hidden = !objects.length;
-    const key = objects.map(({ name }) => name).join();
-    if (key !== this.drawn) {
-      this.drawn = key;
-      this.objects.replaceChildren(...objects.map((object) => h("tr", {}, h("th", { scope: "row", title: `${object.type} ${object.size.join(" × ")}` }, object.name), h("td"), h("td"))));
-    }
-    objects.forEach(({ position, mass }, i) => {
-      const [, place, weight] = this.objects.rows[i].cells;
-      show(place, position.map((value) => number(value, 3)).join(", "));
-      show(weight, mass ? number(mass, 2) : "fixed");
-    });
+    const row = ({ name, type, size, position, mass }) =>
+      html`<tr><th scope="row" title="${type} ${size.join(" × ")}">${name}</th><td>${position.map((value) => number(value, 3)).join(", ")}</td><td>${mass ? number(mass, 2) : "fixed"}</td></tr>`;
+    render(repeat(objects, ({ name }) => name, row), this.objects);
   }
 
   /** Say what was done; nothing when it was refused, which the log says. */

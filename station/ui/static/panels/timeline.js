@@ -5,6 +5,8 @@ import { hideGhost, showGhost } from "../lib/ghost.js";
 import { Panel } from "../lib/panel.js";
 import { act, api, follow } from "../lib/station.js";
 import { store } from "../lib/store.js";
+import { html, nothing, render } from "../vendor/lit/lit-html.js";
+import { repeat } from "../vendor/lit/directives/repeat.js";
 
 const LOOK_MS = 2000;
 const SHOWN = 60;
@@ -113,8 +115,7 @@ class Timeline extends Panel {
   choose(id) {
     this.chosen = id;
     for (const button of this.buttons) button.setAttribute("aria-pressed", String(button.dataset.id === id));
-    this.list.replaceChildren(h("p", { class: "hint" }, "Asking the station …"));
-    this.drawn = null;
+    this.tell("Asking the station …");
     this.ask();
   }
 
@@ -124,10 +125,12 @@ class Timeline extends Panel {
   }
 
   drawAlarms() {
-    const key = JSON.stringify(alarms.list) + store.isOperator;
-    if (key === this.drawn) return;
-    this.drawn = key;
-    this.list.replaceChildren(...alarmRows());
+    render(alarmRows(), this.list);
+  }
+
+  /** Show a sentence, and below it rows by their keys. */
+  tell(text, rows = nothing) {
+    render(html`${text ? html`<p class="hint">${text}</p>` : nothing}${rows}`, this.list);
   }
 
   async ask() {
@@ -146,7 +149,7 @@ class Timeline extends Panel {
       else this.draw(told.recordings);
     } catch (error) {
       if (id !== this.chosen || error.status === 0 || error.status >= 500) return; // The strip says so.
-      if (error.status !== 404) return this.list.replaceChildren(h("p", { class: "hint" }, `${error.detail} ${error.remedy}`));
+      if (error.status !== 404) return this.tell(`${error.detail} ${error.remedy}`);
       this.offered = false;
       this.record.hidden = true;
       this.drawOwn();
@@ -157,9 +160,9 @@ class Timeline extends Panel {
   drawOwn() {
     const what = SOURCES.find((source) => source.id === this.chosen).title;
     const notes = this.chosen === "events" ? [...store.markers].reverse().slice(0, SHOWN) : [];
-    const rows = notes.map(({ at, text }) => h("div", { class: "row" }, h("time", {}, `${at.toFixed(1)} s`), text));
+    const rows = notes.map(({ at, text }) => html`<div class="row"><time>${at.toFixed(1)} s</time>${text}</div>`);
     const since = this.chosen === "events" ? " Below is what this page has noticed since it was opened, in station time." : "";
-    this.list.replaceChildren(h("p", { class: "hint" }, `${what}: not offered by this station.${since}`), ...rows);
+    this.tell(`${what}: not offered by this station.${since}`, rows);
   }
 
   draw(items) {
@@ -168,33 +171,28 @@ class Timeline extends Panel {
       show(this.record, this.running ? "Stop recording" : "Record");
     }
     const shown = (this.chosen === "events" ? folded(items) : items).slice(-SHOWN);
-    const key = JSON.stringify(shown);
-    if (key === this.drawn) return;
-    this.drawn = key;
-    const rows = shown.reverse().map((item) => this.row(item));
-    this.list.replaceChildren(...(rows.length ? rows : [h("p", { class: "hint" }, `No ${this.chosen} yet.`)]));
+    const rows = repeat(shown.reverse(), (item) => item.first ?? item.identifier, (item) => this.row(item));
+    this.tell(shown.length ? "" : `No ${this.chosen} yet.`, rows);
   }
 
   row(item) {
     const at = new Date(item.started_at ?? item.time * 1e3);
-    const time = h("time", { title: at.toISOString() }, at.toLocaleTimeString("en-GB"));
-    const row = (...parts) => h("div", { class: `row ${item.severity ?? ""}`, title: JSON.stringify(item, null, 1) }, time, ...parts);
+    const row = (content) => html`<div class="row ${item.severity ?? ""}" title=${JSON.stringify(item, null, 1)}><time title=${at.toISOString()}>${at.toLocaleTimeString("en-GB")}</time>${content}</div>`;
     if (this.chosen === "events") {
       const sign = { warning: "▲ ", error: "✖ " }[item.severity] ?? "";
       const since = item.times > 1 ? ` (${item.times} alike since ${new Date(item.since * 1e3).toLocaleTimeString("en-GB")})` : "";
-      return row(item.who && !item.text.includes(item.who) ? h("b", {}, `${item.who} `) : null, h("span", {}, `${sign}${item.text || `${item.kind} ${item.what} ${item.result}`}${since}`));
+      const who = item.who && !item.text.includes(item.who) ? html`<b>${item.who} </b>` : nothing;
+      return row(html`${who}<span>${sign}${item.text || `${item.kind} ${item.what} ${item.result}`}${since}</span>`);
     }
     const name = item.identifier;
     const size = `${(item.size / 1e6).toFixed(1)} MB, ${item.duration.toFixed(1)} s`;
     const lost = item.lost ? `${item.lost} cycles lost` : "";
     const what = [item.name || name, item.state, size, lost, ...(item.causes ?? []), item.error].filter(Boolean).join(" · ");
-    const link = h("a", { href: `/api/v1/${this.chosen}/${encodeURIComponent(name)}/file`, download: `${name}.mcap` }, "download");
     // The file is whole once the recording has ended; until then there is nothing to load.
-    if (item.state === "recording") return row(h("span", {}, what));
-    const replay = h("button", { class: "s", type: "button", title: "Show the recorded motion as a second robot in the 3D view." }, "Replay");
-    replay.setAttribute("aria-label", `Replay ${name}`);
-    replay.addEventListener("click", () => this.openReplay(name));
-    return row(h("span", {}, `${what} `), link, " ", replay);
+    if (item.state === "recording") return row(html`<span>${what}</span>`);
+    const file = `/api/v1/${this.chosen}/${encodeURIComponent(name)}/file`;
+    return row(html`<span>${what} </span><a href=${file} download="${name}.mcap">download</a>
+      <button class="s" type="button" title="Show the recorded motion as a second robot in the 3D view." aria-label="Replay ${name}" @click=${() => this.openReplay(name)}>Replay</button>`);
   }
 
   async toggleRecording() {
@@ -210,8 +208,8 @@ function folded(events) {
   for (const event of events) {
     const last = found.at(-1);
     const isAlike = last && ["kind", "what", "who", "severity"].every((key) => event[key] === last[key]);
-    if (isAlike && (event.kind === "overrun" || event.text === last.text)) found[found.length - 1] = { ...event, times: last.times + 1, since: last.since };
-    else found.push({ ...event, times: 1, since: event.time });
+    if (isAlike && (event.kind === "overrun" || event.text === last.text)) found[found.length - 1] = { ...event, times: last.times + 1, since: last.since, first: last.first };
+    else found.push({ ...event, times: 1, since: event.time, first: event.id });
   }
   return found;
 }

@@ -1,11 +1,13 @@
 // "Tune for me": a search for better gains in a simulated copy of the station, its
 // progress and its best so far; nothing is applied before a person has seen the change.
-import { h, number, show, typed } from "../lib/dom.js";
+import { h, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
-import { History, Plot } from "../lib/plot.js";
+import { History } from "../lib/history.js";
+import { Plot } from "../lib/plot.js";
 import { refusals } from "../lib/refusals.js";
 import { act, api } from "../lib/station.js";
 import { store } from "../lib/store.js";
+import { number, typed } from "../lib/text.js";
 
 const LOOK_MS = 1000;
 const SHOWN = [
@@ -37,13 +39,13 @@ class TuneSearch extends Panel {
     this.progress.setAttribute("aria-label", "Progress of the search");
     this.state = h("p", { class: "hint state", role: "status" }, "");
     this.diff = h("p", { class: "hint" });
-    const canvas = h("canvas", { class: "response" });
-    canvas.setAttribute("role", "img");
-    canvas.setAttribute("aria-label", "Responses at the start of the search and of the best trial");
-    this.plot = new Plot(canvas);
+    const chart = h("div", { class: "chart response" });
+    chart.setAttribute("role", "img");
+    chart.setAttribute("aria-label", "Responses at the start of the search and of the best trial");
+    this.plot = new Plot(chart);
     this.rows = h("tbody", {});
     const heads = ["", "at the start", "best so far"].map((text) => h("th", {}, text));
-    this.results = h("div", { hidden: true }, canvas, h("table", { class: "metrics" }, h("thead", {}, h("tr", {}, ...heads)), this.rows));
+    this.results = h("div", { hidden: true }, chart, h("table", { class: "metrics" }, h("thead", {}, h("tr", {}, ...heads)), this.rows));
     this.append(
       h("div", { class: "line" }, h("b", {}, "Search"), trialsLabel, sizeLabel, secondsLabel, this.startButton, this.cancelButton),
       this.progress,

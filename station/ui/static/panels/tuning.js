@@ -1,12 +1,14 @@
 // Tuning: gains of one controller, changed together; undo; sets; a bench for one joint.
 import "./gain_sets.js";
 import "./tune_search.js";
-import { h, kept, number, show, sharedPrefix, typed } from "../lib/dom.js";
+import { h, kept, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
-import { History, Plot } from "../lib/plot.js";
+import { History } from "../lib/history.js";
+import { Plot } from "../lib/plot.js";
 import { refusals } from "../lib/refusals.js";
 import { act, api, Refusal } from "../lib/station.js";
 import { store } from "../lib/store.js";
+import { number, sharedPrefix, typed } from "../lib/text.js";
 
 /** What each kind of test asks for besides its size and duration. */
 const EXCITATIONS = { step: [], sine: ["frequency"], chirp: ["first", "last"], relay: ["hysteresis"] };
@@ -211,14 +213,14 @@ class Tuning extends Panel {
     choose();
     this.runButton = h("button", { class: "s primary", type: "button", title: "Moves the chosen joint through the running controller, at most 0.3 rad, and leads it back.", disabled: true }, "Run test");
     this.runButton.addEventListener("click", () => this.run());
-    const canvas = h("canvas", { class: "response" });
-    canvas.setAttribute("role", "img");
-    canvas.setAttribute("aria-label", "The last two tests, A and B, over each other");
-    this.response = new Plot(canvas);
+    const chart = h("div", { class: "chart response" });
+    chart.setAttribute("role", "img");
+    chart.setAttribute("aria-label", "The last two tests, A and B, over each other");
+    this.response = new Plot(chart);
     this.runs = [];
     this.table = h("tbody", {});
     const heads = ["run", "rise", "overshoot", "settling", "steady error", "RMS", "peak"];
-    this.results = h("div", { hidden: true }, canvas, h("table", { class: "metrics" }, h("thead", {}, h("tr", {}, ...heads.map((text) => h("th", {}, text)))), this.table));
+    this.results = h("div", { hidden: true }, chart, h("table", { class: "metrics" }, h("thead", {}, h("tr", {}, ...heads.map((text) => h("th", {}, text)))), this.table));
     setInterval(() => this.isShown && this.runs.length && this.response.draw(this.response.end), 200);
     return h("div", { class: "bench" }, h("div", { class: "line" }, h("b", {}, "Test"), this.kind, ...Object.values(this.bench).map(({ label }) => label), this.runButton), this.results);
   }

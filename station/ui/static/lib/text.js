@@ -1,0 +1,31 @@
+// Numbers and names as people read and type them; needs no page.
+
+export function number(value, digits) {
+  if (value == null || !Number.isFinite(value)) return "–";
+  const text = value.toFixed(digits);
+  return /^-0\.?0*$/.test(text) ? text.slice(1) : text;
+}
+
+/** Return what the joints' names share up to an underscore, e.g. `panda_`. */
+export function sharedPrefix(names) {
+  if (names.length < 2) return "";
+  let shared = names[0];
+  for (const name of names) while (!name.startsWith(shared)) shared = shared.slice(0, -1);
+  return shared.slice(0, shared.lastIndexOf("_") + 1);
+}
+
+const SUFFIX = "_joint"; // says nothing where all joints have it
+
+/** Return how to name each of these joints in few characters: a map by their names. */
+export function shortNames(joints) {
+  const prefix = sharedPrefix(joints);
+  const suffixed = joints.every((joint) => joint.length > prefix.length + SUFFIX.length && joint.endsWith(SUFFIX));
+  return new Map(joints.map((joint) => [joint, joint.slice(prefix.length, suffixed ? -SUFFIX.length : undefined)]));
+}
+
+/** Read a number as people type it, or null; a comma counts as the decimal point. */
+export function typed(text) {
+  const clean = text.trim().replace(",", ".").replace("−", "-");
+  const value = Number(clean);
+  return clean !== "" && Number.isFinite(value) ? value : null;
+}

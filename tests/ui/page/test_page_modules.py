@@ -1,0 +1,29 @@
+"""The page is told of all its modules at once."""
+
+import re
+from pathlib import Path
+
+from station.ui import main as ui
+
+STATIC = Path(ui.__file__).with_name("static")
+ENTRIES = {"page.js", "login.js", "workspace.js"}
+"""Scripts that a page names itself."""
+
+
+def test_every_module_is_loaded_ahead_and_none_that_is_not_there():
+    page = (STATIC / "page.html").read_text()
+    told = re.findall(r'<link rel="modulepreload" href="/static/([^"]+)" />', page)
+    files = {str(file.relative_to(STATIC)) for file in STATIC.rglob("*.js")}
+    assert sorted(told) == sorted(files - ENTRIES)
+
+
+def test_nothing_is_loaded_before_the_strip_and_its_stop():
+    page = (STATIC / "page.html").read_text()
+    assert page.index('src="/static/page.js"') < page.index("modulepreload")
+
+
+def test_no_script_of_the_page_is_long():
+    own = (f for f in STATIC.rglob("*.js") if "vendor" not in f.parts)
+    lengths = {str(file): len(file.read_text().splitlines()) for file in own}
+    assert max(lengths.values()) <= 450
+    assert sum(lengths.values()) <= 6000

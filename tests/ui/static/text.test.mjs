@@ -1,0 +1,24 @@
+// Numbers and names as people type them.
+import assert from "node:assert/strict";
+import test from "node:test";
+import { number, sharedPrefix, shortNames, typed } from "../../../station/ui/static/lib/text.js";
+
+test("a number is read as people type it", () => {
+  for (const [text, value] of [["0.3217", 0.3217], [" 18,5 ", 18.5], ["−2", -2], ["1e-3", 1e-3], ["+4", 4]]) assert.equal(typed(text), value);
+  for (const text of ["", "  ", "two", "1 2", "1,2,3", "Infinity", "0.1 rad"]) assert.equal(typed(text), null);
+});
+
+test("a number is shown with its digits, and no number as a dash", () => {
+  assert.equal(number(1.005, 1), "1.0");
+  assert.equal(number(-0.0004, 2), "0.00");
+  assert.equal(number(-0.4, 1), "-0.4");
+  for (const value of [null, undefined, NaN, Infinity]) assert.equal(number(value, 2), "–");
+});
+
+test("joints are named by what differs", () => {
+  const pandas = ["panda_joint1", "panda_joint2", "panda_finger_joint1"];
+  assert.equal(sharedPrefix(pandas), "panda_");
+  assert.deepEqual([...shortNames(pandas).values()], ["joint1", "joint2", "finger_joint1"]);
+  assert.deepEqual([...shortNames(["elbow_joint", "wrist_1_joint"]).values()], ["elbow", "wrist_1"]);
+  assert.equal(sharedPrefix(["alone"]), "");
+});
