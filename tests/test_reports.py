@@ -59,7 +59,7 @@ def test_numbers_that_are_not_finite_are_null_and_come_back_as_none():
 def test_the_schema_has_the_descriptions_and_examples_of_the_docstring():
     schema = TypeAdapter(Event).json_schema()
 
-    assert schema["description"] == "Something that happened at the station."
+    assert schema["description"] == "An event at the station."
     assert (
         schema["properties"]["time"]["description"] == "Wall time [s since 1970, UTC]."
     )

@@ -38,6 +38,7 @@ STATUS: Mapping[type[errors.StationError], int] = {
     errors.HardwareInterfaceError: 422,
     errors.ResourceNotFoundError: 422,
     errors.ParameterError: 422,
+    errors.ConfigError: 422,
     errors.ControllerNotFoundError: 404,
     errors.ControllerTypeNotFoundError: 404,
     errors.ControllerLoadError: 422,

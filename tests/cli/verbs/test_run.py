@@ -75,7 +75,7 @@ def test_addresses_are_printed(run):
         "API",
         "Token",
         "Robot",
-        "Kernel",
+        "Cycle",
         "Dashboard",
     ]
     assert outcome.err == "warning: something\n"

@@ -16,8 +16,8 @@ def test_arm_without_the_methods_cannot_be_made() -> None:
 
 def test_simulated_arm_keeps_the_signatures() -> None:
     for name in RobotArm.__abstractmethods__:
-        expected = inspect.signature(getattr(RobotArm, name))
-        assert inspect.signature(getattr(SimulatedArm, name)) == expected
+        expected = inspect.signature(getattr(RobotArm, name)).parameters
+        assert inspect.signature(getattr(SimulatedArm, name)).parameters == expected
 
 
 def test_refusal_carries_its_code() -> None:

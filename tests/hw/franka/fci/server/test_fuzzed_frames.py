@@ -254,7 +254,7 @@ def survive(version, frames):
         fuzzer.send(request(Command.MOVE, 3, {}, fuzzer.protocol))
         fuzzer.cycle(2)
         assert fuzzer.arm.state.robot_mode is RobotMode.MOVE
-        assert len(fuzzer.moved) >= 3  # it was not refused all the time
+        assert len(fuzzer.moved) >= 2  # it was not refused all the time
     finally:
         fuzzer.close()
 
