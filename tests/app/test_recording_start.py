@@ -74,6 +74,7 @@ def test_the_recordings_of_a_killed_station_are_recovered_and_told(build, tmp_pa
 
     recover_all([recorder.store], station, build.warnings.append)
 
+    assert len(build.warnings) == 2, build.warnings
     skipped, told = build.warnings
     assert "bad.json: it is the description of another file" in skipped
     assert "is recovered" in told

@@ -129,7 +129,9 @@ def test_memory_does_not_grow_with_the_recording(station, recorder, store):
         tracemalloc.stop()
         assert count == cycles
 
-    assert peaks[1] < 1.5 * peaks[0]
+    # All rows of 3600 more cycles would be a megabyte; garbage of other tests, which
+    # counts too, is a tenth of that.
+    assert peaks[1] < peaks[0] + 500_000
 
 
 def test_a_joint_that_takes_another_name_gets_a_column_of_its_own():
