@@ -29,7 +29,8 @@ from station.api.tool_port import ToolClient
 from station.core.errors import InvalidCommandError, StationError
 from station.core.facade.station import Station
 from station.core.franka import FrankaServices, GraspRequest, GripperServices
-from station.core.franka.grippers import DEFAULT_SPEED, Grippers, GripperState
+from station.core.franka.gripper_services import DEFAULT_SPEED, GripperState
+from station.core.franka.grippers import Grippers
 from station.core.ports.goal import Goal, GoalStatus
 from station.records.cdr import Values
 from station.records.messages import header

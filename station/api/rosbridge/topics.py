@@ -14,8 +14,13 @@ from station.core.control.controller import ControllerBase, ControllerSample
 from station.core.description.urdf import JointType, Urdf
 from station.core.errors import StationError
 from station.core.facade.station import Station
-from station.core.franka import FrankaServices, GripperServices, RobotMode
-from station.core.franka.grippers import Grippers, GripperState
+from station.core.franka import (
+    FrankaServices,
+    GripperServices,
+    GripperState,
+    RobotMode,
+)
+from station.core.franka.grippers import Grippers
 from station.core.loop.snapshot import Snapshot
 from station.core.ports.set_point import SetPointPort
 from station.records.cdr import Values

@@ -125,7 +125,7 @@ class Robots:
 
         return call
 
-    def run_in_cycle(
+    def run(
         self,
         action: Callable[[], T],
         *,

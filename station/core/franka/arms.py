@@ -99,11 +99,11 @@ class Arms:
 
     def state(self, arm_id: str) -> RobotState:
         """Return a copy of an arm's whole state."""
-        return self._robots.run_in_cycle(self._find(arm_id).get_robot_state)
+        return self._robots.run(self._find(arm_id).get_robot_state)
 
     def log(self, arm_id: str) -> list[ArmRecord]:
         """Return the last cycles before the last error of an arm."""
-        return self._robots.run_in_cycle(self._find(arm_id).log)
+        return self._robots.run(self._find(arm_id).log)
 
     def model(self, arm_id: str, frame: Frame) -> ArmModelReport:
         """Return the model of an arm, evaluated in its present state."""
@@ -121,12 +121,12 @@ class Arms:
                 model.get_body_jacobian(frame),
             )
 
-        return self._robots.run_in_cycle(evaluate)
+        return self._robots.run(evaluate)
 
     def set_collision_behavior(self, arm_id: str, behavior: CollisionBehavior) -> None:
         """Set the thresholds of contact and collision; see `FrankaServices`."""
         arm = self._find(arm_id)
-        self._robots.run_in_cycle(lambda: arm.set_collision_behavior(behavior))
+        self._robots.run(lambda: arm.set_collision_behavior(behavior))
 
     def set_user_stop(self, arm_id: str, *, pressed: bool) -> None:
         """Press or release the user stop of a simulated arm; see `ArmSimulation`.
@@ -144,13 +144,13 @@ class Arms:
                 self._robots.forget_interrupted()
 
         reason = f"The user stop of arm '{arm_id}' was {did}."
-        self._robots.run_in_cycle(press, voids=reason)
+        self._robots.run(press, voids=reason)
         self._robots.wait_until_recovered(arm)
 
     def set_guiding(self, arm_id: str, *, pressed: bool) -> None:
         """Press or release the guiding buttons of a simulated arm."""
         simulation = self._simulation(arm_id)
-        self._robots.run_in_cycle(lambda: simulation.set_guiding(pressed=pressed))
+        self._robots.run(lambda: simulation.set_guiding(pressed=pressed))
 
     def apply_force(
         self,
@@ -165,13 +165,13 @@ class Arms:
     ) -> None:
         """Push a link of a simulated arm; see `ArmSimulation`."""
         push = self._simulation(arm_id).apply_force
-        self._robots.run_in_cycle(
+        self._robots.run(
             lambda: push(link, force, torque, duration, frame=frame, point=point)
         )
 
     def faults(self, arm_id: str) -> list[SimulatedFault]:
         """Return the active faults of a simulated arm."""
-        return self._robots.run_in_cycle(self._simulation(arm_id).faults)
+        return self._robots.run(self._simulation(arm_id).faults)
 
     def inject(self, arm_id: str, fault: SimulatedFault) -> None:
         """Inject a fault into a simulated arm; see `ArmSimulation`."""
@@ -182,11 +182,11 @@ class Arms:
             if fault.kind is FaultKind.DELAYED_CYCLE:
                 self._robots.delay_next_cycle(fault.cycles)
 
-        self._robots.run_in_cycle(begin)
+        self._robots.run(begin)
 
     def clear_faults(self, arm_id: str) -> None:
         """End all faults of a simulated arm, and all pushes."""
-        self._robots.run_in_cycle(self._simulation(arm_id).clear_faults)
+        self._robots.run(self._simulation(arm_id).clear_faults)
 
     def reader(self, arm_id: str) -> Callable[[], RobotState]:
         """Return a function that copies an arm's whole state; control thread only.

@@ -1,194 +1,15 @@
-"""Services of franka_gripper: homing, move, grasp, stop and the state of a gripper.
+"""The grippers of a station, by the arm that has them."""
 
-Source: franka_ros@c11f000 franka_gripper/src/franka_gripper.cpp and
-franka_gripper_node.cpp, franka_gripper/action/*.action; libfranka@0.9.2
-include/franka/gripper.h, gripper_state.h; differs: a command begins at once and its
-progress is in the state, and a command that did not reach its aim is aborted with the
-reason, instead of having succeeded with `success` false.
-"""
-
-from abc import abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from enum import Enum
-from typing import ClassVar
-
-from typing_extensions import override
 
 from station.core.errors import GripperNotFoundError
 from station.core.facade.robots import Robots
-from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
-from station.core.hardware.services import InterruptibleServices
-from station.core.ports.goal import GoalStatus
-
-DEFAULT_SPEED = 0.1
-"""Default speed of the width [m/s]. Source: franka_gripper_node.cpp, default_speed."""
-DEFAULT_EPSILON = 0.005
-"""Tolerance of a grasped object's width [m]. Source: gripper.h, Gripper.grasp."""
-
-
-class GripperAction(Enum):
-    """A command of a hand that takes time."""
-
-    HOMING = "homing"
-    MOVE = "move"
-    GRASP = "grasp"
-
-
-class GripperActivity(Enum):
-    """The present activity of the fingers."""
-
-    IDLE = "idle"
-    """The fingers hold their width without force."""
-    HOMING = "homing"
-    MOVING = "moving"
-    GRASPING = "grasping"
-    HOLDING = "holding"
-    """The fingers press with the force of the last grasp."""
-    CONTROLLED = "controlled"
-    """A controller claims the finger joints."""
-
-
-@dataclass(frozen=True, slots=True)
-class GraspRequest:
-    """A grasp: close or open until an object blocks the fingers, then press.
-
-    Attributes:
-        width: Expected width of the object [m].
-        force: Force of each finger on the object [N].
-        speed: How fast the width changes [m/s].
-        epsilon_inner: How much narrower the object may be [m].
-        epsilon_outer: How much wider the object may be [m].
-    """
-
-    width: float
-    force: float
-    speed: float = DEFAULT_SPEED
-    epsilon_inner: float = DEFAULT_EPSILON
-    epsilon_outer: float = DEFAULT_EPSILON
-
-    def accepts(self, width: float) -> bool:
-        """Return whether an object of `width` [m] has the expected width."""
-        low, high = self.width - self.epsilon_inner, self.width + self.epsilon_outer
-        return low < width < high
-
-
-@dataclass(frozen=True, slots=True)
-class GripperCommand:
-    """One homing, move or grasp, and its progress.
-
-    Attributes:
-        identifier: Number of the command in this run.
-        action: Kind of the command.
-        status: `ACTIVE`, and then for good `SUCCEEDED`, `ABORTED` (it did not reach
-            its aim) or `PREEMPTED` (another request ended it).
-        message: Why the command did not succeed; empty after a success.
-        request: The requested width, force and so on, by name [m, N, m/s].
-        started: Time at which the command began [s, the hand's time].
-        ended: Time at which the command ended [s]; None until then.
-    """
-
-    identifier: int
-    action: GripperAction
-    status: GoalStatus
-    message: str
-    request: dict[str, float] = field(default_factory=dict)
-    started: float = 0.0
-    ended: float | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class GripperState:
-    """The state of a hand.
-
-    Attributes:
-        width: Distance between the fingers [m].
-        max_width: Largest width, as the last homing has measured it [m].
-        is_grasped: Whether an object of the expected width is held.
-        temperature: Temperature of the hand [degree Celsius].
-        time: Time of the hand [s]; never goes back.
-        activity: The present activity of the fingers.
-        force: Force of each finger, > 0 outwards [N].
-        command: The active command; None without.
-        last: The last command that ended; None without.
-    """
-
-    width: float
-    max_width: float
-    is_grasped: bool
-    temperature: float
-    time: float
-    activity: GripperActivity
-    force: float
-    command: GripperCommand | None
-    last: GripperCommand | None
-
-
-class GripperServices(InterruptibleServices):
-    """The hand of one arm, under its arm_id. Control thread, between two cycles.
-
-    A command begins at once and ends the command before. No method waits. The hand does
-    not depend on the errors, the recovery and the connection of the arm.
-    """
-
-    @abstractmethod
-    def get_state(self) -> GripperState:
-        """Return the state of the hand."""
-
-    @abstractmethod
-    def homing(self) -> None:
-        """Close and open the hand all the way; that measures the largest width.
-
-        Raises:
-            GripperCommandError: A controller claims the fingers; nothing changed.
-        """
-
-    @abstractmethod
-    def move(self, width: float, speed: float = DEFAULT_SPEED) -> None:
-        """Open or close to a width.
-
-        Args:
-            width: 0 to the largest width [m].
-            speed: How fast the width changes, above 0 [m/s].
-
-        Raises:
-            GripperCommandError: A controller claims the fingers; nothing changed.
-            InvalidCommandError: A number is out of range; nothing changed.
-        """
-
-    @abstractmethod
-    def grasp(self, request: GraspRequest) -> None:
-        """Close or open until an object blocks the fingers, and press it from then on.
-
-        Args:
-            request: Width, force and tolerances of the grasp.
-
-        Raises:
-            GripperCommandError: A controller claims the fingers; nothing changed.
-            InvalidCommandError: A number is out of range; nothing changed.
-        """
-
-    @abstractmethod
-    def stop(self) -> None:
-        """Stop the fingers and end their force; possible at any time.
-
-        Fingers that a controller claims go on obeying that controller.
-        """
-
-    @override
-    @abstractmethod
-    def interrupt(self, reason: str) -> None:
-        """End a motion; a grasped object stays grasped.
-
-        Args:
-            reason: Why the command ends, in one sentence.
-        """
-
-
-class GripperServicesInterface(HardwareResourceManager[GripperServices]):
-    """Hands by arm_id."""
-
-    type_name: ClassVar[str] = "franka_gripper::GripperServicesInterface"
+from station.core.franka.gripper_services import (
+    DEFAULT_SPEED,
+    GraspRequest,
+    GripperServices,
+    GripperState,
+)
 
 
 class Grippers:
@@ -211,7 +32,7 @@ class Grippers:
 
     def state(self, arm_id: str) -> GripperState:
         """Return the state of a gripper."""
-        return self._robots.run_in_cycle(self._find(arm_id).get_state)
+        return self._robots.run(self._find(arm_id).get_state)
 
     def homing(self, arm_id: str) -> GripperState:
         """Begin to close and to open a gripper all the way."""
@@ -244,7 +65,7 @@ class Grippers:
             command(gripper)
             return gripper.get_state()
 
-        return self._robots.run_in_cycle(begin, moves=moves)
+        return self._robots.run(begin, moves=moves)
 
     def _find(self, arm_id: str) -> GripperServices:
         kind: type[GripperServices] = GripperServices  # type: ignore[type-abstract]

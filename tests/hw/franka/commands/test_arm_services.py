@@ -87,12 +87,12 @@ def test_cartesian_impedance_acts_in_the_motions_of_the_default_robot(stiffness,
         robots = robot.facade.robots
         arm = robots.get("panda", ArmServices)
         values = [stiffness] * 3 + [50.0] * 3
-        robots.run_in_cycle(lambda: arm.set_cartesian_impedance(values))
+        robots.run(lambda: arm.set_cartesian_impedance(values))
         robot.switch(start=["cartesian_streaming_controller"])
         robot.run(0.5)
         before = arm.get_robot_state().O_T_EE[13]
         push = [0.0, 10.0, 0.0], [0.0] * 3, 2.5
-        robots.run_in_cycle(lambda: arm.simulation().apply_force("panda_hand", *push))
+        robots.run(lambda: arm.simulation().apply_force("panda_hand", *push))
         robot.run(2.3)
         assert arm.get_robot_state().O_T_EE[13] - before == pytest.approx(
             moved, rel=0.1
@@ -113,4 +113,4 @@ def test_impedance_that_no_motion_would_have_is_refused(configured, service, val
         with pytest.raises(
             ArmCommandError, match=f"internal_controller is '{configured}"
         ):
-            robot.facade.robots.run_in_cycle(lambda: getattr(arm, service)(values))
+            robot.facade.robots.run(lambda: getattr(arm, service)(values))
