@@ -6,9 +6,11 @@ from collections.abc import Callable
 def call_directly(
     owner: object, base: type, **functions: Callable[..., object]
 ) -> None:
-    """Let an object call functions with no method of Python around each.
+    """Replace methods of an object that only pass on by the functions they call.
 
-    A method that a subclass replaces is called as it is.
+    A method of Python around a compiled function costs 0.02 to 0.06 us, and a cycle has
+    ten of them beside a step of 6 us. A method that a subclass overrides stays, so that
+    code of users is always called.
 
     Args:
         owner: The object.

@@ -91,7 +91,7 @@ class FciClient(Generic[_Command]):
                 "libfranka: Incompatible library version (server version: "
                 f"{answer.values['version']}, library version: {own}).",
                 remedy="This driver is for a Panda with a system whose libfranka is "
-                "0.8 or 0.9; others speak another version.",
+                "0.9; others speak another version.",
             )
         if answer.status != ConnectStatus.SUCCESS:
             raise FciProtocolError(
