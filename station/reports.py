@@ -454,6 +454,8 @@ class EventKind(TextEnum):
     """An experiment began, came further or ended."""
     ALARM = "alarm"
     """A person has acknowledged an alarm."""
+    AGENT = "agent"
+    """An agent has asked for something, or a person has answered it."""
     EVENTS = "events"
     """The event log itself: events could not be written, or can be again."""
 
@@ -503,3 +505,49 @@ class Event(Report):
     details: Mapping[str, object] = field(default_factory=dict)
     request_id: str = ""
     boot_id: str = ""
+
+
+class Verdict(TextEnum):
+    """Answer to a request of an agent."""
+
+    ALLOWED = "allowed"
+    """A person has allowed this request."""
+    ALLOWED_FOR_A_TIME = "allowed_for_a_time"
+    """A person has allowed it, and all that the agent asks for in the next 10 min."""
+    REFUSED = "refused"
+    """A person has refused it."""
+    EXPIRED = "expired"
+    """Nobody answered in time, or the agent has hung up."""
+
+
+@dataclass(frozen=True, slots=True)
+class AgentRequest(Report):
+    """A request of an agent that a person allows or refuses.
+
+    Attributes:
+        number: Name of the request, for the answer.
+        agent: Name of the agent.
+        operation: Operation of the API that it asks for.
+        target: What it acts on, e.g. the name of a controller; may be empty.
+        request: Body of the request; null without one.
+        asked_at: Wall time when it came [s since 1970].
+        expires_at: Wall time when it is refused without an answer [s since 1970].
+        verdict: The answer; null while it waits.
+        decided_by: Name of the person who answered; empty without one.
+
+    Example:
+        {"number": "q3TZ8vDkN1xA", "agent": "tuner", "operation": "submit_goal",
+         "target": "position_joint_trajectory_controller", "request": {"goal": {}},
+         "asked_at": 1767225600.25, "expires_at": 1767225660.25, "verdict": null,
+         "decided_by": ""}
+    """
+
+    number: str
+    agent: str
+    operation: str
+    target: str
+    request: Any
+    asked_at: float
+    expires_at: float
+    verdict: Verdict | None = None
+    decided_by: str = ""

@@ -17,6 +17,7 @@ from station.client.poses import Pose, Target
 from station.client.robots import AsyncRobotClient, AsyncSimulationClient, Restart
 from station.client.samples import Samples
 from station.client.stores import (
+    AsyncAgentsClient,
     AsyncAlarmsClient,
     AsyncExperimentsClient,
     AsyncGainSetsClient,
@@ -64,6 +65,7 @@ class AsyncStationClient(AsyncControllersClient):
         gain_sets: Named sets of gains on the station's disk.
         waypoint_paths: Waypoint paths on the station's disk, and their playing.
         tokens: Named tokens of people and programs.
+        agents: Requests of agents, and a person's answers.
         alarms: Alarms, and who has acknowledged them.
         lease: Control, taken and given back call by call; see also `control`.
         recordings: Recordings of every cycle on the station's disk.
@@ -95,6 +97,7 @@ class AsyncStationClient(AsyncControllersClient):
         self.waypoint_paths = AsyncWaypointPathsClient(connection)
         self.alarms = AsyncAlarmsClient(connection)
         self.tokens = AsyncTokensClient(connection)
+        self.agents = AsyncAgentsClient(connection)
         self.lease = AsyncLeaseClient(connection)
 
     async def __aenter__(self) -> Self:
