@@ -79,7 +79,15 @@ _OF_STATUS = {"401": ("WWW-Authenticate", "WwwAuthenticate"), "426": ("Upgrade",
 
 _WHOEVER_HOLDS_CONTROL = frozenset({
     f"/api/v1/{name}"
-    for name in ("login", "logout", "stop", "stream-tickets", "tokens", "tokens/{name}")
+    for name in (
+        "agents/requests/{number}",
+        "login",
+        "logout",
+        "stop",
+        "stream-tickets",
+        "tokens",
+        "tokens/{name}",
+    )
 })
 """Paths whose changes no lease of control can refuse."""
 

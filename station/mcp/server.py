@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import mcp_types as types
+from mcp import MCPError
 from mcp.server.lowlevel import Server
 from mcp.server.stdio import stdio_server
 
@@ -157,11 +158,14 @@ class AgentServer:
                 file.write(json.dumps({"tool": name, "arguments": arguments}) + "\n")
 
     async def _explain(self) -> str:
-        incidents = await self._connection.get("/incidents", _JSON)
-        latest = json.dumps(incidents["incidents"][-3:])
-        if self._refusal is None:
-            return f"No call was refused. Latest incidents: {latest}"
-        return f"{_refusal(self._refusal)} Latest incidents: {latest}"
+        why = "No call was refused."
+        if self._refusal is not None:
+            why = _refusal(self._refusal)
+        try:
+            found = await self._connection.get("/incidents", _JSON)
+        except ApiError as refused:
+            return f"{why} Of incidents nothing is known: {refused}"
+        return f"{why} Latest incidents: {json.dumps(found['incidents'][-3:])}"
 
     async def _list_tools(self, *_: object) -> types.ListToolsResult:
         tools = [
@@ -201,7 +205,10 @@ class AgentServer:
     async def _read_resource(
         self, _: object, asked: types.ReadResourceRequestParams
     ) -> types.ReadResourceResult:
-        text = await self._resource(asked.uri)
+        try:
+            text = await self._resource(asked.uri)
+        except ApiError as refused:
+            raise MCPError(types.INTERNAL_ERROR, str(refused)) from refused
         content = types.TextResourceContents(uri=asked.uri, text=text)
         return types.ReadResourceResult(contents=[content])
 
@@ -214,7 +221,7 @@ class AgentServer:
         for page in self._page_files():
             if uri == f"{_PAGE}{page.name}":
                 return page.read_text(encoding="utf-8")
-        raise ValueError(f"There is no resource {uri!r:.200}.")
+        raise _no_such("resource", uri)
 
     def _page_files(self) -> list[Path]:
         return [] if self._pages is None else sorted(self._pages.glob("*.md"))
@@ -234,7 +241,7 @@ class AgentServer:
         self, _: object, asked: types.GetPromptRequestParams
     ) -> types.GetPromptResult:
         if asked.name not in PROMPTS:
-            raise ValueError(f"There is no prompt '{asked.name:.80}'.")
+            raise _no_such("prompt", asked.name)
         subject = (asked.arguments or {}).get("subject", "the robot")
         text = PROMPTS[asked.name][1].format(subject=subject)
         message = types.PromptMessage(role="user", content=types.TextContent(text=text))
@@ -304,6 +311,10 @@ def _text_of(result: types.CallToolResult) -> str:
     return "".join(
         each.text for each in result.content if isinstance(each, types.TextContent)
     )
+
+
+def _no_such(kind: str, name: str) -> MCPError:
+    return MCPError(types.INVALID_PARAMS, f"There is no {kind} {name!r:.200}.")
 
 
 def _refusal(error: ApiError) -> str:

@@ -43,7 +43,8 @@ class StationTool:
             arguments: By name.
 
         Raises:
-            ValueError: An argument is unknown, or one of the path is missing.
+            ValueError: An argument is unknown, one of the path is missing, or the body
+                is no object.
         """
         unknown = arguments.keys() - self.places.keys() - {_BODY}
         needed = {name for name, place in self.places.items() if place == "path"}
@@ -58,7 +59,10 @@ class StationTool:
                 path = path.replace(f"{{{name}}}", segment(str(arguments[name])))
             elif name in arguments:
                 query[name] = arguments[name]
-        return path, query, arguments.get(_BODY)
+        body = arguments.get(_BODY)
+        if body is not None and not isinstance(body, dict):
+            raise ValueError(f"The body of {self.name} is an object, not {body!r:.80}.")
+        return path, query, body
 
 
 def tools_of(document: Mapping[str, Any]) -> dict[str, StationTool]:
