@@ -6,10 +6,10 @@ from typing import Protocol
 
 import mujoco
 
+from station.core.geometry.scene import SceneObject
 from station.core.hardware.robot_report import SceneObjectReport
 from station.hw.mujoco.overspeed_brakes import MAX_SQUARED_VELOCITY, OverspeedBrakes
 from station.hw.mujoco.push import AppliedPush, Push
-from station.hw.mujoco.scene import SceneObject
 from station.hw.mujoco.stepper import make_stepper
 from station.hw.mujoco.world_joints import (
     WorldJoints,
