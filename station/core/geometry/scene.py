@@ -2,19 +2,15 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from itertools import combinations
 from math import isfinite
 from pathlib import Path
 from typing import NoReturn
 
-import numpy as np
-from numpy.typing import NDArray
-
 from station.core.description.urdf import Pose
-from station.core.errors import ParameterError
+from station.core.errors import ParameterError, RobotDescriptionError
 from station.core.geometry import distances
+from station.core.geometry.mesh_files import add_hull, check_mesh_file, mesh_vertices
 from station.core.parameters import Parameters
-from station.memory.doubles import doubles, zeros
 
 _SIZES = {
     "box": 3,
@@ -41,11 +37,10 @@ HAND = "hand"
 """Name in `links` that stands for the hand and its fingers."""
 _KEYS = {
     "name", "type", "size", "position", "rpy", "mass", "file", "friction",
-    "role", "margin", "links", "colour",
+    "role", "margin", "links", "colour", "solid",
 }  # fmt: skip
 _FRICTION = 1.0
 _MARGIN = 0.02
-_MOST_CORNERS = 40
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +64,7 @@ class SceneObject:
         links: Links that a role is for; empty for all. `hand` is the hand and its
             fingers.
         colour: Red, green and blue, 0 to 255; empty for the one of its role.
+        solid: Whether a simulated robot can touch it.
     """
 
     name: str
@@ -83,6 +79,7 @@ class SceneObject:
     margin: float = _MARGIN
     links: tuple[str, ...] = ()
     colour: tuple[int, ...] = ()
+    solid: bool = True
 
     def pose(self) -> Pose:
         """Return the pose of its middle in the world."""
@@ -139,8 +136,8 @@ def read_object(values: object, where: str) -> SceneObject:
     if not isinstance(kind, str) or kind not in _SIZES:
         _refuse(f"{where}/type", f"is {kind!r}", f"one of {sorted(_SIZES)}")
     file = entry.get("file", "")
-    if kind == "mesh" and not Path(str(file)).is_file():
-        _refuse(f"{where}/file", f"is {file!r}", "the path of a mesh file")
+    if kind == "mesh":
+        _check_mesh(file, f"{where}/file")
     size = _numbers(entry.get("size", []), _SIZES[kind], f"{where}/size")
     if any(value <= 0.0 for value in size):
         _refuse(f"{where}/size", f"is {size}", "above 0")
@@ -162,7 +159,22 @@ def read_object(values: object, where: str) -> SceneObject:
         margin=_margin(entry, where),
         links=_names(entry.get("links", []), f"{where}/links"),
         colour=_colour(entry.get("colour", []), f"{where}/colour"),
+        solid=_solid(entry, where),
     )
+
+
+def _check_mesh(file: object, where: str) -> None:
+    path = Path(str(file))
+    if not path.is_file():
+        _refuse(where, f"is {file!r}", "the path of a mesh file")
+    try:
+        check_mesh_file(path)
+    except RobotDescriptionError as error:
+        raise ParameterError(
+            f"Parameter '{where}' is {file!r}. {error.message}",
+            remedy=error.remedy,
+            details={"parameter": where},
+        ) from error
 
 
 def _role(entry: Mapping[str, object], kind: str, mass: float, where: str) -> str:
@@ -174,6 +186,17 @@ def _role(entry: Mapping[str, object], kind: str, mass: float, where: str) -> st
     if role == "object" and kind == "half_space":
         _refuse(f"{where}/role", "is 'object'", "keep_out or fence for a half-space")
     return role
+
+
+def _solid(entry: Mapping[str, object], where: str) -> bool:
+    """Return whether an object can be touched: places are not things unless asked."""
+    role = entry.get("role", "object")
+    solid = entry.get("solid", role == "object")
+    if not isinstance(solid, bool):
+        _refuse(f"{where}/solid", f"is {solid!r}", "true or false")
+    if solid != (role == "object") and role != "keep_out":
+        _refuse(f"{where}/solid", f"is {solid} for the role {role}", str(not solid))
+    return solid
 
 
 def _margin(entry: Mapping[str, object], where: str) -> float:
@@ -209,7 +232,7 @@ def solid_of(thing: SceneObject, base: Pose, triangles: list[float]) -> list[flo
         triangles: Triangles of all meshes [m]; those of this object are added.
 
     Raises:
-        ParameterError: The file of a mesh is no STL or OBJ file with a volume.
+        RobotDescriptionError: The file of a mesh is no STL or OBJ file with a volume.
     """
     sizes, begin = [*thing.size], len(triangles) // 9
     match thing.kind:
@@ -236,102 +259,6 @@ def solid_of(thing: SceneObject, base: Pose, triangles: list[float]) -> list[flo
     count = len(triangles) // 9 - begin
     kind = float(_KINDS[thing.kind])
     return [kind, *axes, *pose.xyz, *sizes, thing.margin, side, begin, count]
-
-
-def mesh_vertices(path: Path) -> NDArray[np.float64]:
-    """Return the corners of a mesh [m], shape (n, 3).
-
-    Args:
-        path: An OBJ file, or an STL file, binary or text.
-
-    Raises:
-        ParameterError: The file has no corners that can be read.
-    """
-    data = path.read_bytes()
-    count = int.from_bytes(data[80:84], "little")
-    try:
-        if len(data) == 84 + 50 * count:
-            rows = np.frombuffer(data, np.uint8, offset=84).reshape(count, 50)
-            corners = rows[:, 12:48].copy().view("<f4").reshape(-1, 3)
-        else:
-            word = "v " if path.suffix.lower() == ".obj" else "vertex "
-            lines = data.decode(errors="replace").splitlines()
-            found = [one.split()[1:4] for one in lines if one.strip().startswith(word)]
-            corners = np.array(found, dtype=float).reshape(-1, 3)
-    except ValueError:
-        corners = np.empty((0, 3))
-    if len(corners) < 4 or not np.isfinite(corners).all():
-        _refuse(str(path), "has no corners that can be read", "an STL or OBJ file")
-    return np.unique(corners.astype(float), axis=0)
-
-
-def add_hull(vertices: NDArray[np.float64], triangles: list[float]) -> float:
-    """Add the triangles of a convex hull of some points, made of a few of them.
-
-    Args:
-        vertices: The points [m], shape (n, 3).
-        triangles: Where the corners go [m], 9 numbers per triangle.
-
-    Returns:
-        How far the points reach beyond these triangles [m], >= 0.
-
-    Raises:
-        ParameterError: The points lie in a plane.
-    """
-    # Even directions over a ball: points of the golden spiral.
-    turn = np.arange(4 * _MOST_CORNERS) + 0.5
-    polar = np.arccos(1.0 - turn / (2.0 * _MOST_CORNERS))
-    around = np.pi * (1.0 + 5.0**0.5) * turn
-    ways = np.stack([
-        np.cos(around) * np.sin(polar), np.sin(around) * np.sin(polar), np.cos(polar),
-    ])  # fmt: skip
-    chosen = np.unique((vertices @ ways).argmax(axis=0))
-    while len(chosen) > _MOST_CORNERS:
-        chosen = chosen[:: 1 + len(chosen) // _MOST_CORNERS]
-    corners, size = vertices[chosen], float(np.ptp(vertices, axis=0).max())
-    begin, seen = len(triangles), set()
-    for i, j, k in combinations(range(len(corners)), 3):
-        normal = np.cross(corners[j] - corners[i], corners[k] - corners[i])
-        area = float(np.linalg.norm(normal))
-        if area < 1e-9 * size * size:
-            continue
-        heights = (corners - corners[i]) @ (normal / area)
-        if heights.max() > 1e-7 * size:
-            if heights.min() < -1e-7 * size:
-                continue
-            normal, heights = -normal, -heights
-        face = np.flatnonzero(heights > -1e-7 * size)
-        if tuple(face) not in seen:
-            seen.add(tuple(face))
-            triangles += _fan(corners[face], normal / area)
-    solid = zeros(distances.ROW)
-    if len(triangles) - begin < 36:
-        _refuse(
-            "scene/objects",
-            "has a mesh that lies in a plane",
-            "of meshes with a volume",
-        )
-    solid[0], solid[1], solid[5], solid[9] = distances.MESH, 1.0, 1.0, 1.0
-    solid[18], solid[19] = begin // 9, (len(triangles) - begin) // 9
-    nearness, memory = distances.Nearness(), doubles(triangles)
-    return max(
-        0.0, max(nearness.of_mesh(x, y, z, solid, memory) for x, y, z in vertices)
-    )
-
-
-def _fan(corners: NDArray[np.float64], normal: NDArray[np.float64]) -> list[float]:
-    """Return the triangles of a convex face, all turning left about its normal."""
-    middle = corners.mean(axis=0)
-    first = corners[0] - middle
-    second = np.cross(normal, first)
-    angles = np.arctan2((corners - middle) @ second, (corners - middle) @ first)
-    ring = corners[np.argsort(angles)]
-    return [
-        float(value)
-        for i in range(1, len(ring) - 1)
-        for corner in (ring[0], ring[i], ring[i + 1])
-        for value in corner
-    ]
 
 
 def words_for_pair(link: str, thing: str, distance: float, margin: float) -> str:

@@ -1,12 +1,8 @@
 """Objects of a scene as bodies of a MuJoCo world."""
 
-from pathlib import Path
-
 import mujoco
 
-from station.core.errors import ParameterError, RobotDescriptionError
 from station.core.geometry.scene import SceneObject
-from station.hw.mujoco.mesh_loader import check_mesh_file
 
 
 def add_object(spec: mujoco.MjSpec, thing: SceneObject) -> None:
@@ -15,12 +11,9 @@ def add_object(spec: mujoco.MjSpec, thing: SceneObject) -> None:
     Args:
         spec: The world; changed.
         thing: The object.
-
-    Raises:
-        ParameterError: The file of a mesh cannot be used.
     """
-    if thing.kind == "mesh":
-        _check_mesh(thing)
+    if not thing.solid:
+        return
     pose = thing.pose()
     body = spec.worldbody.add_body(
         name=thing.name, pos=[*pose.xyz], quat=pose.quaternion
@@ -34,6 +27,12 @@ def add_object(spec: mujoco.MjSpec, thing: SceneObject) -> None:
         case "cylinder":
             geom.type = mujoco.mjtGeom.mjGEOM_CYLINDER
             geom.size[:2] = [thing.size[0], thing.size[1] / 2.0]
+        case "capsule":
+            geom.type = mujoco.mjtGeom.mjGEOM_CAPSULE
+            geom.size[:2] = [thing.size[0], thing.size[1] / 2.0]
+        case "half_space":
+            geom.type = mujoco.mjtGeom.mjGEOM_PLANE
+            geom.size = [1.0, 1.0, 1.0]
         case "mesh":
             geom.type = mujoco.mjtGeom.mjGEOM_MESH
             geom.meshname = thing.name
@@ -44,14 +43,3 @@ def add_object(spec: mujoco.MjSpec, thing: SceneObject) -> None:
     if thing.mass > 0.0:
         geom.mass = thing.mass
         body.add_freejoint(name=thing.name)
-
-
-def _check_mesh(thing: SceneObject) -> None:
-    try:
-        check_mesh_file(Path(thing.file))
-    except RobotDescriptionError as error:
-        raise ParameterError(
-            f"The object '{thing.name}' has the file {thing.file!r}. {error.message}",
-            remedy=error.remedy,
-            details={"parameter": f"scene/objects/{thing.name}/file"},
-        ) from error

@@ -59,7 +59,7 @@ class World:
         self, model: mujoco.MjModel, objects: Sequence[SceneObject] = ()
     ) -> None:
         self.model = model
-        self._objects = tuple(objects)
+        self._objects = tuple(one for one in objects if one.solid)
         self.data = mujoco.MjData(model)
         self.timestep: float = float(model.opt.timestep)
         stepper = make_stepper(model, self.data)
