@@ -34,6 +34,7 @@ from station.hw.franka.arm.robot_arm import (
     ControllerMode,
     MotionGeneratorMode,
     RobotArm,
+    SingularStartError,
 )
 from station.hw.franka.fci.server.arm_settings import SETTERS
 from station.hw.franka.fci.server.message_reader import (
@@ -344,6 +345,8 @@ class RobotSession:
             return self._say(request, MoveStatus.COMMAND_NOT_POSSIBLE_REJECTED)
         try:
             self._arm.start_motion(_CONTROLLERS[controller], _GENERATORS[generator])
+        except SingularStartError:
+            return self._say(request, MoveStatus.START_AT_SINGULAR_POSE_REJECTED)
         except ArmCommandError:
             return self._say(request, MoveStatus.COMMAND_NOT_POSSIBLE_REJECTED)
         self._motion, self._command, self._fastest = request, None, fastest
