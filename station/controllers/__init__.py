@@ -81,6 +81,12 @@ CONTROLLERS: dict[str, str] = {
     "franka_control/FrankaStateController": (
         "station.controllers.franka_state_controller:FrankaStateController"
     ),
+    "impedance_controllers/CartesianImpedanceController": (
+        "station.controllers.impedance_controllers:CartesianImpedanceController"
+    ),
+    "impedance_controllers/JointImpedanceController": (
+        "station.controllers.impedance_controllers:JointImpedanceController"
+    ),
     "imu_sensor_controller/ImuSensorController": (
         "station.controllers.imu_sensor_controller:ImuSensorController"
     ),
