@@ -36,6 +36,9 @@ CONTROLLERS: dict[str, str] = {
     "effort_controllers/JointVelocityController": (
         "station.controllers.effort_controllers:JointVelocityController"
     ),
+    "force_torque_sensor_broadcaster/ForceTorqueSensorBroadcaster": (
+        "station.controllers.force_torque_sensor_controller:ForceTorqueSensorBroadcaster"
+    ),
     "force_torque_sensor_controller/ForceTorqueSensorController": (
         "station.controllers.force_torque_sensor_controller:ForceTorqueSensorController"
     ),
@@ -92,6 +95,9 @@ CONTROLLERS: dict[str, str] = {
     ),
     "joint_state_controller/JointStateController": (
         "station.controllers.joint_state_controller:JointStateController"
+    ),
+    "parallel_gripper_action_controller/GripperActionController": (
+        "station.controllers.gripper_action_controller:ParallelGripperActionController"
     ),
     "pos_vel_controllers/JointTrajectoryController": (
         "station.controllers.joint_trajectory_controller"

@@ -2,11 +2,13 @@
 
 With the force F at the sensor, and the way x of the sensor from its reference:
 
-    a = M^-1 (S F - D dx - K x)       in the axes of the control frame, M in those of the base
+    a = M^-1 (S F - D dx - K x)
     ddq = J^T (J J^T + alpha)^-1 a - d dq
     dq += ddq dt, dq_0 += dq dt, q_d = q_ref + dq_0
 
-S selects axes. F is what the sensor measures less the weight of the tool, smoothed.
+S, D and K are diagonal in the axes of the control frame, M in those of the base. S
+selects axes. F is what the sensor measures less the weight of the tool,
+smoothed.
 
 Source: ros2_controllers@4.x admittance_controller/admittance_rule_impl.hpp; the inverse
 of J is that of kinematics_interface_kdl.

@@ -6,14 +6,14 @@ rows vx vy vz wx wy wz, in the axes of the base.
 
 from station.core.numerics.arm_chain import turn_to_outer_axes
 from station.core.numerics.rigid_motion import compose, displace
-from station.memory.doubles import Doubles, Storage, own, own_zeros, zeros
+from station.memory.doubles import Doubles, Storage, doubles, zeros
 
 
 class JointChain:
     """The joints between a base and a frame.
 
     Args:
-        size: Number n of the joints whose positions are given; the chain may have fewer.
+        size: Number n of the positions that are given; the chain may have fewer joints.
         origins: Pose of each joint of the chain in the frame that carries it, and at
             last of the frame in that of the last joint, 16 numbers each.
         axes: Axis of each joint of the chain in its own frame, 3 numbers each.
@@ -34,15 +34,15 @@ class JointChain:
         indices: Storage,
     ) -> None:
         self.count = len(turns)
-        self.origins = own(origins)
-        self.axes = own(axes)
-        self.turns = own(turns)
-        self.indices = own(indices)
+        self.origins = doubles(origins)
+        self.axes = doubles(axes)
+        self.turns = doubles(turns)
+        self.indices = doubles(indices)
         self.pose = zeros(16)
         self.jacobian = zeros(6 * size)
-        self.way = own_zeros(6)
+        self.way = zeros(6)
         # Axis and origin of each joint in the base frame.
-        self.screws = own_zeros(6 * len(turns))
+        self.screws = zeros(6 * len(turns))
 
     def place(self, q: Doubles) -> None:
         """Bring the pose up to date.

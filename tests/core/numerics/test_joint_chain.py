@@ -36,7 +36,9 @@ def chain():
 
 def expected(q):
     pose = ORIGINS[0]
-    for axis, turns, index, origin in zip(AXES, TURNS, INDICES, ORIGINS[1:]):
+    for axis, turns, index, origin in zip(
+        AXES, TURNS, INDICES, ORIGINS[1:], strict=True
+    ):
         way = q[index] * axis
         step = pose_of(way, [0, 0, 0]) if turns else pose_of([0, 0, 0], way)
         pose = pose @ step @ origin
