@@ -61,7 +61,7 @@ MOST_KEPT = 200
 
 
 def seat_of(method: str, operation: Mapping[str, Any]) -> str | None:
-    """Return how agents may call an operation; None when they are not offered it.
+    """Return the seat of an operation for agents; None when they are not offered it.
 
     Args:
         method: HTTP method, in small letters.
@@ -108,7 +108,7 @@ class AgentRequestDecidedError(StationError, RuntimeError):
 
 @dataclass(frozen=True, slots=True)
 class AgentPolicy:
-    """What a station asks of its agents.
+    """Rules of a station for its agents.
 
     Attributes:
         approval: Whether a person allows each motion. False is for a simulation that is

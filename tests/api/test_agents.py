@@ -93,7 +93,7 @@ def test_an_agent_reads_and_stops_and_is_on_record(run):
 
 
 def test_an_agent_may_not_call_what_is_a_persons(run):
-    async def story(world, agent):
+    async def story(_, agent):
         await take(agent)
         for method, path in [
             ("GET", "/tokens"),
