@@ -2,7 +2,7 @@
 import "./arm_settings.js";
 import "./hand.js";
 import "./path.js";
-import { h, kept } from "../lib/dom.js";
+import { h, kept, offer } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { store } from "../lib/store.js";
 
@@ -25,7 +25,7 @@ class Move extends Panel {
     const arms = store.docks.arms.map((arm) => arm.arm_id);
     if (arms.join() === this.arms) return;
     this.arms = arms.join();
-    this.choice.replaceChildren(...arms.map((name) => h("option", {}, name)));
+    offer(this.choice, arms, "no arm");
     this.line.hidden = arms.length < 2;
     for (const part of this.parts) part.hidden = !arms.length;
     if (!arms.length) return;
