@@ -26,7 +26,7 @@ LOOKED_MS = 400
 
 def _begin(context):
     without_scene(context)
-    context.add_init_script(path=CHECKS)
+    context.add_init_script(CHECKS.read_text())
 
 
 def _views(page):

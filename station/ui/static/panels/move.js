@@ -1,5 +1,6 @@
 // Moves: waypoint paths; jog and target of a hand; what Franka Desk sets of an arm.
 import "./arm_settings.js";
+import "./gamepad.js";
 import "./hand.js";
 import "./path.js";
 import { h, kept, offer } from "../lib/dom.js";
@@ -12,7 +13,7 @@ class Move extends Panel {
     this.choice.setAttribute("aria-label", "Arm");
     this.choice.addEventListener("change", () => this.choose(this.choice.value));
     this.line = h("div", { class: "line", hidden: true }, h("label", {}, "arm ", this.choice));
-    this.parts = [h("st-hand"), h("st-arm-settings")];
+    this.parts = [h("st-hand"), h("st-gamepad"), h("st-arm-settings")];
     this.append(h("st-path"), this.line, ...this.parts);
   }
 

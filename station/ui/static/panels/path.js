@@ -54,6 +54,16 @@ class Path extends Panel {
     );
     this.showPlayback(null);
     this.watch();
+    // Both hands are at the arm while it is guided: one key, wherever the focus is.
+    addEventListener("keydown", ({ key, target, repeat }) => {
+      const isFree = !repeat && !target.matches?.("input:not([type=range]), textarea, select");
+      if (key === "c" && isFree && this.guided && store.isOperator) this.capture();
+    });
+  }
+
+  /** Whether somebody guides an arm by hand. */
+  get guided() {
+    return store.docks?.arms.some((arm) => arm.robot_mode === "guiding");
   }
 
   get isActive() {
@@ -96,6 +106,7 @@ class Path extends Panel {
   async capture() {
     const told = await act("POST", `${this.url}/capture`, {});
     if (told) this.draw(told);
+    if (told) show(this.state, `Captured ${told.waypoints.at(-1).name} of ${told.name}.`);
     this.read().catch(() => {});
   }
 
