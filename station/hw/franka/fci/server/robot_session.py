@@ -26,16 +26,15 @@ from math import isfinite
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
-import numpy as np
-
 from station.core.errors import ArmCommandError, InvalidCommandError
 from station.core.franka.franka_errors import ERROR_INDEX
-from station.core.franka.franka_robot_state import RobotMode, array_places
+from station.core.franka.franka_robot_state import RobotMode
 from station.hw.franka.arm.franka_kinematics import IDENTITY
 from station.hw.franka.arm.robot_arm import (
     ControllerMode,
     MotionGeneratorMode,
     RobotArm,
+    SingularStartError,
 )
 from station.hw.franka.fci.server.arm_settings import SETTERS
 from station.hw.franka.fci.server.message_reader import (
@@ -61,12 +60,8 @@ from station.hw.franka.fci.wire.robot_protocol import (
     SetterStatus,
     StopMoveStatus,
 )
+from station.hw.franka.fci.wire.state_numbers import StateNumbers
 
-_FIRST_NUMBER = "O_T_EE"
-_BEHIND_NUMBERS = "motion_generator_mode"
-_LAST_NUMBER = "control_command_success_rate"
-_MASSES = ("m_ee", "m_load")
-_SINGLE = 4  # bytes of a number in single precision
 _READINGS = 18  # of the accelerometers on one side of the boards
 _ID = struct.Struct("<Q")
 
@@ -87,30 +82,11 @@ class StateWriter:
     """
 
     def __init__(self, arm: RobotArm, protocol: RobotProtocol) -> None:
-        self._arm, self._state = arm, arm.state
-        layout, places = protocol.state, array_places()
+        self._arm, self._state, layout = arm, arm.state, protocol.state
         self.message = bytearray(layout.size)
         self._places = layout.offsets
-        first, behind = layout.offsets[_FIRST_NUMBER], layout.offsets[_BEHIND_NUMBERS]
-        size = layout.size - layout.offsets[_LAST_NUMBER]
-        self._number = struct.Struct("<f" if size == _SINGLE else "<d")
-        # Which double of the state's block each number of the message is.
-        indices: list[int] = []
-        self._masses: list[tuple[str, int]] = []
-        for name, offset in layout.offsets.items():
-            if name in _MASSES:
-                self._masses.append((name, len(indices)))
-                indices.append(0)
-            elif first <= offset < behind and name in places:
-                start = places[name].start // 8
-                indices += range(start, start + layout.counts[name])
-        self._indices = np.array(indices)
-        self._block = np.asarray(arm.state.arrays())
-        self._doubles = np.empty(len(indices))
-        # All numbers but the last follow each other: first those of the state's arrays.
-        message = memoryview(self.message)[first:behind]
-        numbers = np.frombuffer(message, f"<f{size}")
-        self._numbers, self._accelerations = np.split(numbers, [len(indices)])
+        self._numbers = StateNumbers(layout, self.message, arm.state)
+        self._accelerations = self._numbers.accelerations
         self._merged = [ERROR_INDEX[name] for name in protocol.merged_errors]
 
     def write(self, message_id: int, generator: int, controller: int) -> bytearray:
@@ -123,11 +99,7 @@ class StateWriter:
         """
         state, message, places = self._state, self.message, self._places
         _ID.pack_into(message, 0, message_id)
-        # Two steps without new memory: numbers of the block, then their precision.
-        self._block.take(self._indices, out=self._doubles, mode="clip")
-        for name, place in self._masses:
-            self._doubles[place] = getattr(state, name)
-        self._numbers[:] = self._doubles
+        self._numbers.write()
         if self._accelerations.size and (readings := self._arm.accelerometers()):
             self._accelerations[:_READINGS], self._accelerations[_READINGS:] = readings
         message[places["motion_generator_mode"]] = generator
@@ -143,11 +115,6 @@ class StateWriter:
                     message[place + merged] = 0
                     message[place + ERROR_INDEX[MERGED_INTO]] = 1
         message[places["robot_mode"]] = state.robot_mode.value
-        self._number.pack_into(
-            message,
-            places[_LAST_NUMBER],
-            state.control_command_success_rate,
-        )
         return message
 
 
@@ -378,6 +345,8 @@ class RobotSession:
             return self._say(request, MoveStatus.COMMAND_NOT_POSSIBLE_REJECTED)
         try:
             self._arm.start_motion(_CONTROLLERS[controller], _GENERATORS[generator])
+        except SingularStartError:
+            return self._say(request, MoveStatus.START_AT_SINGULAR_POSE_REJECTED)
         except ArmCommandError:
             return self._say(request, MoveStatus.COMMAND_NOT_POSSIBLE_REJECTED)
         self._motion, self._command, self._fastest = request, None, fastest
