@@ -136,6 +136,7 @@ _RECOVERIES = {
     RobotMode.OTHER: RecoveryStatus.ABORTED,
 }
 _NOTHING: Mapping[str, Any] = MappingProxyType({})
+_TAKEN = "The controllers of the station command the arm, or the station is stopped."
 
 
 def _no_library(_architecture: int, _system: int) -> None:
@@ -179,6 +180,7 @@ class RobotSession:
         self._command: Mapping[str, Any] | None = None
         self._answered = 0  # message_id of the newest command
         self._is_finishing = False
+        self._reason = ""
         # Largest velocities of a motion that the arm plans itself; None in others.
         self._fastest: Sequence[float] | None = None
         self.udp_port: int | None = None
@@ -201,6 +203,11 @@ class RobotSession:
         """
         is_begun = self._motion is not None and self._answered > 0
         return is_begun and self._fastest is None
+
+    def take_reason(self) -> str:
+        """Return the reason for the last refusal once; empty if there is none."""
+        reason, self._reason = self._reason, ""
+        return reason
 
     def receive(self, data: bytes) -> bytes:
         """Take bytes of the TCP stream; return the answers that are due at once.
@@ -320,39 +327,59 @@ class RobotSession:
 
     def _start_motion(self, request: Request[Command]) -> bytes:
         values = request.values
-        try:
-            controller = MoveController(values["controller_mode"])
-            generator = MoveGenerator(values["motion_generator_mode"])
-        except ValueError:
-            return self._say(request, MoveStatus.INVALID_ARGUMENT_REJECTED)
-        if generator not in self._protocol.generators:
-            return self._say(request, MoveStatus.INVALID_ARGUMENT_REJECTED)
-        fastest = None
-        if values.get("use_async_motion_generator"):
-            fastest = values["maximum_velocity"]
-            is_possible = (
-                generator is MoveGenerator.JOINT_POSITION
-                and controller is not MoveController.EXTERNAL_CONTROLLER
-                and all(isfinite(value) and value > 0.0 for value in fastest)
-            )
-            if not is_possible:
-                return self._say(request, MoveStatus.INVALID_ARGUMENT_REJECTED)
-        allowed = (*values["maximum_path_deviation"],)
-        allowed += (*values["maximum_goal_pose_deviation"],)
-        if not all(isfinite(value) and value >= 0.0 for value in allowed):
-            return self._say(request, MoveStatus.INVALID_ARGUMENT_REJECTED)
+        problem = self._problem_of(values)
+        if problem is not None:
+            return self._refuse(request, MoveStatus.INVALID_ARGUMENT_REJECTED, problem)
+        controller = MoveController(values["controller_mode"])
+        generator = MoveGenerator(values["motion_generator_mode"])
+        is_planned = values.get("use_async_motion_generator")
+        fastest = values["maximum_velocity"] if is_planned else None
+        status = MoveStatus.COMMAND_NOT_POSSIBLE_REJECTED
         if not self._is_free():
-            return self._say(request, MoveStatus.COMMAND_NOT_POSSIBLE_REJECTED)
+            return self._refuse(request, status, _TAKEN)
         try:
             self._arm.start_motion(_CONTROLLERS[controller], _GENERATORS[generator])
-        except SingularStartError:
-            return self._say(request, MoveStatus.START_AT_SINGULAR_POSE_REJECTED)
-        except ArmCommandError:
-            return self._say(request, MoveStatus.COMMAND_NOT_POSSIBLE_REJECTED)
+        except SingularStartError as error:
+            status = MoveStatus.START_AT_SINGULAR_POSE_REJECTED
+            return self._refuse(request, status, error.message)
+        except ArmCommandError as error:
+            return self._refuse(request, status, error.message)
         self._motion, self._command, self._fastest = request, None, fastest
         self._answered, self._is_finishing = 0, False
         self._generator, self._controller = 1 + generator, controller
         return self._say(request, MoveStatus.MOTION_STARTED)
+
+    def _problem_of(self, values: Mapping[str, Any]) -> str | None:
+        """Return the reason why no arm makes such a motion; None if one can."""
+        controller, generator = (
+            values["controller_mode"],
+            values["motion_generator_mode"],
+        )
+        if controller not in list(MoveController):
+            return f"There is no controller mode {controller}."
+        if generator not in self._protocol.generators:
+            version = self._protocol.version
+            return f"Version {version} has no motion generator mode {generator}."
+        deviations = (
+            *values["maximum_path_deviation"],
+            *values["maximum_goal_pose_deviation"],
+        )
+        if not all(isfinite(value) and value >= 0.0 for value in deviations):
+            return "A deviation is negative or not finite."
+        if not values.get("use_async_motion_generator"):
+            return None
+        if (
+            generator != MoveGenerator.JOINT_POSITION
+            or controller == MoveController.EXTERNAL_CONTROLLER
+        ):
+            return "The arm plans joint positions with a controller of its own alone."
+        if not all(isfinite(one) and one > 0.0 for one in values["maximum_velocity"]):
+            return "A maximum velocity is not above 0 or not finite."
+        return None
+
+    def _refuse(self, request: Request[Command], status: int, reason: str) -> bytes:
+        self._reason = f"{request.command.name} is refused: {reason}"
+        return self._say(request, status)
 
     def _stop_motion(self, request: Request[Command]) -> bytes:
         answers = b""
@@ -368,13 +395,16 @@ class RobotSession:
     def _change_setting(self, request: Request[Command]) -> bytes:
         status = SetterStatus.SUCCESS
         if self._arm.state.robot_mode is RobotMode.MOVE:
-            return self._say(request, SetterStatus.COMMAND_NOT_POSSIBLE_REJECTED)
+            status = SetterStatus.COMMAND_NOT_POSSIBLE_REJECTED
+            return self._refuse(request, status, "The arm moves.")
         try:
             SETTERS[request.command](self._arm, request.values)
-        except InvalidCommandError:
+        except InvalidCommandError as error:
             status = SetterStatus.INVALID_ARGUMENT_REJECTED
-        except ArmCommandError:
+            return self._refuse(request, status, error.message)
+        except ArmCommandError as error:
             status = SetterStatus.COMMAND_NOT_POSSIBLE_REJECTED
+            return self._refuse(request, status, error.message)
         return self._say(request, status)
 
     def _cartesian_limit(self, request: Request[Command]) -> bytes:
@@ -389,8 +419,8 @@ class RobotSession:
             return self._say(request, rejected)
         try:
             arm.automatic_error_recovery()
-        except ArmCommandError:
-            return self._say(request, rejected)
+        except ArmCommandError as error:
+            return self._refuse(request, rejected, error.message)
         self._recovery = request
         return self._advance_recovery()
 
