@@ -1,6 +1,7 @@
 """A station that records what the command line asks of it."""
 
 from argparse import Namespace
+from dataclasses import replace
 
 import pytest
 
@@ -11,6 +12,7 @@ from station.core.control.controller_factory import ControllerType as CoreContro
 from station.core.ports.set_point import (
     timeout_parameters,
 )
+from station.reports import AgentRequest, Verdict
 from station.wire import (
     ArmReport,
     CommandAccepted,
