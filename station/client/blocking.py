@@ -226,6 +226,8 @@ class RecordingsClient(_Client[AsyncRecordingsClient]):
     trajectory = _waited_for(AsyncRecordingsClient.trajectory)
     download = _waited_for(AsyncRecordingsClient.download)
     download_table = _waited_for(AsyncRecordingsClient.download_table)
+    events = _waited_for(AsyncRecordingsClient.events)
+    add_note = _waited_for(AsyncRecordingsClient.add_note)
     start = _waited_for(AsyncRecordingsClient.start)
     stop = _waited_for(AsyncRecordingsClient.stop)
     delete = _waited_for(AsyncRecordingsClient.delete)
@@ -239,6 +241,8 @@ class IncidentsClient(_Client[AsyncIncidentsClient]):
     trajectory = _waited_for(AsyncIncidentsClient.trajectory)
     download = _waited_for(AsyncIncidentsClient.download)
     download_table = _waited_for(AsyncIncidentsClient.download_table)
+    events = _waited_for(AsyncIncidentsClient.events)
+    add_note = _waited_for(AsyncIncidentsClient.add_note)
 
 
 class ExperimentsClient(_Client[AsyncExperimentsClient]):

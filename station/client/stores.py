@@ -101,6 +101,26 @@ class _AsyncFiles:
         await self._connection.download(f"{self._of(identifier)}/table", target, query)
         return target
 
+    async def events(self, identifier: str) -> Sequence[wire.RecordedEvent]:
+        """Return the events of one that has ended, with the notes on it."""
+        path = f"{self._of(identifier)}/events"
+        return (await self._connection.get(path, wire.RecordedEvents)).events
+
+    async def add_note(
+        self, identifier: str, text: str, time: float, until: float | None = None
+    ) -> wire.RecordedEvent:
+        """Write a note into one that has ended; it becomes an event of the file.
+
+        Args:
+            identifier: Which one.
+            text: The note.
+            time: Station time of the moment, or of the begin of the range [s].
+            until: Station time of the end of the range [s]; None for a moment.
+        """
+        request = wire.NoteRequest(text=text, time=time, until=until)
+        path = f"{self._of(identifier)}/notes"
+        return await self._connection.send("POST", path, wire.RecordedEvent, request)
+
     def _of(self, identifier: str) -> str:
         return _below(self._path, identifier)
 

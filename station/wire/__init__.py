@@ -97,6 +97,9 @@ from station.wire.protocol import (
     StreamFrame as StreamFrame,
 )
 from station.wire.recordings import (
+    NoteRequest as NoteRequest,
+    RecordedEvent as RecordedEvent,
+    RecordedEvents as RecordedEvents,
     Recording as Recording,
     RecordingRequest as RecordingRequest,
     Recordings as Recordings,

@@ -71,11 +71,15 @@ _ROUTES: tuple[tuple[tuple[str, ...], str], ...] = (
     (_READ, "/recordings/{}"),
     (("POST",), "/recordings/{}/stop"),
     (_READ, "/recordings/{}/file"),
-    (_READ, "/recordings/{}/trajectory"),
+    (_READ, "/recordings/{}/table"),
+    (_READ, "/recordings/{}/events"),
+    (("POST",), "/recordings/{}/notes"),
     (_READ, "/incidents"),
     (_READ, "/incidents/{}"),
     (_READ, "/incidents/{}/file"),
-    (_READ, "/incidents/{}/trajectory"),
+    (_READ, "/incidents/{}/table"),
+    (_READ, "/incidents/{}/events"),
+    (("POST",), "/incidents/{}/notes"),
 )
 _STREAMS = (
     "joint_states",
