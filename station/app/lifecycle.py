@@ -191,7 +191,9 @@ class StationRun:
             from station.app.fci_beside import FciBeside
 
             fci = self._config.fci
-            stack.enter_context(FciBeside(station, fci.host, self._warn, fci.version))
+            stack.enter_context(
+                FciBeside(station, fci.host, self._warn, fci.version, fci.desk)
+            )
         announce("Waiting for the first cycles")
         clock = station.loop.clock
         deadline = clock.now() + READY_TIMEOUT

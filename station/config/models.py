@@ -227,11 +227,13 @@ class FciSection(_Section):
         enabled: Whether programs of libfranka can connect to the simulated arm.
         host: Address to listen at; the port is libfranka's. There are no tokens.
         version: The only version of the protocol; None: whichever a client asks for.
+        desk: TCP port of Desk; None: there is no Desk.
     """
 
     enabled: bool
     host: str = Field(min_length=1, pattern=r"^[A-Za-z0-9.:_-]+$")
     version: int | None = Field(default=None, ge=5, le=10)
+    desk: int | None = Field(default=None, ge=1, le=65535)
 
 
 class AgentsSection(_Section):
