@@ -2,6 +2,7 @@
 import { alarmRows, alarms } from "../lib/alarms.js";
 import { h, show } from "../lib/dom.js";
 import { hideGhost, showGhost } from "../lib/ghost.js";
+import { deedOf } from "../lib/deeds.js";
 import { Panel } from "../lib/panel.js";
 import { act, api, follow } from "../lib/station.js";
 import { store } from "../lib/store.js";
@@ -181,8 +182,9 @@ class Timeline extends Panel {
     if (this.chosen === "events") {
       const sign = { warning: "▲ ", error: "✖ " }[item.severity] ?? "";
       const since = item.times > 1 ? ` (${item.times} alike since ${new Date(item.since * 1e3).toLocaleTimeString("en-GB")})` : "";
-      const who = item.who && !item.text.includes(item.who) ? html`<b>${item.who} </b>` : nothing;
-      return row(html`${who}<span>${sign}${item.text || `${item.kind} ${item.what} ${item.result}`}${since}</span>`);
+      const deed = deedOf(item);
+      const who = item.who && !deed.includes(item.who) ? html`<b>${item.who} </b>` : nothing;
+      return row(html`${who}<span>${sign}${deed}${since}</span>`);
     }
     const name = item.identifier;
     const size = `${(item.size / 1e6).toFixed(1)} MB, ${item.duration.toFixed(1)} s`;
