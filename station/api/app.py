@@ -12,6 +12,7 @@ from starlette.routing import BaseRoute
 
 import station as package
 from station.api import index, metrics
+from station.api.agents import AgentPolicy, Agents
 from station.api.audit import Audit, EventRecorder
 from station.api.auth import Authenticator
 from station.api.control import Control
@@ -69,7 +70,7 @@ class Kept:
     waypoint_paths: Path | None = None
 
 
-def create_app(
+def create_app(  # noqa: PLR0913 - parts and bounds of one application
     station: Station,
     authenticator: Authenticator,
     policy: HostPolicy | None = None,
@@ -79,6 +80,7 @@ def create_app(
     max_body: int = MAX_BODY_BYTES,
     dashboard_url: Callable[[], str | None] = lambda: None,
     kept: Kept | None = None,
+    agents: AgentPolicy | None = None,
 ) -> FastAPI:
     """Return the application that serves `station`.
 
@@ -93,6 +95,7 @@ def create_app(
         dashboard_url: Returns where the dashboard is; None while it is not known.
         kept: Where events and recordings are kept; only events, and these in memory,
             when left out.
+        agents: What the station asks of agents; a person's leave when left out.
     """
     app = StationApi(
         title="Control station",
@@ -105,6 +108,9 @@ def create_app(
     kept = Kept() if kept is None else kept
     event_recorder = EventRecorder(kept.events)
     paths = WaypointPaths(station.loop, station.manager, kept.waypoint_paths)
+    seat = Agents(station, kept.events, agents or AgentPolicy())
+    control = Control(kept.events, station.motion.let_go)
+    control.listen(seat.withdraw)
     app.state.services = Services(
         station=station,
         authenticator=authenticator,
@@ -112,7 +118,8 @@ def create_app(
         event_recorder=event_recorder,
         event_feed=EventFeed(kept.events),
         alarms=Alarms(station, kept.events),
-        control=Control(kept.events, station.motion.let_go),
+        control=control,
+        agents=seat,
         idempotent_answers=IdempotentAnswers(),
         bench=LiveBench(station),
         broadcaster=Broadcaster(

@@ -10,6 +10,12 @@ from starlette.exceptions import HTTPException
 from starlette.types import Receive, Scope, Send
 from typing_extensions import override
 
+from station.api.agents import (
+    AgentRefusedError,
+    AgentRequestDecidedError,
+    AgentRequestNotFoundError,
+    TooManyAgentRequestsError,
+)
 from station.api.control import ControlHeldError, ControlNotHeldError
 from station.api.named_tokens import (
     TokenExistsError,
@@ -88,6 +94,10 @@ STATUS: Mapping[type[errors.StationError], int] = {
     TokenExistsError: 409,
     TokenNotFoundError: 404,
     TokensNotKeptError: 500,
+    AgentRefusedError: 403,
+    TooManyAgentRequestsError: 429,
+    AgentRequestNotFoundError: 404,
+    AgentRequestDecidedError: 409,
     ControlHeldError: 423,
     ControlNotHeldError: 409,
 }

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from starlette.requests import HTTPConnection
 
 if TYPE_CHECKING:
+    from station.api.agents import Agents
     from station.api.audit import EventRecorder
     from station.api.auth import Authenticator
     from station.api.control import Control
@@ -37,6 +38,7 @@ class Services:
         event_feed: Hands out events, page by page or as they happen.
         alarms: Alarms of the station.
         control: The lease of control.
+        agents: Requests of agents that people answer.
         idempotent_answers: Answers that are repeated for a request that is sent twice.
         bench: Measures how a joint follows.
         broadcaster: All streams.
@@ -57,6 +59,7 @@ class Services:
     event_feed: "EventFeed"
     alarms: "Alarms"
     control: "Control"
+    agents: "Agents"
     idempotent_answers: "IdempotentAnswers"
     bench: "LiveBench"
     broadcaster: "Broadcaster"

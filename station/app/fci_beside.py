@@ -185,6 +185,8 @@ class FciBeside:
                     send_frame(pipe, REFUSAL, refusal(error.message, told))
                 else:
                     send_frame(pipe, ANSWER, UDP_PORT.pack(port or 0) + answers)
+                    if reason := self._guest.take_reason():
+                        _logger.warning("Franka Control Interface: %s", reason)
         except OSError:
             self._say_goodbye()
 

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from station import compiled
+from station.api.agents import AgentPolicy
 from station.api.app import Kept, create_app
 from station.api.auth import Authenticator
 from station.api.host_policy import HostPolicy
@@ -228,6 +229,9 @@ class StationRun:
             policy,
             dashboard_url=lambda: _dashboard_url(server.url, ui_port),
             kept=Kept(journal.log, self._recorder, experiments),
+            agents=AgentPolicy(
+                self._config.agents.approval == "always", self._config.agents.wait
+            ),
         )
         journal.start(app)
         ports = make_ports(app, station, self._config, policy)

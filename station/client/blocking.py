@@ -27,6 +27,7 @@ from station.client.robots import (
 )
 from station.client.station_client import AsyncStationClient
 from station.client.stores import (
+    AsyncAgentsClient,
     AsyncAlarmsClient,
     AsyncExperimentsClient,
     AsyncGainSetsClient,
@@ -300,6 +301,13 @@ class TokensClient(_Client[AsyncTokensClient]):
     revoke = _waited_for(AsyncTokensClient.revoke)
 
 
+class AgentsClient(_Client[AsyncAgentsClient]):
+    """Requests of agents, which a person allows or refuses: `client.agents`."""
+
+    requests = _waited_for(AsyncAgentsClient.requests)
+    answer = _waited_for(AsyncAgentsClient.answer)
+
+
 class LeaseClient(_Client[AsyncLeaseClient]):
     """Control of the station, taken and given back call by call: `client.lease`."""
 
@@ -439,6 +447,7 @@ class StationClient(_Client[AsyncStationClient]):
         self.waypoint_paths = WaypointPathsClient(source.waypoint_paths)
         self.alarms = AlarmsClient(source.alarms)
         self.tokens = TokensClient(source.tokens)
+        self.agents = AgentsClient(source.agents)
         self.lease = LeaseClient(source.lease)
 
     def __enter__(self) -> Self:

@@ -17,6 +17,7 @@ from station.client.poses import Pose, Target
 from station.client.robots import AsyncRobotClient, AsyncSimulationClient, Restart
 from station.client.samples import Samples
 from station.client.stores import (
+    AsyncAgentsClient,
     AsyncAlarmsClient,
     AsyncExperimentsClient,
     AsyncGainSetsClient,
@@ -66,6 +67,7 @@ class AsyncStationClient(AsyncControllersClient):
         plot_layouts: Named layouts of plots on the station's disk.
         waypoint_paths: Waypoint paths on the station's disk, and their playing.
         tokens: Named tokens of people and programs.
+        agents: Requests of agents, and a person's answers.
         alarms: Alarms, and who has acknowledged them.
         lease: Control, taken and given back call by call; see also `control`.
         recordings: Recordings of every cycle on the station's disk.
@@ -98,6 +100,7 @@ class AsyncStationClient(AsyncControllersClient):
         self.waypoint_paths = AsyncWaypointPathsClient(connection)
         self.alarms = AsyncAlarmsClient(connection)
         self.tokens = AsyncTokensClient(connection)
+        self.agents = AsyncAgentsClient(connection)
         self.lease = AsyncLeaseClient(connection)
 
     async def __aenter__(self) -> Self:

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
+from typing import Literal
 
 from station import wire
 from station.client.connection import AsyncConnection, Query, segment
@@ -597,7 +598,7 @@ class AsyncTokensClient:
 
         Args:
             name: Owner of the token.
-            role: `operator` or `viewer`.
+            role: `operator`, `viewer` or `agent`.
             expires: How long it is valid [s]; None until it is revoked.
         """
         request = wire.TokenRequest(name=name, role=role, expires=expires)
@@ -607,6 +608,40 @@ class AsyncTokensClient:
         """End a token, and the streams, sessions and the control it has."""
         path = _below("/tokens", name)
         return await self._connection.send("DELETE", path, wire.Token)
+
+
+class AsyncAgentsClient:
+    """Requests of agents, which a person allows or refuses: `client.agents`.
+
+    Args:
+        connection: The client's connection.
+    """
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        self._connection = connection
+
+    async def requests(self) -> list[wire.AgentRequest]:
+        """Return the latest requests, oldest first; one that waits has no `verdict`."""
+        found = await self._connection.get("/agents/requests", wire.AgentRequests)
+        return found.requests
+
+    async def answer(
+        self,
+        number: str,
+        verdict: Literal["allowed", "allowed_for_a_time", "refused"],
+    ) -> wire.AgentRequest:
+        """Allow or refuse what an agent asks for.
+
+        Args:
+            number: `number` of the request.
+            verdict: `allowed_for_a_time` also allows what comes in the next 10 min.
+        """
+        return await self._connection.send(
+            "POST",
+            _below("/agents/requests", number),
+            wire.AgentRequest,
+            wire.AgentAnswer(verdict=verdict),
+        )
 
 
 def _below(path: str, name: str) -> str:

@@ -234,6 +234,19 @@ class FciSection(_Section):
     version: int | None = Field(default=None, ge=5, le=10)
 
 
+class AgentsSection(_Section):
+    """Programs with a token of the role `agent`.
+
+    Attributes:
+        approval: `always`: a person allows each change; `never`: none is asked, which
+            is for a simulation alone that is paused and stepped.
+        wait: How long a request waits for a person [s].
+    """
+
+    approval: Literal["always", "never"] = "always"
+    wait: float = Field(default=60.0, gt=0.0, le=600.0)
+
+
 class StationConfig(_Section):
     """The whole configuration from which a station is built.
 
@@ -253,6 +266,7 @@ class StationConfig(_Section):
         records: Recordings and incidents.
         foxglove: The server for Foxglove.
         rosbridge: The server for clients of rosbridge.
+        agents: Programs that ask people before they change anything.
         fci: The server for programs of libfranka.
     """
 
@@ -267,6 +281,7 @@ class StationConfig(_Section):
     records: RecordsSection
     foxglove: ToolPortSection
     rosbridge: ToolPortSection
+    agents: AgentsSection = Field(default_factory=AgentsSection)
     fci: FciSection
     parameters: dict[str, Any] = Field(default_factory=dict, exclude=True)
     ros_controllers: frozenset[str] = Field(default=frozenset(), exclude=True)

@@ -44,6 +44,10 @@ StationError
 ├── StoppedError                  the latched stop is engaged; nothing may move
 ├── LoopError                     the control loop is not running or died (RuntimeError)
 ├── SimulationError               a simulation refuses a request (RuntimeError)
+├── RehearsalError                a rehearsal cannot be made (RuntimeError)
+├── RehearsalNeededError          the caller may move nothing without one
+├── CertificateNotFoundError      no certificate of that name is valid (KeyError)
+├── CertificateVoidError          something has changed since the rehearsal
 └── RobotDescriptionError         a URDF or mesh cannot be used (ValueError)
 ```
 """
@@ -397,6 +401,30 @@ class SimulationError(StationError, RuntimeError):
     """The simulation refuses a request in its present state, or there is none."""
 
     code = "simulation_refused"
+
+
+class RehearsalError(StationError, RuntimeError):
+    """A rehearsal cannot be made on this machine, or came to no result."""
+
+    code = "rehearsal_failed"
+
+
+class RehearsalNeededError(StationError, PermissionError):
+    """The caller may command a motion only with the certificate of a rehearsal."""
+
+    code = "rehearsal_needed"
+
+
+class CertificateNotFoundError(StationError, KeyError):
+    """There is no certificate of that name, or it has been used or has expired."""
+
+    code = "certificate_not_found"
+
+
+class CertificateVoidError(StationError):
+    """The command is not the rehearsed one, or something that matters has changed."""
+
+    code = "certificate_void"
 
 
 class RobotDescriptionError(StationError, ValueError):

@@ -4,6 +4,7 @@ Imports the reports and nothing else of the station, as the client does.
 """
 
 from station.reports import (
+    AgentRequest as AgentRequest,
     ArmRecord as ArmRecord,
     Event as Event,
     GainsChange as GainsChange,
@@ -20,6 +21,8 @@ from station.reports import (
     WaypointPath as WaypointPath,
 )
 from station.wire.access import (
+    AgentAnswer as AgentAnswer,
+    AgentRequests as AgentRequests,
     ControlPatch as ControlPatch,
     ControlRequest as ControlRequest,
     ControlState as ControlState,

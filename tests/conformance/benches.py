@@ -63,6 +63,7 @@ CONTROLLER_PARAMETERS: Mapping[str, object] = {
     "pid": PID,
     "gains": dict.fromkeys(JOINTS, PID),
     "publish_rate": 50.0,
+    "sensor_name": "mock_wrench",
     "k_gains": [600.0, 600.0, 600.0, 600.0, 250.0, 150.0, 50.0],
     "d_gains": [50.0, 50.0, 50.0, 20.0, 20.0, 20.0, 10.0],
     "left_wheel": JOINTS[0],

@@ -4,6 +4,7 @@ from fastapi import APIRouter
 
 from station.api.routes import (
     access,
+    agents,
     control,
     controllers,
     events,
@@ -41,6 +42,7 @@ for _module in (
     simulation,
     stop,
     control,
+    agents,
     tokens,
     events,
     streams,

@@ -136,6 +136,8 @@ VERBS = (
     Verb("streams", "events", "print what happened: who did what, with what result"),
     Verb("access", "control", "show who holds control, take it, or give it back"),
     Verb("access", "token", "make, list or revoke named tokens"),
+    Verb("agents", "agents", "list what agents ask for; allow or refuse it"),
+    Verb("agents", "mcp", "serve an agent that speaks the Model Context Protocol"),
     Verb("experiments", "sweep", "run a trial for each of many values of parameters"),
     Verb(
         "experiments",

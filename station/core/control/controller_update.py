@@ -157,7 +157,7 @@ class ControllerUpdate:
             if pending is not None:
                 self._advance(pending, time, period, stands_still=stands_still)
             if gate.is_stale:
-                gate.note_owners(self.lifecycle.loaded)
+                self._note_owners(time)
             else:
                 gate.keep_commands()
         finally:
@@ -220,6 +220,13 @@ class ControllerUpdate:
                 gate.forget_rest()
                 for one in lifecycle.loaded:
                     lifecycle.reset(one, time)
+
+    def _note_owners(self, time: float) -> None:
+        lifecycle = self.lifecycle
+        if lifecycle.has_chains:
+            with self.changes:
+                lifecycle.settle_chains(time)
+        self.gate.note_owners(lifecycle.loaded)
 
     def _update_all(
         self, loaded: tuple[LoadedController, ...], time: float, period: float

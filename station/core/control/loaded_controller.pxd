@@ -9,6 +9,7 @@ cdef class LoadedController:
     cdef readonly tuple fallback
     cdef readonly bint may_jump
     cdef tuple notes
+    cdef readonly tuple references, states, following, read
     cdef public object fault, traceback
     cdef public bint is_unreleased, fresh
     cdef object last_set_point, last_goal

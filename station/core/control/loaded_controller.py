@@ -4,8 +4,13 @@ import threading
 from math import inf
 from typing import TYPE_CHECKING
 
+from station.core.control.chainable_controller import (
+    ChainableController,
+    ExportedState,
+    Reference,
+)
 from station.core.control.command_guard import CommandGuard
-from station.core.control.controller import ControllerBase
+from station.core.control.controller import ControllerBase, ControllerState
 from station.core.control.controller_commands import ControllerCommands
 from station.core.control.controller_status import (
     ControllerCondition,
@@ -43,6 +48,10 @@ class LoadedController:
             infinity since its start.
         sampled: The columns of its sample; None if it makes samples itself.
         place: Where its columns are in a row of the snapshots; -1 if they are not.
+        references: References that it exports.
+        states: States that it exports.
+        following: Controllers whose references it commands.
+        read: Controllers whose exported states it reads.
     """
 
     def __init__(
@@ -54,6 +63,8 @@ class LoadedController:
         *,
         may_jump: bool,
         notes: tuple[str, ...] = (),
+        following: "tuple[LoadedController, ...]" = (),
+        read: "tuple[LoadedController, ...]" = (),
     ) -> None:
         self.controller = controller
         self.info = info
@@ -64,6 +75,13 @@ class LoadedController:
         self.fallback = fallback
         self.may_jump = may_jump
         self.notes = notes
+        self.references: tuple[Reference, ...] = ()
+        self.states: tuple[ExportedState, ...] = ()
+        if isinstance(controller, ChainableController):
+            self.references = tuple(controller.on_export_reference_interfaces())
+            self.states = tuple(controller.on_export_state_interfaces())
+        self.following = following
+        self.read = read
         self.fault: str | None = None
         self.traceback: str | None = None
         self.is_unreleased = False
@@ -118,6 +136,13 @@ class LoadedController:
     def excessive_jump(self) -> str | None:
         """Return the command that is too far from the one before; None if none is."""
         return None if self.may_jump else self.commands.excessive_jump()
+
+    def missing_following(self) -> "LoadedController | None":
+        """Return a controller that it commands and that does not run; None without."""
+        for one in self.following:
+            if one.controller.state is not ControllerState.RUNNING:
+                return one
+        return None
 
     def add_fault(self, text: str) -> None:
         """Note another thing that went wrong, after those noted before."""

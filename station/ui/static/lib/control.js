@@ -56,7 +56,8 @@ class Control {
     element("control").setAttribute("aria-expanded", "true");
     this.drawn = "";
     this.draw();
-    this.panel.querySelector("input, button")?.focus();
+    // Who has said a name, here or at the login, is not asked again.
+    this.panel.querySelector(kept.get("person", "") ? "button" : "input, button")?.focus();
   }
 
   close() {

@@ -1,5 +1,6 @@
 // Small pieces of the page that every panel uses.
 import { html, render } from "../vendor/lit/lit-html.js";
+import { repeat } from "../vendor/lit/directives/repeat.js";
 
 /** Return an element: `h("button", {class: "s", onclick: f}, "text", child)`. */
 export function h(tag, props = {}, ...children) {
@@ -23,6 +24,21 @@ export function drawn(element, template) {
 /** Set a text only when it differs, so that the browser has nothing to lay out. */
 export function show(element, text) {
   if (element.textContent !== text) element.textContent = text;
+}
+
+/**
+ * Offer choices, texts or pairs of value and text; the chosen one stays chosen, and an open
+ * list stays open. Without any, `none` is shown and nothing can be chosen.
+ */
+export function offer(select, choices, none = "none saved yet") {
+  const pairs = choices.length ? choices.map((choice) => [choice].flat()) : [["", none]];
+  const key = JSON.stringify(pairs);
+  if (key === select.offered) return;
+  select.offered = key;
+  const chosen = select.value;
+  render(repeat(pairs, ([value]) => value, ([value, text = value]) => html`<option value=${value}>${text}</option>`), select);
+  if (pairs.some(([value]) => String(value) === chosen)) select.value = chosen;
+  select.disabled = !choices.length;
 }
 
 /** Return a long name, for a template, that may be broken after a sign and nowhere else. */
@@ -96,6 +112,9 @@ export function holdButton(label, title, hold, release) {
   document.addEventListener("visibilitychange", end);
   return button;
 }
+
+/** Whether one dock is shown at a time, below the view. */
+export const isNarrow = () => matchMedia("(max-width: 999px)").matches;
 
 /** Keep something of this browser's user, e.g. the layout. */
 export const kept = {

@@ -1,6 +1,6 @@
 // The toolbar over the 3D view: from where to look, and what to lay over the robots.
 // The choice is this browser's; the gateway draws it in the views of this session alone.
-import { h, holdButton, kept } from "./dom.js";
+import { h, holdButton, isNarrow, kept, offer } from "./dom.js";
 import { refusals } from "./refusals.js";
 import { act, send } from "./station.js";
 import { store } from "./store.js";
@@ -98,9 +98,7 @@ function pushTools(tell) {
         ? "Pull the robot with the pointer, in simulation."
         : "This session only watches. An operator's session can push.";
     arm.hidden = arms.length < 2;
-    if (arms.join() === arm.dataset.arms) return;
-    arm.dataset.arms = arms.join();
-    arm.replaceChildren(...arms.map((name) => h("option", {}, name)));
+    offer(arm, arms, "no arm");
   };
   store.addEventListener("docks", refresh);
   refresh();
@@ -151,7 +149,7 @@ export function showViewTools(place) {
   });
   const fold = h("summary", { class: "s" }, "View");
   const folder = h("details", {}, fold, h("div", { class: "tools-body" }, group("Camera", ...cameras), group("Show", ...layers), key, group("Act", pushing.toggle), pushing.made));
-  folder.open = kept.get("view-tools", innerWidth > 700);
+  folder.open = kept.get("view-tools", !isNarrow());
   folder.addEventListener("toggle", () => kept.set("view-tools", folder.open));
   place.append(folder);
   const system = matchMedia("(prefers-color-scheme: dark)");

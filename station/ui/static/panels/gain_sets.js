@@ -1,5 +1,5 @@
 // Sets of gains, kept by the station: save, compare with the gains in force, apply.
-import { h, show } from "../lib/dom.js";
+import { h, offer, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { refusals } from "../lib/refusals.js";
 import { act, api } from "../lib/station.js";
@@ -68,8 +68,7 @@ class GainSets extends Panel {
     const told = await api("GET", "/gain-sets").catch(() => null); // a lost station is in the strip
     if (!told) return;
     const names = told.gain_sets;
-    this.sets.replaceChildren(...names.map((name) => h("option", {}, name)));
-    if (!names.length) this.sets.append(h("option", { value: "" }, "none saved yet"));
+    offer(this.sets, names);
     if (names.includes(chosen)) this.sets.value = chosen;
     this.refresh();
     await this.showDiff();

@@ -1,6 +1,6 @@
 // Simulation: pause, step, speed, reset, pushes and faults, and where the objects of the
 // scene are; absent on a real robot.
-import { h, show } from "../lib/dom.js";
+import { h, offer, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { refusals } from "../lib/refusals.js";
 import { act, api } from "../lib/station.js";
@@ -120,8 +120,8 @@ class Simulation extends Panel {
     const key = [...simulation.keyframes, ...arms.map((arm) => arm.arm_id)].join();
     if (key === this.listed) return;
     this.listed = key;
-    this.keyframe.replaceChildren(h("option", { value: "" }, "start"), ...simulation.keyframes.map((name) => h("option", {}, name)));
-    this.arm.replaceChildren(...arms.map((arm) => h("option", {}, arm.arm_id)));
+    offer(this.keyframe, [["", "start"], ...simulation.keyframes]);
+    offer(this.arm, arms.map((arm) => arm.arm_id), "no arm");
     this.arm.hidden = arms.length < 2;
     for (const line of this.querySelectorAll(".arms")) line.hidden = !arms.length;
   }
