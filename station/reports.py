@@ -327,6 +327,39 @@ class WaypointPath(Report):
     waypoints: Sequence[Waypoint]
 
 
+@dataclass(frozen=True, slots=True)
+class PlotSettings(Report):
+    """One plot of a layout.
+
+    Attributes:
+        keys: Its channels, as the page names them, in their order.
+        xy: Whether the others are drawn over the first channel, not over time.
+        span: How much time is shown [s], above 0.
+        transform: What is shown of the channels: `smooth`, `difference`, `norm`,
+            `spectrum`; empty for the channels as they are.
+    """
+
+    keys: Sequence[str]
+    xy: bool = False
+    span: float = 10.0
+    transform: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class PlotLayout(Report):
+    """The plots of a page, under a name.
+
+    Attributes:
+        name: Its name.
+        saved_at: When it was saved, ISO 8601.
+        plots: Its plots, from left to right.
+    """
+
+    name: str
+    saved_at: str
+    plots: Sequence[PlotSettings]
+
+
 class PlaybackState(TextEnum):
     """State of a path that plays. The last three are final."""
 

@@ -31,6 +31,7 @@ from station.core.facade.station import Station
 from station.events import Alarms, EventLog
 from station.library.gain_sets import GainSets
 from station.library.path_player import PathPlayer
+from station.library.plot_layouts import PlotLayouts
 from station.library.waypoint_paths import WaypointPaths
 from station.trials.background_experiments import BackgroundExperiments
 from station.trials.live_bench import LiveBench
@@ -57,6 +58,7 @@ class Kept:
         recorder: Records every cycle; None for a station that records nothing.
         experiments: Runs experiments; None for a station that runs none.
         gain_sets: Folder of the gain sets; the user's own when None.
+        plot_layouts: Folder of the plot layouts; the user's own when None.
         waypoint_paths: Folder of the waypoint paths; the user's own when None.
     """
 
@@ -64,6 +66,7 @@ class Kept:
     recorder: "Recorder | None" = None
     experiments: BackgroundExperiments | None = None
     gain_sets: Path | None = None
+    plot_layouts: Path | None = None
     waypoint_paths: Path | None = None
 
 
@@ -126,6 +129,7 @@ def create_app(  # noqa: PLR0913 - parts and bounds of one application
         recorder=kept.recorder,
         experiments=kept.experiments,
         gain_sets=GainSets(station.tuning, kept.gain_sets),
+        plot_layouts=PlotLayouts(kept.plot_layouts),
         waypoint_paths=paths,
         path_player=PathPlayer(station.loop, station.manager, station.motion, paths),
     )

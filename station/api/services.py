@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from station.events import Alarms
     from station.library.gain_sets import GainSets
     from station.library.path_player import PathPlayer
+    from station.library.plot_layouts import PlotLayouts
     from station.library.waypoint_paths import WaypointPaths
     from station.records.recorder import Recorder
     from station.trials.background_experiments import BackgroundExperiments
@@ -45,6 +46,7 @@ class Services:
         recorder: Records every cycle; None for a station that records nothing.
         experiments: Runs experiments; None for a station that runs none.
         gain_sets: Named sets of gains on the disk.
+        plot_layouts: Named layouts of plots on the disk.
         waypoint_paths: Named waypoint paths on the disk.
         path_player: Plays waypoint paths.
         command_streams: Number of open streams of set-points.
@@ -65,6 +67,7 @@ class Services:
     recorder: "Recorder | None"
     experiments: "BackgroundExperiments | None"
     gain_sets: "GainSets"
+    plot_layouts: "PlotLayouts"
     waypoint_paths: "WaypointPaths"
     path_player: "PathPlayer"
     command_streams: int = 0

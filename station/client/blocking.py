@@ -32,6 +32,7 @@ from station.client.stores import (
     AsyncExperimentsClient,
     AsyncGainSetsClient,
     AsyncIncidentsClient,
+    AsyncPlotLayoutsClient,
     AsyncRecordingsClient,
     AsyncTokensClient,
     AsyncWaypointPathsClient,
@@ -262,6 +263,15 @@ class ExperimentsClient(_Client[AsyncExperimentsClient]):
     list = _waited_for(AsyncExperimentsClient.list)
 
 
+class PlotLayoutsClient(_Client[AsyncPlotLayoutsClient]):
+    """Named layouts of plots on the station's disk: `client.plot_layouts`."""
+
+    names = _waited_for(AsyncPlotLayoutsClient.names)
+    get = _waited_for(AsyncPlotLayoutsClient.get)
+    save = _waited_for(AsyncPlotLayoutsClient.save)
+    delete = _waited_for(AsyncPlotLayoutsClient.delete)
+
+
 class WaypointPathsClient(_Client[AsyncWaypointPathsClient]):
     """Waypoint paths on the disk, and their playing: `client.waypoint_paths`."""
 
@@ -433,6 +443,7 @@ class StationClient(_Client[AsyncStationClient]):
         self.recordings = RecordingsClient(source.recordings)
         self.incidents = IncidentsClient(source.incidents)
         self.experiments = ExperimentsClient(source.experiments)
+        self.plot_layouts = PlotLayoutsClient(source.plot_layouts)
         self.waypoint_paths = WaypointPathsClient(source.waypoint_paths)
         self.alarms = AlarmsClient(source.alarms)
         self.tokens = TokensClient(source.tokens)

@@ -22,6 +22,7 @@ from station.client.stores import (
     AsyncExperimentsClient,
     AsyncGainSetsClient,
     AsyncIncidentsClient,
+    AsyncPlotLayoutsClient,
     AsyncRecordingsClient,
     AsyncTokensClient,
     AsyncWaypointPathsClient,
@@ -63,6 +64,7 @@ class AsyncStationClient(AsyncControllersClient):
     Attributes:
         simulation: Pause, step and reset of a simulated robot.
         gain_sets: Named sets of gains on the station's disk.
+        plot_layouts: Named layouts of plots on the station's disk.
         waypoint_paths: Waypoint paths on the station's disk, and their playing.
         tokens: Named tokens of people and programs.
         agents: Requests of agents, and a person's answers.
@@ -94,6 +96,7 @@ class AsyncStationClient(AsyncControllersClient):
         self.recordings = AsyncRecordingsClient(connection)
         self.incidents = AsyncIncidentsClient(connection)
         self.experiments = AsyncExperimentsClient(connection)
+        self.plot_layouts = AsyncPlotLayoutsClient(connection)
         self.waypoint_paths = AsyncWaypointPathsClient(connection)
         self.alarms = AsyncAlarmsClient(connection)
         self.tokens = AsyncTokensClient(connection)

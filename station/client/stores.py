@@ -22,6 +22,7 @@ from station.wire.experiments import (
 
 _RECORDINGS, _INCIDENTS = "/recordings", "/incidents"
 _GAIN_SETS, _WAYPOINT_PATHS = "/gain-sets", "/waypoint-paths"
+_PLOT_LAYOUTS = "/plot-layouts"
 _EXPERIMENTS, _PLAYBACK = "/experiments", "/playback"
 _PERIOD = 0.5
 """Time between two looks at an experiment that runs [s]."""
@@ -268,6 +269,49 @@ def _chosen(controllers: Sequence[str] | None) -> wire.GainSetRequest:
     if controllers is None:
         return wire.GainSetRequest()
     return wire.GainSetRequest(controllers=list(controllers))
+
+
+class AsyncPlotLayoutsClient:
+    """Named layouts of plots on the station's disk: `client.plot_layouts`.
+
+    Every method raises what the station client's own methods raise.
+
+    Args:
+        connection: The connection to the station.
+    """
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        self._connection = connection
+
+    async def names(self) -> list[str]:
+        """Return the names of the saved layouts."""
+        found = await self._connection.get(_PLOT_LAYOUTS, wire.PlotLayouts)
+        return found.plot_layouts
+
+    async def get(self, name: str) -> wire.PlotLayout:
+        """Return a layout with its plots."""
+        return await self._connection.get(_below(_PLOT_LAYOUTS, name), wire.PlotLayout)
+
+    async def save(
+        self, name: str, plots: Sequence[wire.PlotSettings | wire.PlotRequest]
+    ) -> wire.PlotLayout:
+        """Save the plots of a layout; a layout of that name is replaced.
+
+        Args:
+            name: Letters, digits, `_`, `.` and `-`.
+            plots: The plots, from left to right.
+        """
+        read = partial(wire.PlotRequest.model_validate, from_attributes=True)
+        request = wire.PlotLayoutRequest(plots=[read(plot) for plot in plots])
+        return await self._connection.send(
+            "PUT", _below(_PLOT_LAYOUTS, name), wire.PlotLayout, request
+        )
+
+    async def delete(self, name: str) -> wire.PlotLayout:
+        """Delete a layout; return its last content."""
+        return await self._connection.send(
+            "DELETE", _below(_PLOT_LAYOUTS, name), wire.PlotLayout
+        )
 
 
 class AsyncWaypointPathsClient:

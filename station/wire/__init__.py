@@ -14,6 +14,8 @@ from station.reports import (
     LoopReport as LoopReport,
     Percentiles as Percentiles,
     Playback as Playback,
+    PlotLayout as PlotLayout,
+    PlotSettings as PlotSettings,
     Simulation as Simulation,
     Waypoint as Waypoint,
     WaypointPath as WaypointPath,
@@ -82,6 +84,11 @@ from station.wire.hardware import (
     HardwareLimits as HardwareLimits,
     HardwareRepair as HardwareRepair,
     SoftLimits as SoftLimits,
+)
+from station.wire.plot_layouts import (
+    PlotLayoutRequest as PlotLayoutRequest,
+    PlotLayouts as PlotLayouts,
+    PlotRequest as PlotRequest,
 )
 from station.wire.protocol import (
     CLOSE_BAD_REQUEST as CLOSE_BAD_REQUEST,

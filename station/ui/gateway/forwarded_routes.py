@@ -32,6 +32,8 @@ _ROUTES: tuple[tuple[tuple[str, ...], str], ...] = (
     (("POST",), "/gain-sets/undo"),
     (("GET", "PUT", "DELETE"), "/gain-sets/{}"),
     (("POST",), "/gain-sets/{}/apply"),
+    (_READ, "/plot-layouts"),
+    (("GET", "PUT", "DELETE"), "/plot-layouts/{}"),
     (_READ, "/waypoint-paths"),
     (("GET", "PUT", "DELETE"), "/waypoint-paths/{}"),
     (("POST",), "/waypoint-paths/{}/capture"),
