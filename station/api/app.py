@@ -32,6 +32,7 @@ from station.library.gain_sets import GainSets
 from station.library.path_player import PathPlayer
 from station.library.waypoint_paths import WaypointPaths
 from station.trials.background_experiments import BackgroundExperiments
+from station.trials.bench_runs import KeptRuns
 from station.trials.live_bench import LiveBench
 from station.web.failed_logins import FailedLogins
 from station.web.request_id import RequestId
@@ -57,6 +58,7 @@ class Kept:
         experiments: Runs experiments; None for a station that runs none.
         gain_sets: Folder of the gain sets; the user's own when None.
         waypoint_paths: Folder of the waypoint paths; the user's own when None.
+        bench_runs: Folder of the runs of the bench; the user's own when None.
     """
 
     events: EventLog = field(default_factory=EventLog)
@@ -64,6 +66,7 @@ class Kept:
     experiments: BackgroundExperiments | None = None
     gain_sets: Path | None = None
     waypoint_paths: Path | None = None
+    bench_runs: Path | None = None
 
 
 def create_app(
@@ -112,6 +115,7 @@ def create_app(
         control=Control(kept.events, station.motion.let_go),
         idempotent_answers=IdempotentAnswers(),
         bench=LiveBench(station),
+        bench_runs=KeptRuns(kept.bench_runs),
         broadcaster=Broadcaster(
             station, slow_after=slow_after, max_clients=max_streams
         ),

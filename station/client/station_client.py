@@ -18,6 +18,7 @@ from station.client.robots import AsyncRobotClient, AsyncSimulationClient, Resta
 from station.client.samples import Samples
 from station.client.stores import (
     AsyncAlarmsClient,
+    AsyncBenchRunsClient,
     AsyncExperimentsClient,
     AsyncGainSetsClient,
     AsyncIncidentsClient,
@@ -61,6 +62,7 @@ class AsyncStationClient(AsyncControllersClient):
 
     Attributes:
         simulation: Pause, step and reset of a simulated robot.
+        bench_runs: Runs of the bench that the station keeps.
         gain_sets: Named sets of gains on the station's disk.
         waypoint_paths: Waypoint paths on the station's disk, and their playing.
         tokens: Named tokens of people and programs.
@@ -88,6 +90,7 @@ class AsyncStationClient(AsyncControllersClient):
         )
         super().__init__(connection)
         self.simulation = AsyncSimulationClient(connection)
+        self.bench_runs = AsyncBenchRunsClient(connection)
         self.gain_sets = AsyncGainSetsClient(connection)
         self.recordings = AsyncRecordingsClient(connection)
         self.incidents = AsyncIncidentsClient(connection)

@@ -4,6 +4,7 @@ from fastapi import APIRouter
 
 from station.api.routes import (
     access,
+    bench,
     control,
     controllers,
     events,
@@ -30,6 +31,7 @@ for _module in (
     controllers,
     gains,
     set_points,
+    bench,
     goals,
     waypoint_paths,
     parameters,

@@ -252,7 +252,7 @@ def get_incident_trajectory(
 
 
 def _file(store: RecordStore, identifier: str) -> FileResponse:
-    info = _ended(store, identifier)
+    info = ended(store, identifier)
     return FileResponse(
         store.file(info.identifier),
         media_type=MEDIA_TYPE,
@@ -273,7 +273,7 @@ def _table(
     from station.records.recording_table import Choice
 
     choice = Choice(tuple(channels), tuple(joints), rate)
-    info = _ended(store, identifier)
+    info = ended(store, identifier)
     # A file that cannot be read is refused here, before the answer begins.
     pause = station.loop.right_of_way.give
     pieces = csv_pieces(store.file(info.identifier), choice, pause)
@@ -286,7 +286,7 @@ def _trajectory(store: RecordStore, identifier: str, rate: float) -> Trajectory:
     # Imported late: an application without a recorder needs no reader of MCAP.
     from station.records.recording_reader import read_trajectory
 
-    info = _ended(store, identifier)
+    info = ended(store, identifier)
     found = read_trajectory(store.file(info.identifier)).decimated(rate)
     return Trajectory.model_validate({
         "name": list(found.names),
@@ -296,7 +296,7 @@ def _trajectory(store: RecordStore, identifier: str, rate: float) -> Trajectory:
     })
 
 
-def _ended(store: RecordStore, identifier: str) -> RecordingInfo:
+def ended(store: RecordStore, identifier: str) -> RecordingInfo:
     """Return a recording that has ended, and whose file is there.
 
     Raises:

@@ -22,6 +22,8 @@ _ROUTES: tuple[tuple[tuple[str, ...], str], ...] = (
     (("GET", "PATCH"), "/controllers/{}/gains"),
     (("GET", "PUT"), "/controllers/{}/command"),
     (("POST",), "/controllers/{}/bench"),
+    (_READ, "/bench-runs"),
+    (("GET", "DELETE"), "/bench-runs/{}"),
     (_READ, "/controllers/{}/state"),
     (_READ, "/controllers/{}/query_state"),
     (("GET", "POST"), "/controllers/{}/goals"),
@@ -71,10 +73,12 @@ _ROUTES: tuple[tuple[tuple[str, ...], str], ...] = (
     (_READ, "/recordings/{}"),
     (("POST",), "/recordings/{}/stop"),
     (_READ, "/recordings/{}/file"),
+    (("POST",), "/recordings/{}/bench"),
     (_READ, "/recordings/{}/trajectory"),
     (_READ, "/incidents"),
     (_READ, "/incidents/{}"),
     (_READ, "/incidents/{}/file"),
+    (("POST",), "/incidents/{}/bench"),
     (_READ, "/incidents/{}/trajectory"),
 )
 _STREAMS = (
