@@ -34,6 +34,7 @@ from station.library.path_player import PathPlayer
 from station.library.plot_layouts import PlotLayouts
 from station.library.waypoint_paths import WaypointPaths
 from station.trials.background_experiments import BackgroundExperiments
+from station.trials.bench_runs import KeptRuns
 from station.trials.live_bench import LiveBench
 from station.web.failed_logins import FailedLogins
 from station.web.request_id import RequestId
@@ -60,6 +61,7 @@ class Kept:
         gain_sets: Folder of the gain sets; the user's own when None.
         plot_layouts: Folder of the plot layouts; the user's own when None.
         waypoint_paths: Folder of the waypoint paths; the user's own when None.
+        bench_runs: Folder of the runs of the bench; the user's own when None.
     """
 
     events: EventLog = field(default_factory=EventLog)
@@ -68,6 +70,7 @@ class Kept:
     gain_sets: Path | None = None
     plot_layouts: Path | None = None
     waypoint_paths: Path | None = None
+    bench_runs: Path | None = None
 
 
 def create_app(  # noqa: PLR0913 - parts and bounds of one application
@@ -122,6 +125,7 @@ def create_app(  # noqa: PLR0913 - parts and bounds of one application
         agents=seat,
         idempotent_answers=IdempotentAnswers(),
         bench=LiveBench(station),
+        bench_runs=KeptRuns(kept.bench_runs),
         broadcaster=Broadcaster(
             station, slow_after=slow_after, max_clients=max_streams
         ),

@@ -104,6 +104,7 @@ STATUS: Mapping[type[errors.StationError], int] = {
 """HTTP status of each kind of error; a kind that is missing gets its parent's."""
 
 ROUTES: Mapping[str, str] = {
+    "bench_run_not_found": "GET /api/v1/bench-runs lists the runs.",
     "control_held": "GET /api/v1/control says who holds control.",
     "controller_not_found": "GET /api/v1/controllers lists the loaded ones.",
     "controller_state": "POST /api/v1/controllers/switch starts and stops controllers.",

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from station.library.waypoint_paths import WaypointPaths
     from station.records.recorder import Recorder
     from station.trials.background_experiments import BackgroundExperiments
+    from station.trials.bench_runs import KeptRuns
     from station.trials.live_bench import LiveBench
     from station.web.failed_logins import FailedLogins
 
@@ -41,6 +42,7 @@ class Services:
         agents: Requests of agents that people answer.
         idempotent_answers: Answers that are repeated for a request that is sent twice.
         bench: Measures how a joint follows.
+        bench_runs: Kept runs of the bench.
         broadcaster: All streams.
         dashboard_url: Returns the address of the dashboard; None while it is unknown.
         recorder: Records every cycle; None for a station that records nothing.
@@ -62,6 +64,7 @@ class Services:
     agents: "Agents"
     idempotent_answers: "IdempotentAnswers"
     bench: "LiveBench"
+    bench_runs: "KeptRuns"
     broadcaster: "Broadcaster"
     dashboard_url: Callable[[], str | None]
     recorder: "Recorder | None"

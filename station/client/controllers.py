@@ -286,6 +286,8 @@ class AsyncControllersClient:
         *,
         duration: float = 2.0,
         settling_band: float = 0.02,
+        relay_gain: float | None = None,
+        run: str | None = None,
     ) -> BenchResponse:
         """Excite one joint through a running controller, and return how it follows.
 
@@ -299,9 +301,17 @@ class AsyncControllersClient:
             duration: How long the response is measured [s], above 0, at most 10.
             settling_band: Half-width of the band of the settling time, as a share of
                 the step, above 0 and below 1.
+            relay_gain: Proportional gain of the joint during a relay, > 0, with
+                integral and derivative gain 0; None leaves the gains in force.
+            run: Name under which the station keeps the response; it makes one when
+                None.
         """
         request = BenchRequest(
-            excitation=excitation, duration=duration, settling_band=settling_band
+            excitation=excitation,
+            duration=duration,
+            settling_band=settling_band,
+            relay_gain=relay_gain,
+            name=run,
         )
         path, patience = controller_path(name, "bench"), 5.0 * request.duration
         return await self._connection.send(

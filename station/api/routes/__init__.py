@@ -5,6 +5,7 @@ from fastapi import APIRouter
 from station.api.routes import (
     access,
     agents,
+    bench,
     control,
     controllers,
     events,
@@ -32,6 +33,7 @@ for _module in (
     controllers,
     gains,
     set_points,
+    bench,
     goals,
     waypoint_paths,
     parameters,

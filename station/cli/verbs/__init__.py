@@ -84,6 +84,11 @@ VERBS = (
         "show or set the gains of a controller; save, compare and apply sets of gains",
     ),
     Verb(
+        "bench",
+        "bench",
+        "excite a joint and say how it follows; propose and apply gains",
+    ),
+    Verb(
         "parameters",
         "parameters",
         "read and change the tree of parameters that controllers are loaded with",
