@@ -1,10 +1,10 @@
 """The web application: routes, errors, access, documentation."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from fastapi import APIRouter, FastAPI
 from starlette.middleware.cors import CORSMiddleware
@@ -29,8 +29,9 @@ from station.api.streams import Broadcaster
 from station.core.facade.station import Station
 from station.events import Alarms, EventLog
 from station.library.gain_sets import GainSets
-from station.library.path_player import PathPlayer
+from station.library.path_player import PathPlayer, PlayOptions
 from station.library.waypoint_paths import WaypointPaths
+from station.rehearsal.rehearsals import Rehearsals
 from station.trials.background_experiments import BackgroundExperiments
 from station.trials.live_bench import LiveBench
 from station.web.failed_logins import FailedLogins
@@ -102,6 +103,8 @@ def create_app(
     kept = Kept() if kept is None else kept
     event_recorder = EventRecorder(kept.events)
     paths = WaypointPaths(station.loop, station.manager, kept.waypoint_paths)
+    player = PathPlayer(station.loop, station.manager, station.motion, paths)
+    rehearsals = Rehearsals(station, {"path": partial(_plan_path, player)})
     app.state.services = Services(
         station=station,
         authenticator=authenticator,
@@ -109,7 +112,7 @@ def create_app(
         event_recorder=event_recorder,
         event_feed=EventFeed(kept.events),
         alarms=Alarms(station, kept.events),
-        control=Control(kept.events, station.motion.let_go),
+        control=Control(kept.events, station.motion.let_go, rehearsed=rehearsals.check),
         idempotent_answers=IdempotentAnswers(),
         bench=LiveBench(station),
         broadcaster=Broadcaster(
@@ -120,7 +123,8 @@ def create_app(
         experiments=kept.experiments,
         gain_sets=GainSets(station.tuning, kept.gain_sets),
         waypoint_paths=paths,
-        path_player=PathPlayer(station.loop, station.manager, station.motion, paths),
+        path_player=player,
+        rehearsals=rehearsals,
     )
     add_error_handlers(app)
     app.router.routes.extend(_shared_routes())
@@ -140,6 +144,11 @@ def create_app(
     app.add_middleware(Audit, repeats=event_recorder.repeats)
     app.add_middleware(RequestId)
     return app
+
+
+def _plan_path(player: PathPlayer, step: Mapping[str, Any]) -> dict[str, object]:
+    """Return the goal of a step that plays a path."""
+    return player.plan_goal(step["path"], PlayOptions(**step["options"]))
 
 
 @cache

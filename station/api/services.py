@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from station.library.path_player import PathPlayer
     from station.library.waypoint_paths import WaypointPaths
     from station.records.recorder import Recorder
+    from station.rehearsal.rehearsals import Rehearsals
     from station.trials.background_experiments import BackgroundExperiments
     from station.trials.live_bench import LiveBench
     from station.web.failed_logins import FailedLogins
@@ -45,6 +46,7 @@ class Services:
         gain_sets: Named sets of gains on the disk.
         waypoint_paths: Named waypoint paths on the disk.
         path_player: Plays waypoint paths.
+        rehearsals: Tries commands in a copy of the station.
         command_streams: Number of open streams of set-points.
     """
 
@@ -64,6 +66,7 @@ class Services:
     gain_sets: "GainSets"
     waypoint_paths: "WaypointPaths"
     path_player: "PathPlayer"
+    rehearsals: "Rehearsals"
     command_streams: int = 0
 
 

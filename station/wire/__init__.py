@@ -13,6 +13,7 @@ from station.reports import (
     LoopReport as LoopReport,
     Percentiles as Percentiles,
     Playback as Playback,
+    Rehearsal as Rehearsal,
     Simulation as Simulation,
     Waypoint as Waypoint,
     WaypointPath as WaypointPath,
