@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from station.library.plot_layouts import PlotLayouts
     from station.library.waypoint_paths import WaypointPaths
     from station.records.recorder import Recorder
+    from station.rehearsal.rehearsals import Rehearsals
     from station.trials.background_experiments import BackgroundExperiments
     from station.trials.bench_runs import KeptRuns
     from station.trials.live_bench import LiveBench
@@ -51,6 +52,7 @@ class Services:
         plot_layouts: Named layouts of plots on the disk.
         waypoint_paths: Named waypoint paths on the disk.
         path_player: Plays waypoint paths.
+        rehearsals: Tries commands in a copy of the station.
         command_streams: Number of open streams of set-points.
     """
 
@@ -73,6 +75,7 @@ class Services:
     plot_layouts: "PlotLayouts"
     waypoint_paths: "WaypointPaths"
     path_player: "PathPlayer"
+    rehearsals: "Rehearsals"
     command_streams: int = 0
 
 

@@ -510,6 +510,7 @@ class StationClient(_Client[AsyncStationClient]):
     bench = _waited_for(AsyncStationClient.bench)
     command_stream = _made(AsyncStationClient.command_stream, CommandStream)
     submit_goal = _waited_for(AsyncStationClient.submit_goal)
+    rehearse = _waited_for(AsyncStationClient.rehearse)
     goals = _waited_for(AsyncStationClient.goals)
     goal = _waited_for(AsyncStationClient.goal)
     cancel_goal = _waited_for(AsyncStationClient.cancel_goal)

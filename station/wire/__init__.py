@@ -16,6 +16,7 @@ from station.reports import (
     Playback as Playback,
     PlotLayout as PlotLayout,
     PlotSettings as PlotSettings,
+    Rehearsal as Rehearsal,
     Simulation as Simulation,
     Waypoint as Waypoint,
     WaypointPath as WaypointPath,

@@ -102,6 +102,12 @@ VERBS = (
     Verb("motion", "command", "send a controller a set-point"),
     Verb("motion", "goto", "move to a pose, or a controller's joints, and wait"),
     Verb(
+        "rehearsal",
+        "rehearse",
+        "tell how a motion would end, without moving anything; exit code 1 when it "
+        "fails",
+    ),
+    Verb(
         "motion",
         "stop",
         "stop the robot and let nothing move until released. With the names of loaded "
