@@ -5,7 +5,10 @@ Imports the reports and nothing else of the station, as the client does.
 
 from station.reports import (
     ArmRecord as ArmRecord,
+    ChainedController as ChainedController,
+    ControllerChains as ControllerChains,
     Event as Event,
+    ExportedValue as ExportedValue,
     GainsChange as GainsChange,
     HardwareInterface as HardwareInterface,
     HardwareResource as HardwareResource,
