@@ -5,6 +5,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from station.core.control.chains import ChainedRobotHW, claims_of_references
 from station.core.control.command_guard import find_guards
 from station.core.control.controller import ControllerBase
 from station.core.control.controller_loader import ControllerLoader, create_controller
@@ -48,7 +49,15 @@ ALLOW_START_JUMP = DeclaredParameter(
     default=False,
     description="start even if the first command is far from the last command",
 )
-COMMON_PARAMETERS = (FALLBACK, ALLOW_START_JUMP)
+UPDATE_RATE = DeclaredParameter(
+    name="update_rate",
+    type=ParameterType.NUMBER,
+    unit="Hz",
+    default=0.0,
+    minimum=0.0,
+    description="how often it is updated, at most as often as the loop; 0: every cycle",
+)
+COMMON_PARAMETERS = (FALLBACK, ALLOW_START_JUMP, UPDATE_RATE)
 """Parameters that every controller has, whatever its type."""
 _TOLD = 5
 """How many unknown parameters the message of a refusal names; its details name all."""
@@ -100,11 +109,18 @@ class ControllerFactory:
         for loader in self.loaders:
             loader.reload()
 
-    def build(self, name: str, *, strict: bool = False) -> LoadedController:
+    def build(
+        self,
+        name: str,
+        loaded: Sequence[LoadedController] = (),
+        *,
+        strict: bool = False,
+    ) -> LoadedController:
         """Return a new, initialised controller.
 
         Args:
             name: Its name and namespace.
+            loaded: The loaded controllers, whose references it may claim.
             strict: Whether a parameter that its type does not know is refused. It is
                 told otherwise, as for every type that declares no parameters.
 
@@ -128,21 +144,35 @@ class ControllerFactory:
         controller_type = params.get_str("type")
         fallback = tuple(FALLBACK.read_str_list(params))
         may_jump = ALLOW_START_JUMP.read_bool(params)
+        update_rate = UPDATE_RATE.read_float(params)
         controller = create_controller(self.loaders, controller_type)
-        claims = self._initialise(name, controller, params)
+        hw = self._hw
+        exports = ChainedRobotHW(hw, loaded)
+        # A robot without chains is handed over as it is.
+        seen = exports if exports.owners else hw
+        claims = self._initialise(name, controller, params, seen)
+        claims, references, states = exports.split_claims(claims)
         notes = _unknown_parameters(name, controller, params, reads, strict=strict)
         notes += _hindrances(controller)
-        info = ControllerInfo(name, controller_type, claims)
-        guards = find_guards(self._hw, claims)
-        return LoadedController(
-            controller, info, guards, fallback, may_jump=may_jump, notes=notes
+        info = ControllerInfo(name, controller_type, claims, references)
+        loaded_controller = LoadedController(
+            controller,
+            info,
+            find_guards(seen, (*claims, *claims_of_references(references))),
+            fallback,
+            may_jump=may_jump,
+            notes=notes,
+            following=exports.owners_of(references),
+            read=exports.owners_of(states),
         )
+        loaded_controller.update_rate = update_rate
+        return loaded_controller
 
     def _initialise(
-        self, name: str, controller: ControllerBase, params: Parameters
+        self, name: str, controller: ControllerBase, params: Parameters, hw: RobotHW
     ) -> tuple[InterfaceResources, ...]:
         try:
-            return controller.init_request(self._hw, params)
+            return controller.init_request(hw, params)
         # It names the parameter already, and its code tells the API to answer 422.
         except ParameterError:
             raise
