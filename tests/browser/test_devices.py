@@ -19,10 +19,10 @@ navigator.getGamepads = () => [window.pad];
 @pytest.fixture
 def page(browser, running_station, client):
     """The page with a gamepad, whose map is in sight, while the hand can be jogged."""
-    others = [c.name for c in client.controllers() if c.state == "running"]
-    client.switch_controllers(
-        start=[JOG], stop=[name for name in others if name != "joint_state_controller"]
-    )
+    running = [c.name for c in client.controllers() if c.state == "running"]
+    if JOG not in running:
+        others = [name for name in running if name != "joint_state_controller"]
+        client.switch_controllers(start=[JOG], stop=others)
 
     def begin(context):
         without_scene(context)
