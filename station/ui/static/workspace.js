@@ -34,9 +34,9 @@ const DOCKS = [
 ];
 // Which docks each layout opens, which it opens as well beside them in a second column, and the height of those below.
 const PRESETS = {
-  Operate: { open: ["joints", "controllers", "gripper", "plots", "timeline"], wide: ["move"], below: 236 },
+  Operate: { open: ["joints", "controllers", "gripper", "plots", "timeline"], wide: ["move", "tuning"], below: 236 },
   Tune: { open: ["joints", "tuning", "plots"], wide: ["controllers"], below: 300 },
-  Record: { open: ["joints", "move", "plots", "timeline"], wide: ["gripper"], below: 300 },
+  Record: { open: ["joints", "move", "plots", "timeline"], wide: ["gripper", "tuning"], below: 300 },
   Safety: { open: ["joints", "controllers", "timeline", "simulation"], wide: ["gripper", "move"], below: 300 },
 };
 const TWO_COLUMNS = 1600; // as in the style sheet [px]

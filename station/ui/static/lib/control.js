@@ -119,8 +119,7 @@ class Control {
 
   contentOfHolder(line, note) {
     const { owner, since, hand_over_to: heir } = this.state;
-    const to = h("input", { class: "name", name: "heir", maxLength: 100 });
-    to.setAttribute("aria-label", "Hand over to");
+    const to = h("input", { class: "name", name: "heir", maxLength: 100, ariaLabel: "Hand over to" });
     const offer = async () => to.value.trim() && (await this.ask("PATCH", { hand_over_to: to.value.trim() }));
     const at = new Date(since * 1e3).toLocaleTimeString("en-GB");
     return [

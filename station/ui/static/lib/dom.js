@@ -52,8 +52,7 @@ export function breakable(text, sign) {
  * a value is typed or left.
  */
 export function valueField(label, send, changed = () => {}) {
-  const input = h("input", { class: "value", inputMode: "decimal", autocomplete: "off", spellcheck: false });
-  input.setAttribute("aria-label", label);
+  const input = h("input", { class: "value", inputMode: "decimal", autocomplete: "off", spellcheck: false, ariaLabel: label });
   const edit = (edited) => () => {
     input.edited = edited;
     changed();
@@ -79,8 +78,7 @@ export function valueField(label, send, changed = () => {}) {
  * disabled meanwhile, e.g. by a stop, has to be pressed anew.
  */
 export function holdButton(label, title, hold, release) {
-  const button = h("button", { class: "s hold", type: "button", title }, label);
-  button.setAttribute("aria-label", title);
+  const button = h("button", { class: "s hold", type: "button", title, ariaLabel: title }, label);
   let timer = null;
   const end = () => {
     if (timer === null) return;

@@ -21,9 +21,7 @@ const MAP = [
 class GamepadPanel extends Panel {
   build() {
     this.state = h("p", { class: "hint", role: "status" });
-    this.scale = h("input", { type: "range", min: 5, max: 100, step: 5, value: kept.get("gamepad-scale", 50), title: "Part of the top speeds of the hand at a full deflection." });
-    this.scale.setAttribute("aria-label", "Scale of the gamepad in percent");
-    this.scale.addEventListener("input", () => kept.set("gamepad-scale", Number(this.scale.value)));
+    this.scale = h("input", { type: "range", min: 5, max: 100, step: 5, value: kept.get("gamepad-scale", 50), title: "Part of the top speeds of the hand at a full deflection.", ariaLabel: "Scale of the gamepad in percent", oninput: () => kept.set("gamepad-scale", Number(this.scale.value)) });
     this.map = h("tbody", {});
     this.details = h(
       "details",

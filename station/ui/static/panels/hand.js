@@ -40,15 +40,11 @@ class Hand extends Panel {
     this.targets = AXES.slice(0, FIRST_TURN).map((axis) => valueField(`Hand ${axis} [m]`, () => this.go()));
     this.angles = ANGLES.map((angle) => valueField(`Hand ${angle}`, () => this.go()));
     this.angleUnit = h("span", {}, units.sign);
-    this.step = h("select", { title: "How far one press of a button moves the hand; while the hand takes targets." });
-    this.step.setAttribute("aria-label", "Step of the hand");
-    this.step.addEventListener("change", () => kept.set("hand-step", Number(this.step.value)));
+    this.step = h("select", { title: "How far one press of a button moves the hand; while the hand takes targets.", ariaLabel: "Step of the hand", onchange: () => kept.set("hand-step", Number(this.step.value)) });
     this.listSteps(kept.get("hand-step", 1));
     units.addEventListener("change", () => this.changeUnit());
     this.reach = h("button", { class: "s", type: "button", title: "Move the hand there; without angles it keeps its orientation.", onclick: () => this.go() }, "Go there");
-    this.axes = h("select", { title: "Frame along whose axes the buttons move the hand." }, ...FRAMES.map((frame, i) => h("option", { value: String(i) }, frame)));
-    this.axes.setAttribute("aria-label", "Axes of the jog");
-    this.axes.addEventListener("change", () => this.setFrame());
+    this.axes = h("select", { title: "Frame along whose axes the buttons move the hand.", ariaLabel: "Axes of the jog", onchange: () => this.setFrame() }, ...FRAMES.map((frame, i) => h("option", { value: String(i) }, frame)));
     const here = h("button", { class: "s", type: "button", title: "Fill in where the hand is.", onclick: () => this.fillIn() }, "Here");
     teleoperation.addEventListener("change", () => this.isShown && this.refresh());
     store.addEventListener("gains", () => (this.framed = "")); // the axes are a gain of the jog
@@ -71,8 +67,7 @@ class Hand extends Panel {
 
   buildSpeeds() {
     const slider = (key, label, unitOf, step) => {
-      const input = h("input", { type: "range", min: step, max: MOST[key], step, value: kept.get("hand-speed", SPEEDS)[key] });
-      input.setAttribute("aria-label", label);
+      const input = h("input", { type: "range", min: step, max: MOST[key], step, value: kept.get("hand-speed", SPEEDS)[key], ariaLabel: label });
       const text = h("output", {});
       const tell = () => {
         const { scale, sign, digits } = unitOf();

@@ -24,14 +24,12 @@ class Joints extends Panel {
     this.desired = new Map(); // what each joint is told, by its controller
     this.endsOfSamples = [];
     const choose = (unit) => {
-      const button = h("button", { class: "s", type: "button" }, unit);
-      button.addEventListener("click", () => units.choose(unit));
+      const button = h("button", { class: "s", type: "button", onclick: () => units.choose(unit) }, unit);
       button.dataset.unit = unit;
       return button;
     };
     this.units = [choose("deg"), choose("rad")];
-    this.speed = h("input", { type: "range", min: 2, max: 85, step: 1, value: kept.get("speed", 29), title: "Top speed of a joint on its way to a typed value, or while its button is held." });
-    this.speed.setAttribute("aria-label", "Top speed in degrees per second");
+    this.speed = h("input", { type: "range", min: 2, max: 85, step: 1, value: kept.get("speed", 29), title: "Top speed of a joint on its way to a typed value, or while its button is held.", ariaLabel: "Top speed in degrees per second" });
     this.speedText = h("output", {});
     this.speed.addEventListener("input", () => {
       this.showSpeed();
@@ -53,12 +51,9 @@ class Joints extends Panel {
   /** The poses are the waypoints of a path at the station. */
   poses() {
     const button = (label, title, run) => h("button", { class: "s", type: "button", title, onclick: run, disabled: true }, label);
-    this.poseName = h("input", { class: "name", placeholder: "name", title: "Name under which the station keeps the present joints." });
-    this.poseName.setAttribute("aria-label", "Name of the pose");
-    this.poseName.addEventListener("input", () => this.showPoses());
+    this.poseName = h("input", { class: "name", placeholder: "name", title: "Name under which the station keeps the present joints.", ariaLabel: "Name of the pose", oninput: () => this.showPoses() });
     this.poseName.addEventListener("keydown", (event) => event.key === "Enter" && this.savePose());
-    this.poseList = h("select", { title: "Poses that the station keeps, as the waypoints of the path “poses”." });
-    this.poseList.setAttribute("aria-label", "Pose");
+    this.poseList = h("select", { title: "Poses that the station keeps, as the waypoints of the path “poses”.", ariaLabel: "Pose" });
     this.poseList.addEventListener("pointerdown", () => this.readPoses());
     this.goButton = button("Go", "Move all joints to the pose, at the top speed above.", () => this.goToPose());
     this.saveButton = button("Save pose", "Keep where the joints are under this name.", () => this.savePose());

@@ -9,9 +9,7 @@ import { store } from "../lib/store.js";
 
 class Move extends Panel {
   build() {
-    this.choice = h("select", { title: "Arm whose hand is moved and whose settings are shown." });
-    this.choice.setAttribute("aria-label", "Arm");
-    this.choice.addEventListener("change", () => this.choose(this.choice.value));
+    this.choice = h("select", { title: "Arm whose hand is moved and whose settings are shown.", ariaLabel: "Arm", onchange: () => this.choose(this.choice.value) });
     this.line = h("div", { class: "line", hidden: true }, h("label", {}, "arm ", this.choice));
     this.parts = [h("st-hand"), h("st-gamepad"), h("st-arm-settings")];
     this.append(h("st-path"), this.line, ...this.parts);

@@ -20,11 +20,8 @@ class Path extends Panel {
     this.path = { name: "", waypoints: [] };
     this.list = h("ol", { class: "waypoints" });
     const button = (label, title, run, look = "s") => h("button", { class: look, type: "button", title, onclick: run }, label);
-    this.choice = h("select", { title: "Paths kept by the station." });
-    this.choice.setAttribute("aria-label", "Waypoint path");
-    this.choice.addEventListener("change", () => this.open(this.choice.value));
-    this.newName = h("input", { class: "name", placeholder: "new path" });
-    this.newName.setAttribute("aria-label", "Name of a new path");
+    this.choice = h("select", { title: "Paths kept by the station.", ariaLabel: "Waypoint path", onchange: () => this.open(this.choice.value) });
+    this.newName = h("input", { class: "name", placeholder: "new path", ariaLabel: "Name of a new path" });
     this.newName.addEventListener("keydown", (event) => event.key === "Enter" && this.make());
     this.newName.addEventListener("input", () => this.showPlayback(this.playback));
     this.newButton = button("New", "Begin a path of this name", () => this.make());
@@ -37,13 +34,11 @@ class Path extends Panel {
     this.cancelButton = button("Cancel", "End the motion; the joints hold where they are", () => this.cancel());
     this.loop = button("Loop", "Begin again at the end, until it is switched off", () => this.setLoop());
     this.loop.setAttribute("aria-pressed", "false");
-    this.speed = h("input", { type: "range", min: 10, max: 200, step: 5, value: 100, title: "Factor of all speeds of the path; also while it plays." });
-    this.speed.setAttribute("aria-label", "Speed of the path in percent");
+    this.speed = h("input", { type: "range", min: 10, max: 200, step: 5, value: 100, title: "Factor of all speeds of the path; also while it plays.", ariaLabel: "Speed of the path in percent" });
     this.speedText = h("output", {}, "100 %");
     this.speed.addEventListener("input", () => show(this.speedText, `${this.speed.value} %`));
     this.speed.addEventListener("change", () => this.isActive && this.change({ speed: this.speed.value / 100 }));
-    this.progress = h("progress", { max: 1, value: 0, hidden: true });
-    this.progress.setAttribute("aria-label", "Progress of the path");
+    this.progress = h("progress", { max: 1, value: 0, hidden: true, ariaLabel: "Progress of the path" });
     this.state = h("p", { class: "hint state", role: "status" }, "Capture where the arm is, move it, capture again, then Play.");
     this.append(
       h("div", { class: "line" }, this.choice, this.newName, this.newButton, this.deleteButton),

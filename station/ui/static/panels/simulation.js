@@ -18,20 +18,14 @@ class Simulation extends Panel {
     this.state = h("p", { class: "hint state" });
     this.done = h("p", { class: "hint", role: "status" });
     this.pause = button("Pause", "Simulated time stands still; stops and switches still work.", () => this.changePause());
-    this.steps = h("input", { class: "value", value: "100", inputMode: "numeric" });
-    this.steps.setAttribute("aria-label", "Cycles to step");
+    this.steps = h("input", { class: "value", value: "100", inputMode: "numeric", ariaLabel: "Cycles to step" });
     this.step = button("Step", "Run so many cycles while paused.", () => this.stepOn());
-    this.factor = h("input", { class: "value", value: "1", inputMode: "decimal" });
-    this.factor.setAttribute("aria-label", "Speed of simulated time");
+    this.factor = h("input", { class: "value", value: "1", inputMode: "decimal", ariaLabel: "Speed of simulated time" });
     this.factor.addEventListener("keydown", (event) => event.key === "Enter" && this.setFactor());
-    this.keyframe = h("select", {});
-    this.keyframe.setAttribute("aria-label", "Where the reset goes to");
-    this.arm = h("select", {});
-    this.arm.setAttribute("aria-label", "Arm of the fault or push");
-    this.fault = h("select", {}, ...FAULTS.map((name) => h("option", { value: name }, name.replaceAll("_", " "))));
-    this.fault.setAttribute("aria-label", "Fault");
-    this.force = h("input", { class: "value force", value: "0, 0, 20" });
-    this.force.setAttribute("aria-label", "Force of the push, x, y, z [N]");
+    this.keyframe = h("select", { ariaLabel: "Where the reset goes to" });
+    this.arm = h("select", { ariaLabel: "Arm of the fault or push" });
+    this.fault = h("select", { ariaLabel: "Fault" }, ...FAULTS.map((name) => h("option", { value: name }, name.replaceAll("_", " "))));
+    this.force = h("input", { class: "value force", value: "0, 0, 20", ariaLabel: "Force of the push, x, y, z [N]" });
     this.controls = h(
       "div",
       {},

@@ -11,11 +11,8 @@ import { sharedPrefix, typed } from "../lib/text.js";
 
 class Tuning extends Panel {
   build() {
-    this.choice = h("select", { title: "Controller whose gains are shown." });
-    this.choice.setAttribute("aria-label", "Controller to tune");
-    this.choice.addEventListener("change", () => this.read());
-    this.joint = h("select", { title: "Joint of tests and of the search." });
-    this.joint.setAttribute("aria-label", "Joint to tune");
+    this.choice = h("select", { title: "Controller whose gains are shown.", ariaLabel: "Controller to tune", onchange: () => this.read() });
+    this.joint = h("select", { title: "Joint of tests and of the search.", ariaLabel: "Joint to tune" });
     this.joint.addEventListener("change", () => {
       this.markJoint();
       this.bench.choose();
@@ -26,10 +23,8 @@ class Tuning extends Panel {
       await act("POST", "/gain-sets/undo");
       this.reread();
     });
-    this.apply = h("button", { class: "s primary", type: "button", title: "All changed values take effect in the same cycle." }, "Apply");
-    this.apply.addEventListener("click", () => this.patch());
-    this.fields = h("div", { class: "gains" });
-    this.fields.addEventListener("input", () => this.showApply());
+    this.apply = h("button", { class: "s primary", type: "button", title: "All changed values take effect in the same cycle.", onclick: () => this.patch() }, "Apply");
+    this.fields = h("div", { class: "gains", oninput: () => this.showApply() });
     this.state = h("p", { class: "hint state" }, "");
     this.sets = h("st-gain-sets");
     this.bench = h("st-bench", { class: "bench" });
