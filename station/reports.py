@@ -259,6 +259,52 @@ class HardwareTransmission(Report):
 
 
 @dataclass(frozen=True, slots=True)
+class ExportedValue(Report):
+    """A reference or a state that a controller exports.
+
+    Attributes:
+        name: Full name, e.g. `pid_controller/joint1/position`.
+        users: Names of the loaded controllers that claim the reference or read the
+            state.
+    """
+
+    name: str
+    users: Sequence[str]
+
+
+@dataclass(frozen=True, slots=True)
+class ChainedController(Report):
+    """A controller with what it exports, and with its place in chains.
+
+    Attributes:
+        name: Its name.
+        state: Where it is in its life.
+        is_in_chained_mode: Whether a running controller commands its references.
+        following: Names of the controllers whose references it commands.
+        references: References that it exports.
+        states: States that it exports.
+    """
+
+    name: str
+    state: str
+    is_in_chained_mode: bool
+    following: Sequence[str]
+    references: Sequence[ExportedValue]
+    states: Sequence[ExportedValue]
+
+
+@dataclass(frozen=True, slots=True)
+class ControllerChains(Report):
+    """The loaded controllers, with who commands whom.
+
+    Attributes:
+        controllers: The controllers, in the order in which they are updated.
+    """
+
+    controllers: Sequence[ChainedController]
+
+
+@dataclass(frozen=True, slots=True)
 class GainsChange(Report):
     """A change of gains that took effect.
 

@@ -19,6 +19,7 @@ from station.client.samples import Samples
 from station.client.stores import (
     AsyncAgentsClient,
     AsyncAlarmsClient,
+    AsyncBenchRunsClient,
     AsyncExperimentsClient,
     AsyncGainSetsClient,
     AsyncIncidentsClient,
@@ -63,6 +64,7 @@ class AsyncStationClient(AsyncControllersClient):
 
     Attributes:
         simulation: Pause, step and reset of a simulated robot.
+        bench_runs: Runs of the bench that the station keeps.
         gain_sets: Named sets of gains on the station's disk.
         plot_layouts: Named layouts of plots on the station's disk.
         waypoint_paths: Waypoint paths on the station's disk, and their playing.
@@ -92,6 +94,7 @@ class AsyncStationClient(AsyncControllersClient):
         )
         super().__init__(connection)
         self.simulation = AsyncSimulationClient(connection)
+        self.bench_runs = AsyncBenchRunsClient(connection)
         self.gain_sets = AsyncGainSetsClient(connection)
         self.recordings = AsyncRecordingsClient(connection)
         self.incidents = AsyncIncidentsClient(connection)

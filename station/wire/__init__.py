@@ -6,7 +6,10 @@ Imports the reports and nothing else of the station, as the client does.
 from station.reports import (
     AgentRequest as AgentRequest,
     ArmRecord as ArmRecord,
+    ChainedController as ChainedController,
+    ControllerChains as ControllerChains,
     Event as Event,
+    ExportedValue as ExportedValue,
     GainsChange as GainsChange,
     HardwareInterface as HardwareInterface,
     HardwareResource as HardwareResource,
@@ -16,6 +19,7 @@ from station.reports import (
     Playback as Playback,
     PlotLayout as PlotLayout,
     PlotSettings as PlotSettings,
+    Rehearsal as Rehearsal,
     Simulation as Simulation,
     Waypoint as Waypoint,
     WaypointPath as WaypointPath,

@@ -22,6 +22,8 @@ _ROUTES: tuple[tuple[tuple[str, ...], str], ...] = (
     (("GET", "PATCH"), "/controllers/{}/gains"),
     (("GET", "PUT"), "/controllers/{}/command"),
     (("POST",), "/controllers/{}/bench"),
+    (_READ, "/bench-runs"),
+    (("GET", "DELETE"), "/bench-runs/{}"),
     (_READ, "/controllers/{}/state"),
     (_READ, "/controllers/{}/query_state"),
     (("GET", "POST"), "/controllers/{}/goals"),
@@ -76,12 +78,14 @@ _ROUTES: tuple[tuple[tuple[str, ...], str], ...] = (
     (_READ, "/recordings/{}/table"),
     (_READ, "/recordings/{}/events"),
     (("POST",), "/recordings/{}/notes"),
+    (("POST",), "/recordings/{}/bench"),
     (_READ, "/incidents"),
     (_READ, "/incidents/{}"),
     (_READ, "/incidents/{}/file"),
     (_READ, "/incidents/{}/table"),
     (_READ, "/incidents/{}/events"),
     (("POST",), "/incidents/{}/notes"),
+    (("POST",), "/incidents/{}/bench"),
 )
 _STREAMS = (
     "joint_states",

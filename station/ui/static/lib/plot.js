@@ -40,7 +40,7 @@ export class Plot {
     this.longest = LONGEST; // most that is shown [s]
     this.isSpectrum = false; // whether the traces are over frequency [Hz]
     this.xy = false; // whether the first trace is the abscissa of the others
-    this.traces = []; // {label, history, unit}
+    this.traces = []; // {label, history, unit, colour}; in the order of the colours without one
     this.markers = [];
     place.addEventListener("keydown", (event) => this.press(event));
     place.addEventListener("blur", () => this.chart?.setCursor({ left: -10, top: -10 }, true, true));
@@ -105,7 +105,7 @@ export class Plot {
         legend: { show: false },
         scales: { x: { time: false, auto: false }, y: { range: (_, low, high) => (low === null ? [-1, 1] : withRoom(low, high)) } },
         axes: [{ ...axis, size: 18, gap: 2, space: 70, values: texts(this.isSpectrum ? " Hz" : " s") }, { ...axis, size: 46, gap: 3, space: 26, values: texts("") }],
-        series: [{}, ...this.traces.map(({ label }, i) => ({ label, stroke: colour(`--trace${i % COLOURS}`), width: 1.6, dash: dashOf(i), points: { show: false }, spanGaps: true }))],
+        series: [{}, ...this.traces.map(({ label, colour: paint }, i) => ({ label, stroke: colour(`--trace${(paint ?? i) % COLOURS}`), width: 1.6, dash: dashOf(paint ?? i), points: { show: false }, spanGaps: true }))],
         cursor: { y: false, points: { size: 6 }, drag: { x: true, y: false, setScale: false }, sync, bind: { dblclick: () => null } },
         hooks: {
           setCursor: [({ cursor }) => this.chart && this.hear(cursor.left)],
@@ -121,7 +121,7 @@ export class Plot {
   }
 
   keyOf() {
-    return JSON.stringify([this.isSpectrum, ...this.traces.map(({ label, unit }) => [label, unit])]);
+    return JSON.stringify([this.isSpectrum, ...this.traces.map(({ label, unit, colour }) => [label, unit, colour])]);
   }
 
   /** Note where the cursor is [px]; outside of the plot it is nowhere. */

@@ -1,6 +1,7 @@
 // Timeline: what happened, recordings and incidents, as far as the station offers them.
 import { alarmRows, alarms } from "../lib/alarms.js";
 import { h, show } from "../lib/dom.js";
+import { deedOf } from "../lib/deeds.js";
 import { Panel } from "../lib/panel.js";
 import { replay } from "../lib/replay.js";
 import { act, api, follow } from "../lib/station.js";
@@ -108,8 +109,9 @@ class Timeline extends Panel {
     if (this.chosen === "events") {
       const sign = { warning: "▲ ", error: "✖ " }[item.severity] ?? "";
       const since = item.times > 1 ? ` (${item.times} alike since ${new Date(item.since * 1e3).toLocaleTimeString("en-GB")})` : "";
-      const who = item.who && !item.text.includes(item.who) ? html`<b>${item.who} </b>` : nothing;
-      return row(html`${who}<span>${sign}${item.text || `${item.kind} ${item.what} ${item.result}`}${since}</span>`);
+      const deed = deedOf(item);
+      const who = item.who && !deed.includes(item.who) ? html`<b>${item.who} </b>` : nothing;
+      return row(html`${who}<span>${sign}${deed}${since}</span>`);
     }
     const name = item.identifier;
     const size = `${(item.size / 1e6).toFixed(1)} MB, ${item.duration.toFixed(1)} s`;
