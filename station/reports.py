@@ -259,6 +259,25 @@ class HardwareTransmission(Report):
 
 
 @dataclass(frozen=True, slots=True)
+class AsyncStatistics(Report):
+    """The updates of a controller in a thread of its own.
+
+    Attributes:
+        policy: `synchronized` or `detached`.
+        age: How many cycles old the states are to which its commands belong.
+        missed: Updates that did not begin because the one before had not ended.
+        duration: How long its updates take [s].
+        period: Station time from one update to the next [s].
+    """
+
+    policy: str
+    age: int
+    missed: int
+    duration: Percentiles
+    period: Percentiles
+
+
+@dataclass(frozen=True, slots=True)
 class ExportedValue(Report):
     """A reference or a state that a controller exports.
 
