@@ -162,8 +162,8 @@ class _Merge:
         """Add the controllers and other parameters of files written for ROS.
 
         Raises:
-            ConfigError: A file was written for ROS 2, a name is in two namespaces, or
-                a key is misspelt.
+            ConfigError: A name is in two namespaces, a key is misspelt, or parameters
+                of ROS 2 do not fit.
         """
         found, sources = RosParameters(), list[tuple[KeyPath, str | YamlDocument]]()
         for document in documents:

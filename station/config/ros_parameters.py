@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, NoReturn, TypeVar
 
+from station.config.ros2_parameters import is_ros2, read_ros2
 from station.core.errors import ConfigError, show
 
 _SUBSTITUTION = re.compile(r"\$\((\w+)\s*([^)]*)\)")
@@ -73,10 +74,14 @@ def split_ros_parameters(values: dict[str, object], name: str) -> RosParameters:
         name: The file, for messages.
 
     Raises:
-        ConfigError: The file was written for ROS 2, has a name in two namespaces, or
-            misspells a key that the station reads.
+        ConfigError: A name is in two namespaces, a key that the station reads is
+            misspelt, or parameters of ROS 2 do not fit; see `read_ros2`.
     """
     found = RosParameters()
+    if is_ros2(values):
+        found.controllers, found.others = read_ros2(values, name)
+        found.paths = {key: key for key in (*found.controllers, *found.others)}
+        return found
     _collect(values, "", found, name)
     if LIST in found.others:
         # What the file says of a controller itself goes before MoveIt's view of it.
@@ -90,12 +95,6 @@ def _collect(
 ) -> None:
     for key, value in values.items():
         path = f"{namespace}/{key.strip('/')}"
-        if key == "ros__parameters":
-            raise ConfigError(
-                [f"{name}: {path} belongs to a parameter file of ROS 2."],
-                remedy="Write the controllers as ros_control has them: the name, then "
-                "`type: package/Class` and the parameters, without `ros__parameters`.",
-            )
         if isinstance(value, dict) and _is_controller(value):
             _add(found.controllers, path, value, name)
             found.paths[path.rpartition("/")[2]] = path
@@ -153,7 +152,7 @@ def _is_controller(value: dict[str, object]) -> bool:
 
 
 def _has_controllers(value: dict[str, object]) -> bool:
-    return "ros__parameters" in value or any(
+    return any(
         isinstance(child, dict) and (_is_controller(child) or _has_controllers(child))
         for child in value.values()
     )
@@ -186,7 +185,8 @@ def substitute(value: object, arguments: dict[str, str], name: str) -> object:
         return value
 
     def replacement(match: re.Match[str]) -> str:
-        if match[1] == "arg" and match[2].strip() in arguments:
+        # `var` is the word of ROS 2.
+        if match[1] in {"arg", "var"} and match[2].strip() in arguments:
             return arguments[match[2].strip()]
         allowed = ", ".join(f"$(arg {argument})" for argument in arguments)
         raise ConfigError(
