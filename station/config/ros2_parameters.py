@@ -9,7 +9,7 @@ Source: ros2 rcl_yaml_param_parser; ros2_controllers@4.x, the parameters of each
 """
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from station.core.errors import ConfigError, show
@@ -28,17 +28,17 @@ def is_ros2(values: object) -> bool:
 
 
 def read_ros2(
-    values: Mapping[str, object], name: str
+    files: Sequence[Mapping[str, object]], name: str
 ) -> tuple[dict[str, Values], Values]:
-    """Return the controllers and the other nodes of a file of ROS 2.
+    """Return the controllers and the other nodes of files of ROS 2.
 
     Controllers have the types and the parameters that the station has for them. A
     controller has its own name; of two in different namespaces with the same name, each
     has its namespace in front of it, as `left_arm`.
 
     Args:
-        values: The content of the file.
-        name: The file, for messages.
+        files: The content of each; what comes later wins, as in one file.
+        name: The files, for messages.
 
     Returns:
         The parameters of each controller, `type` among them, by name, and those of
@@ -48,7 +48,7 @@ def read_ros2(
         ConfigError: A node has no parameters, or parameters of a controller do not fit
             its type.
     """
-    nodes = list(_nodes(values, (), name))
+    nodes = [node for values in files for node in _nodes(values, (), name)]
     found: dict[tuple[str, ...], Values] = {}
     for path, params in nodes:
         own = {"": params} if isinstance(params.get("type"), str) else {}

@@ -6,7 +6,7 @@ namespace of a controller manager. A station has one manager, so the namespace g
 
 import difflib
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NoReturn, TypeVar
 
@@ -79,15 +79,28 @@ def split_ros_parameters(values: dict[str, object], name: str) -> RosParameters:
     """
     found = RosParameters()
     if is_ros2(values):
-        found.controllers, found.others = read_ros2(values, name)
-        found.paths = {key: key for key in (*found.controllers, *found.others)}
-        return found
+        return join_ros2([values], name)
     _collect(values, "", found, name)
     if LIST in found.others:
         # What the file says of a controller itself goes before MoveIt's view of it.
         listed = controllers_of_list(found.others.pop(LIST), name)
         found.controllers = {**listed, **found.controllers}
     return found
+
+
+def join_ros2(files: Sequence[Mapping[str, object]], name: str) -> RosParameters:
+    """Return what files of ROS 2 say together: types in one, parameters in another.
+
+    Args:
+        files: The content of each, in their order.
+        name: The files, for messages.
+
+    Raises:
+        ConfigError: Something does not fit; see `read_ros2`.
+    """
+    controllers, others = read_ros2(files, name)
+    paths = {key: key for key in (*controllers, *others)}
+    return RosParameters(controllers, others, paths)
 
 
 def _collect(

@@ -3,8 +3,9 @@
 import pytest
 import yaml
 
-from station.config.ros_parameters import split_ros_parameters
+from station.config.ros_parameters import join_ros2, split_ros_parameters
 from station.core.errors import ConfigError
+from station.core.yaml_reader import parse_yaml
 
 FILE = """
 /**:
@@ -75,6 +76,29 @@ def test_a_wildcard_stands_for_names(key, fits):
 
     expected = {"type": "a/B", "joint": "j1"} if fits else {"type": "a/B"}
     assert found.controllers == {"arm": expected}
+
+
+def test_files_say_together_what_one_would():
+    types = {"/**/controller_manager": {"ros__parameters": {"arm": {"type": "a/B"}}}}
+    more = {"/**/arm": {"ros__parameters": {"joint": "j1"}}}
+
+    assert join_ros2([types, more], "f").controllers == {
+        "arm": {"type": "a/B", "joint": "j1"}
+    }
+
+
+def test_a_namespace_may_have_several_blocks():
+    text = """
+/**: {controller_manager: {ros__parameters: {arm: {type: a/B}}}}
+/**: {arm: {ros__parameters: {joint: j1}}}
+"""
+    found = split_ros_parameters(parse_yaml(text, "f.yaml").values, "f.yaml")
+
+    assert found.controllers == {"arm": {"type": "a/B", "joint": "j1"}}
+    with pytest.raises(ConfigError, match="twice"):
+        parse_yaml(text + "/**: {arm: 3}", "f.yaml")
+    with pytest.raises(ConfigError, match="twice"):
+        parse_yaml("arm: {a: 1}\narm: {b: 2}", "f.yaml")
 
 
 def test_equal_names_have_their_namespaces_in_front():
