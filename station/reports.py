@@ -259,6 +259,71 @@ class HardwareTransmission(Report):
 
 
 @dataclass(frozen=True, slots=True)
+class AsyncStatistics(Report):
+    """The updates of a controller in a thread of its own.
+
+    Attributes:
+        policy: `synchronized` or `detached`.
+        age: How many cycles old the states are to which its commands belong.
+        missed: Updates that did not begin because the one before had not ended.
+        duration: How long its updates take [s].
+        period: Station time from one update to the next [s].
+    """
+
+    policy: str
+    age: int
+    missed: int
+    duration: Percentiles
+    period: Percentiles
+
+
+@dataclass(frozen=True, slots=True)
+class ExportedValue(Report):
+    """A reference or a state that a controller exports.
+
+    Attributes:
+        name: Full name, e.g. `pid_controller/joint1/position`.
+        users: Names of the loaded controllers that claim the reference or read the
+            state.
+    """
+
+    name: str
+    users: Sequence[str]
+
+
+@dataclass(frozen=True, slots=True)
+class ChainedController(Report):
+    """A controller with what it exports, and with its place in chains.
+
+    Attributes:
+        name: Its name.
+        state: Where it is in its life.
+        is_in_chained_mode: Whether a running controller commands its references.
+        following: Names of the controllers whose references it commands.
+        references: References that it exports.
+        states: States that it exports.
+    """
+
+    name: str
+    state: str
+    is_in_chained_mode: bool
+    following: Sequence[str]
+    references: Sequence[ExportedValue]
+    states: Sequence[ExportedValue]
+
+
+@dataclass(frozen=True, slots=True)
+class ControllerChains(Report):
+    """The loaded controllers, with who commands whom.
+
+    Attributes:
+        controllers: The controllers, in the order in which they are updated.
+    """
+
+    controllers: Sequence[ChainedController]
+
+
+@dataclass(frozen=True, slots=True)
 class GainsChange(Report):
     """A change of gains that took effect.
 

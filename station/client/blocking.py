@@ -463,6 +463,7 @@ class StationClient(_Client[AsyncStationClient]):
     hardware = _waited_for(AsyncStationClient.hardware)
     controllers = _waited_for(AsyncStationClient.controllers)
     controller = _waited_for(AsyncStationClient.controller)
+    chains = _waited_for(AsyncStationClient.chains)
     load_controller = _waited_for(AsyncStationClient.load_controller)
     unload_controller = _waited_for(AsyncStationClient.unload_controller)
     switch_controllers = _waited_for(AsyncStationClient.switch_controllers)

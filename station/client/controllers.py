@@ -10,11 +10,11 @@ from pydantic import JsonValue
 from station import wire
 from station.client.connection import AsyncConnection, Sleep, segment
 from station.client.errors import MotionError
-from station.wire.controllers import SWITCH_BOUND
+from station.wire.controllers import SWITCH_BOUND, SwitchStrictness
 from station.wire.excitations import BenchRequest, BenchResponse, Excitation
 from station.wire.protocol import KEY_HEADER
 
-Strictness = Literal["strict", "best_effort"]
+Strictness = SwitchStrictness
 POLL = 0.05
 """How often a goal is looked at [s]."""
 _FINAL = {"succeeded", "aborted", "preempted"}
@@ -118,6 +118,10 @@ class AsyncControllersClient:
         """Return one controller."""
         return await self._connection.get(controller_path(name), wire.ControllerState)
 
+    async def chains(self) -> wire.ControllerChains:
+        """Return the loaded controllers with who commands whose references."""
+        return await self._connection.get("/controllers/chains", wire.ControllerChains)
+
     async def load_controller(
         self,
         name: str,
@@ -192,7 +196,9 @@ class AsyncControllersClient:
         Args:
             start: Names to start.
             stop: Names to stop.
-            strictness: `strict` for all or nothing, `best_effort` for what is possible.
+            strictness: `strict` for all or nothing, `best_effort` for what is possible;
+                `auto` also starts and stops what chains need, and `force_auto` stops
+                who is in the way of a start.
             start_asap: Start each as soon as its joints are ready.
             timeout: How long the hardware may take [s], 0 to 60; 0 means as long as it
                 takes, up to `bound`.

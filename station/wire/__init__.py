@@ -5,7 +5,11 @@ Imports the reports and nothing else of the station, as the client does.
 
 from station.reports import (
     ArmRecord as ArmRecord,
+    AsyncStatistics as AsyncStatistics,
+    ChainedController as ChainedController,
+    ControllerChains as ControllerChains,
     Event as Event,
+    ExportedValue as ExportedValue,
     GainsChange as GainsChange,
     HardwareInterface as HardwareInterface,
     HardwareResource as HardwareResource,

@@ -48,6 +48,11 @@ VERBS = (
     Verb("controllers", "list_controllers", "list the loaded controllers", ("list",)),
     Verb(
         "controllers",
+        "view_controller_chains",
+        "print who commands whose references, as text or for Graphviz",
+    ),
+    Verb(
+        "controllers",
         "list_controller_types",
         "list what can be loaded, or the parameters of one type",
         ("list_types",),
