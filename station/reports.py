@@ -259,6 +259,52 @@ class HardwareTransmission(Report):
 
 
 @dataclass(frozen=True, slots=True)
+class ExportedValue(Report):
+    """A reference or a state that a controller exports.
+
+    Attributes:
+        name: Full name, e.g. `pid_controller/joint1/position`.
+        users: Names of the loaded controllers that claim the reference or read the
+            state.
+    """
+
+    name: str
+    users: Sequence[str]
+
+
+@dataclass(frozen=True, slots=True)
+class ChainedController(Report):
+    """A controller with what it exports, and with its place in chains.
+
+    Attributes:
+        name: Its name.
+        state: Where it is in its life.
+        is_in_chained_mode: Whether a running controller commands its references.
+        following: Names of the controllers whose references it commands.
+        references: References that it exports.
+        states: States that it exports.
+    """
+
+    name: str
+    state: str
+    is_in_chained_mode: bool
+    following: Sequence[str]
+    references: Sequence[ExportedValue]
+    states: Sequence[ExportedValue]
+
+
+@dataclass(frozen=True, slots=True)
+class ControllerChains(Report):
+    """The loaded controllers, with who commands whom.
+
+    Attributes:
+        controllers: The controllers, in the order in which they are updated.
+    """
+
+    controllers: Sequence[ChainedController]
+
+
+@dataclass(frozen=True, slots=True)
 class GainsChange(Report):
     """A change of gains that took effect.
 
@@ -325,6 +371,39 @@ class WaypointPath(Report):
     name: str
     saved_at: str
     waypoints: Sequence[Waypoint]
+
+
+@dataclass(frozen=True, slots=True)
+class PlotSettings(Report):
+    """One plot of a layout.
+
+    Attributes:
+        keys: Its channels, as the page names them, in their order.
+        xy: Whether the others are drawn over the first channel, not over time.
+        span: How much time is shown [s], above 0.
+        transform: What is shown of the channels: `smooth`, `difference`, `norm`,
+            `spectrum`; empty for the channels as they are.
+    """
+
+    keys: Sequence[str]
+    xy: bool = False
+    span: float = 10.0
+    transform: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class PlotLayout(Report):
+    """The plots of a page, under a name.
+
+    Attributes:
+        name: Its name.
+        saved_at: When it was saved, ISO 8601.
+        plots: Its plots, from left to right.
+    """
+
+    name: str
+    saved_at: str
+    plots: Sequence[PlotSettings]
 
 
 class PlaybackState(TextEnum):

@@ -84,6 +84,8 @@ class Control:
             and a sentence with the reason, when the lease was taken by force or has
             expired: what they do is held.
         now: Monotonic clock [s].
+        rehearsed: Called with the name of the caller's named token before a command of
+            motion; raises when it has to be rehearsed and is not.
     """
 
     def __init__(
@@ -91,7 +93,9 @@ class Control:
         log: EventLog,
         let_go: Callable[[set[str], str], None],
         now: Callable[[], float] = time.monotonic,
+        rehearsed: Callable[[str | None], None] = lambda _: None,
     ) -> None:
+        self._rehearsed = rehearsed
         self._log = log
         self._let_go = let_go
         self._now = now
@@ -310,7 +314,10 @@ class Control:
 
         Raises:
             ControlHeldError: Somebody else holds control.
+            RehearsalNeededError: The caller's motions have to be rehearsed.
         """
+        # Every door goes through here: the API, its streams, and the tool ports.
+        self._rehearsed(None if access.token is None else access.token.name)
         with self._lock:
             self.check(access, key)
             yield
@@ -331,6 +338,7 @@ class Control:
 
         Raises:
             ControlHeldError: Somebody else holds control.
+            RehearsalNeededError: The caller's motions have to be rehearsed.
         """
         with self.commanding(access, key, controller):
             pass

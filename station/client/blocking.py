@@ -29,9 +29,11 @@ from station.client.station_client import AsyncStationClient
 from station.client.stores import (
     AsyncAgentsClient,
     AsyncAlarmsClient,
+    AsyncBenchRunsClient,
     AsyncExperimentsClient,
     AsyncGainSetsClient,
     AsyncIncidentsClient,
+    AsyncPlotLayoutsClient,
     AsyncRecordingsClient,
     AsyncTokensClient,
     AsyncWaypointPathsClient,
@@ -207,6 +209,14 @@ class GripperClient(_Client[AsyncGripperClient]):
     stop = _waited_for(AsyncGripperClient.stop)
 
 
+class BenchRunsClient(_Client[AsyncBenchRunsClient]):
+    """Runs of the bench that the station keeps: `client.bench_runs`."""
+
+    list = _waited_for(AsyncBenchRunsClient.list)
+    get = _waited_for(AsyncBenchRunsClient.get)
+    delete = _waited_for(AsyncBenchRunsClient.delete)
+
+
 class GainSetsClient(_Client[AsyncGainSetsClient]):
     """Named sets of gains on the station's disk: `client.gain_sets`."""
 
@@ -225,6 +235,7 @@ class RecordingsClient(_Client[AsyncRecordingsClient]):
     list = _waited_for(AsyncRecordingsClient.list)
     get = _waited_for(AsyncRecordingsClient.get)
     trajectory = _waited_for(AsyncRecordingsClient.trajectory)
+    bench = _waited_for(AsyncRecordingsClient.bench)
     download = _waited_for(AsyncRecordingsClient.download)
     download_table = _waited_for(AsyncRecordingsClient.download_table)
     events = _waited_for(AsyncRecordingsClient.events)
@@ -240,6 +251,7 @@ class IncidentsClient(_Client[AsyncIncidentsClient]):
     list = _waited_for(AsyncIncidentsClient.list)
     get = _waited_for(AsyncIncidentsClient.get)
     trajectory = _waited_for(AsyncIncidentsClient.trajectory)
+    bench = _waited_for(AsyncIncidentsClient.bench)
     download = _waited_for(AsyncIncidentsClient.download)
     download_table = _waited_for(AsyncIncidentsClient.download_table)
     events = _waited_for(AsyncIncidentsClient.events)
@@ -260,6 +272,15 @@ class ExperimentsClient(_Client[AsyncExperimentsClient]):
     preview = _waited_for(AsyncExperimentsClient.preview)
     apply = _waited_for(AsyncExperimentsClient.apply)
     list = _waited_for(AsyncExperimentsClient.list)
+
+
+class PlotLayoutsClient(_Client[AsyncPlotLayoutsClient]):
+    """Named layouts of plots on the station's disk: `client.plot_layouts`."""
+
+    names = _waited_for(AsyncPlotLayoutsClient.names)
+    get = _waited_for(AsyncPlotLayoutsClient.get)
+    save = _waited_for(AsyncPlotLayoutsClient.save)
+    delete = _waited_for(AsyncPlotLayoutsClient.delete)
 
 
 class WaypointPathsClient(_Client[AsyncWaypointPathsClient]):
@@ -429,10 +450,12 @@ class StationClient(_Client[AsyncStationClient]):
         source = _Source(url, token, timeout=timeout, transport=inline, ca=ca)
         super().__init__(source)
         self.simulation = SimulationClient(source.simulation)
+        self.bench_runs = BenchRunsClient(source.bench_runs)
         self.gain_sets = GainSetsClient(source.gain_sets)
         self.recordings = RecordingsClient(source.recordings)
         self.incidents = IncidentsClient(source.incidents)
         self.experiments = ExperimentsClient(source.experiments)
+        self.plot_layouts = PlotLayoutsClient(source.plot_layouts)
         self.waypoint_paths = WaypointPathsClient(source.waypoint_paths)
         self.alarms = AlarmsClient(source.alarms)
         self.tokens = TokensClient(source.tokens)
@@ -476,6 +499,7 @@ class StationClient(_Client[AsyncStationClient]):
     hardware = _waited_for(AsyncStationClient.hardware)
     controllers = _waited_for(AsyncStationClient.controllers)
     controller = _waited_for(AsyncStationClient.controller)
+    chains = _waited_for(AsyncStationClient.chains)
     load_controller = _waited_for(AsyncStationClient.load_controller)
     unload_controller = _waited_for(AsyncStationClient.unload_controller)
     switch_controllers = _waited_for(AsyncStationClient.switch_controllers)
@@ -487,6 +511,7 @@ class StationClient(_Client[AsyncStationClient]):
     bench = _waited_for(AsyncStationClient.bench)
     command_stream = _made(AsyncStationClient.command_stream, CommandStream)
     submit_goal = _waited_for(AsyncStationClient.submit_goal)
+    rehearse = _waited_for(AsyncStationClient.rehearse)
     goals = _waited_for(AsyncStationClient.goals)
     goal = _waited_for(AsyncStationClient.goal)
     cancel_goal = _waited_for(AsyncStationClient.cancel_goal)

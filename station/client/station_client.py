@@ -19,9 +19,11 @@ from station.client.samples import Samples
 from station.client.stores import (
     AsyncAgentsClient,
     AsyncAlarmsClient,
+    AsyncBenchRunsClient,
     AsyncExperimentsClient,
     AsyncGainSetsClient,
     AsyncIncidentsClient,
+    AsyncPlotLayoutsClient,
     AsyncRecordingsClient,
     AsyncTokensClient,
     AsyncWaypointPathsClient,
@@ -62,7 +64,9 @@ class AsyncStationClient(AsyncControllersClient):
 
     Attributes:
         simulation: Pause, step and reset of a simulated robot.
+        bench_runs: Runs of the bench that the station keeps.
         gain_sets: Named sets of gains on the station's disk.
+        plot_layouts: Named layouts of plots on the station's disk.
         waypoint_paths: Waypoint paths on the station's disk, and their playing.
         tokens: Named tokens of people and programs.
         agents: Requests of agents, and a person's answers.
@@ -90,10 +94,12 @@ class AsyncStationClient(AsyncControllersClient):
         )
         super().__init__(connection)
         self.simulation = AsyncSimulationClient(connection)
+        self.bench_runs = AsyncBenchRunsClient(connection)
         self.gain_sets = AsyncGainSetsClient(connection)
         self.recordings = AsyncRecordingsClient(connection)
         self.incidents = AsyncIncidentsClient(connection)
         self.experiments = AsyncExperimentsClient(connection)
+        self.plot_layouts = AsyncPlotLayoutsClient(connection)
         self.waypoint_paths = AsyncWaypointPathsClient(connection)
         self.alarms = AsyncAlarmsClient(connection)
         self.tokens = AsyncTokensClient(connection)

@@ -8,6 +8,7 @@ from typing import Literal
 from station import wire
 from station.client.connection import AsyncConnection, Query, segment
 from station.wire.controllers import GainsOfControllersPatch
+from station.wire.excitations import BenchResponse, BenchRun, BenchRuns, PartRequest
 from station.wire.experiments import (
     Experiment,
     ExperimentApplyRequest,
@@ -21,7 +22,9 @@ from station.wire.experiments import (
 )
 
 _RECORDINGS, _INCIDENTS = "/recordings", "/incidents"
+_BENCH_RUNS = "/bench-runs"
 _GAIN_SETS, _WAYPOINT_PATHS = "/gain-sets", "/waypoint-paths"
+_PLOT_LAYOUTS = "/plot-layouts"
 _EXPERIMENTS, _PLAYBACK = "/experiments", "/playback"
 _PERIOD = 0.5
 """Time between two looks at an experiment that runs [s]."""
@@ -122,6 +125,16 @@ class _AsyncFiles:
         path = f"{self._of(identifier)}/notes"
         return await self._connection.send("POST", path, wire.RecordedEvent, request)
 
+    async def bench(self, identifier: str, part: PartRequest) -> BenchResponse:
+        """Read a part of one that has ended as a test of a joint, and keep the run.
+
+        Args:
+            identifier: Which one.
+            part: Controller, joint, kind of the test, begin and end.
+        """
+        path = f"{self._of(identifier)}/bench"
+        return await self._connection.send("POST", path, BenchResponse, part)
+
     def _of(self, identifier: str) -> str:
         return _below(self._path, identifier)
 
@@ -181,6 +194,32 @@ class AsyncIncidentsClient(_AsyncFiles):
 
     def __init__(self, connection: AsyncConnection) -> None:
         super().__init__(connection, _INCIDENTS)
+
+
+class AsyncBenchRunsClient:
+    """Runs of the bench that the station keeps: `client.bench_runs`.
+
+    Every method raises what the station client's own methods raise.
+
+    Args:
+        connection: The connection to the station.
+    """
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        self._connection = connection
+
+    async def list(self) -> list[BenchRun]:
+        """Return the runs with their figures, the oldest first."""
+        return (await self._connection.get(_BENCH_RUNS, BenchRuns)).runs
+
+    async def get(self, name: str) -> BenchResponse:
+        """Return a run with its curves."""
+        return await self._connection.get(_below(_BENCH_RUNS, name), BenchResponse)
+
+    async def delete(self, name: str) -> BenchResponse:
+        """Delete a run; return its last content."""
+        path = _below(_BENCH_RUNS, name)
+        return await self._connection.send("DELETE", path, BenchResponse)
 
 
 class AsyncGainSetsClient:
@@ -268,6 +307,49 @@ def _chosen(controllers: Sequence[str] | None) -> wire.GainSetRequest:
     if controllers is None:
         return wire.GainSetRequest()
     return wire.GainSetRequest(controllers=list(controllers))
+
+
+class AsyncPlotLayoutsClient:
+    """Named layouts of plots on the station's disk: `client.plot_layouts`.
+
+    Every method raises what the station client's own methods raise.
+
+    Args:
+        connection: The connection to the station.
+    """
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        self._connection = connection
+
+    async def names(self) -> list[str]:
+        """Return the names of the saved layouts."""
+        found = await self._connection.get(_PLOT_LAYOUTS, wire.PlotLayouts)
+        return found.plot_layouts
+
+    async def get(self, name: str) -> wire.PlotLayout:
+        """Return a layout with its plots."""
+        return await self._connection.get(_below(_PLOT_LAYOUTS, name), wire.PlotLayout)
+
+    async def save(
+        self, name: str, plots: Sequence[wire.PlotSettings | wire.PlotRequest]
+    ) -> wire.PlotLayout:
+        """Save the plots of a layout; a layout of that name is replaced.
+
+        Args:
+            name: Letters, digits, `_`, `.` and `-`.
+            plots: The plots, from left to right.
+        """
+        read = partial(wire.PlotRequest.model_validate, from_attributes=True)
+        request = wire.PlotLayoutRequest(plots=[read(plot) for plot in plots])
+        return await self._connection.send(
+            "PUT", _below(_PLOT_LAYOUTS, name), wire.PlotLayout, request
+        )
+
+    async def delete(self, name: str) -> wire.PlotLayout:
+        """Delete a layout; return its last content."""
+        return await self._connection.send(
+            "DELETE", _below(_PLOT_LAYOUTS, name), wire.PlotLayout
+        )
 
 
 class AsyncWaypointPathsClient:

@@ -99,6 +99,9 @@ CONTROLLERS: dict[str, str] = {
     "parallel_gripper_action_controller/GripperActionController": (
         "station.controllers.gripper_action_controller:ParallelGripperActionController"
     ),
+    "pid_controller/PidController": (
+        "station.controllers.pid_controller:PidController"
+    ),
     "pos_vel_controllers/JointTrajectoryController": (
         "station.controllers.joint_trajectory_controller"
         ":PosVelJointTrajectoryController"

@@ -6,7 +6,10 @@ Imports the reports and nothing else of the station, as the client does.
 from station.reports import (
     AgentRequest as AgentRequest,
     ArmRecord as ArmRecord,
+    ChainedController as ChainedController,
+    ControllerChains as ControllerChains,
     Event as Event,
+    ExportedValue as ExportedValue,
     GainsChange as GainsChange,
     HardwareInterface as HardwareInterface,
     HardwareResource as HardwareResource,
@@ -14,6 +17,9 @@ from station.reports import (
     LoopReport as LoopReport,
     Percentiles as Percentiles,
     Playback as Playback,
+    PlotLayout as PlotLayout,
+    PlotSettings as PlotSettings,
+    Rehearsal as Rehearsal,
     Simulation as Simulation,
     Waypoint as Waypoint,
     WaypointPath as WaypointPath,
@@ -82,6 +88,11 @@ from station.wire.hardware import (
     HardwareLimits as HardwareLimits,
     HardwareRepair as HardwareRepair,
     SoftLimits as SoftLimits,
+)
+from station.wire.plot_layouts import (
+    PlotLayoutRequest as PlotLayoutRequest,
+    PlotLayouts as PlotLayouts,
+    PlotRequest as PlotRequest,
 )
 from station.wire.protocol import (
     CLOSE_BAD_REQUEST as CLOSE_BAD_REQUEST,

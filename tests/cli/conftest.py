@@ -15,11 +15,14 @@ from station.core.ports.set_point import (
 from station.reports import AgentRequest, Verdict
 from station.wire import (
     ArmReport,
+    ChainedController,
     CommandAccepted,
+    ControllerChains,
     ControllerState,
     ControllerType,
     ControlState,
     DesiredState,
+    ExportedValue,
     Gains,
     GainsChange,
     GainSet,
@@ -195,6 +198,27 @@ class FakeStation:
             fallback=[],
             time=Percentiles(p50=0.0, p99=2e-5, p999=0.0, max=0.0, count=9),
         )
+
+    def chains(self):
+        reference = ExportedValue("wheel/joint/velocity", ("diff",))
+        return ControllerChains((
+            ChainedController(
+                "diff",
+                "running",
+                is_in_chained_mode=False,
+                following=("wheel",),
+                references=(),
+                states=(),
+            ),
+            ChainedController(
+                "wheel",
+                "running",
+                is_in_chained_mode=True,
+                following=(),
+                references=(reference,),
+                states=(),
+            ),
+        ))
 
     def controller_types(self):
         return [ControllerType.model_validate(DESCRIBED)]

@@ -26,6 +26,7 @@ LINES = {
     "spawner": "spawner arm",
     "kill": "kill a",
     "gains": "gains show arm",
+    "bench": "bench relay j1 --relay-gain 50",
     "parameters": "parameters get",
     "reload_controller_libraries": "reload_controller_libraries",
     "echo": "echo joint_states --rate full",

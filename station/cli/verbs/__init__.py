@@ -48,6 +48,11 @@ VERBS = (
     Verb("controllers", "list_controllers", "list the loaded controllers", ("list",)),
     Verb(
         "controllers",
+        "view_controller_chains",
+        "print who commands whose references, as text or for Graphviz",
+    ),
+    Verb(
+        "controllers",
         "list_controller_types",
         "list what can be loaded, or the parameters of one type",
         ("list_types",),
@@ -84,6 +89,11 @@ VERBS = (
         "show or set the gains of a controller; save, compare and apply sets of gains",
     ),
     Verb(
+        "bench",
+        "bench",
+        "excite a joint and say how it follows; propose and apply gains",
+    ),
+    Verb(
         "parameters",
         "parameters",
         "read and change the tree of parameters that controllers are loaded with",
@@ -96,6 +106,12 @@ VERBS = (
     Verb("streams", "echo", "print what a topic says, until Ctrl-C"),
     Verb("motion", "command", "send a controller a set-point"),
     Verb("motion", "goto", "move to a pose, or a controller's joints, and wait"),
+    Verb(
+        "rehearsal",
+        "rehearse",
+        "tell how a motion would end, without moving anything; exit code 1 when it "
+        "fails",
+    ),
     Verb(
         "motion",
         "stop",

@@ -49,7 +49,15 @@ ALLOW_START_JUMP = DeclaredParameter(
     default=False,
     description="start even if the first command is far from the last command",
 )
-COMMON_PARAMETERS = (FALLBACK, ALLOW_START_JUMP)
+UPDATE_RATE = DeclaredParameter(
+    name="update_rate",
+    type=ParameterType.NUMBER,
+    unit="Hz",
+    default=0.0,
+    minimum=0.0,
+    description="how often it is updated, at most as often as the loop; 0: every cycle",
+)
+COMMON_PARAMETERS = (FALLBACK, ALLOW_START_JUMP, UPDATE_RATE)
 """Parameters that every controller has, whatever its type."""
 _TOLD = 5
 """How many unknown parameters the message of a refusal names; its details name all."""
@@ -136,6 +144,7 @@ class ControllerFactory:
         controller_type = params.get_str("type")
         fallback = tuple(FALLBACK.read_str_list(params))
         may_jump = ALLOW_START_JUMP.read_bool(params)
+        update_rate = UPDATE_RATE.read_float(params)
         controller = create_controller(self.loaders, controller_type)
         hw = self._hw
         exports = ChainedRobotHW(hw, loaded)
@@ -146,7 +155,7 @@ class ControllerFactory:
         notes = _unknown_parameters(name, controller, params, reads, strict=strict)
         notes += _hindrances(controller)
         info = ControllerInfo(name, controller_type, claims, references)
-        return LoadedController(
+        loaded_controller = LoadedController(
             controller,
             info,
             find_guards(seen, (*claims, *claims_of_references(references))),
@@ -156,6 +165,8 @@ class ControllerFactory:
             following=exports.owners_of(references),
             read=exports.owners_of(states),
         )
+        loaded_controller.update_rate = update_rate
+        return loaded_controller
 
     def _initialise(
         self, name: str, controller: ControllerBase, params: Parameters, hw: RobotHW

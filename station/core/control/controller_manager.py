@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 
 from station.core.clock import Clock
-from station.core.control.chains import insert_in_order
+from station.core.control.chains import chains_report, insert_in_order
 from station.core.control.controller import (
     ControllerBase,
     ControllerSample,
@@ -46,6 +46,7 @@ from station.core.errors import (
 )
 from station.core.hardware.robot_hw import ControllerInfo, RobotHW
 from station.core.parameters import Parameters
+from station.reports import ControllerChains
 
 __all__ = ["ControllerManager", "ControllerStatus"]
 
@@ -89,6 +90,18 @@ class ControllerManager:
         self._switches = SwitchCaller(hw, self.controller_update, clock, self._lock)
         self._loading: dict[str, Loading] = {}
         self._listed: dict[str, ControllerStatus] = {}
+        self._period = 0.0
+
+    @property
+    def period(self) -> float:
+        """Nominal period of the loop [s]; 0 while no loop has been made."""
+        return self._period
+
+    @period.setter
+    def period(self, period: float) -> None:
+        self._period = period
+        for one in self.lifecycle.loaded:
+            one.set_loop_period(period)
 
     @property
     def pump(self) -> Callable[[], None] | None:
@@ -219,6 +232,8 @@ class ControllerManager:
             loaded.controller.set_points.clock = self._clock
         with self._lock:
             self._refuse_lost_exports(loaded)
+            if self._period > 0.0:
+                loaded.set_loop_period(self._period)
             self.lifecycle.loaded = insert_in_order(self.lifecycle.loaded, loaded)
             del self._loading[loading.name]
 
@@ -353,6 +368,10 @@ class ControllerManager:
                     self._unload(self.lifecycle.find(name))
             self._factory.reload()
             return names
+
+    def chains(self) -> ControllerChains:
+        """Return the loaded controllers with who commands whom."""
+        return chains_report(self.lifecycle.loaded)
 
     def controller_statistics(self) -> list[ControllerStatistics]:
         """Return the times of all loaded controllers, in load order."""

@@ -22,6 +22,8 @@ class ControllerStatus:
         time: How long its update takes [s].
         notes: Surprises for its user, such as a parameter that has no effect; one
             sentence or more each.
+        update_rate: How often it is updated while it runs [Hz]; 0 while no loop is
+            known.
     """
 
     name: str
@@ -33,6 +35,7 @@ class ControllerStatus:
     fallback: tuple[str, ...]
     time: Percentiles
     notes: tuple[str, ...] = ()
+    update_rate: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +75,7 @@ class ControllerStatistics:
         total_updates: Updates since it was loaded; a reset of the statistics does not
             change it.
         total_overruns: The same of the overruns.
+        update_rate: How often it is updated while it runs [Hz].
     """
 
     name: str
@@ -86,3 +90,4 @@ class ControllerStatistics:
     time: Percentiles
     total_updates: int
     total_overruns: int
+    update_rate: float = 0.0

@@ -124,6 +124,7 @@ class ControlLoop:
         self._scheduler = ""
         manager.pump = self.step
         # A switch posted before a stop must not start anything after it.
+        manager.period = period
         manager.lifecycle.start_gate = self.stop_latch.check
 
     @property

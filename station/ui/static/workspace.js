@@ -346,6 +346,7 @@ function start() {
     openDock("timeline");
     element("dock-timeline").choose("alarms");
   });
+  window.addEventListener("show-dock", ({ detail }) => openDock(detail));
   watchScene(element("view"), element("progress"), () => store.docks);
   showViewTools(element("view-tools"));
   showTour(element("tour"), openDock);

@@ -61,8 +61,8 @@ export class History {
 }
 
 /** Return traces {label, unit, history} as CSV, one row per sample of the first from `begin` to `end` [s]. */
-export function csvOf(traces, begin, end) {
-  const lines = [["time [s]", ...traces.map((trace) => `${trace.label} [${trace.unit}]`)].join(",")];
+export function csvOf(traces, begin, end, over = "time [s]") {
+  const lines = [[over, ...traces.map((trace) => `${trace.label} [${trace.unit}]`)].join(",")];
   const first = traces[0]?.history;
   for (let i = first?.indexAt(begin) ?? 0; first && i < first.times.length && first.times[i] <= end; i += 1) {
     const time = first.times[i];

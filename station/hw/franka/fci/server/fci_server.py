@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
+from functools import partial
 from queue import SimpleQueue
 from typing import TYPE_CHECKING
 
@@ -142,12 +143,15 @@ class FciServer:
         self._changes.put((action, done))
         return done
 
-    def set_open(self, *, is_open: bool) -> None:
+    def open_or_close(self, *, is_open: bool) -> Future[None]:
         """Listen at both ports, or send the clients away and refuse connections.
 
-        Raises:
-            OSError: Somebody else listens at a port meanwhile.
+        Returns:
+            When it was done; an OSError if somebody else listens at a port meanwhile.
         """
+        return self.change(partial(self._set_open, is_open=is_open))
+
+    def _set_open(self, *, is_open: bool) -> None:
         self._robot_port.set_open(is_open=is_open)
         if self._gripper_port is not None:
             self._gripper_port.set_open(is_open=is_open)
