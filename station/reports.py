@@ -789,7 +789,7 @@ class AgentRequest(Report):
         decided_by: Name of the person who answered; empty without one.
 
     Example:
-        {"number": "q3TZ8vDkN1xA", "agent": "tuner", "operation": "submit_goal",
+        {"number": "5f0c81e09ab3", "agent": "tuner", "operation": "submit_goal",
          "target": "position_joint_trajectory_controller", "request": {"goal": {}},
          "asked_at": 1767225600.25, "expires_at": 1767225660.25, "verdict": null,
          "decided_by": ""}
