@@ -12,6 +12,7 @@ from station.reports import (
     HardwareTransmission as HardwareTransmission,
     LoopReport as LoopReport,
     Percentiles as Percentiles,
+    Plan as Plan,
     Playback as Playback,
     Rehearsal as Rehearsal,
     Simulation as Simulation,
