@@ -562,7 +562,7 @@ class JointForecast(Report):
         position: Position at the end [rad or m].
         position_margin: Least distance to the ends of its range [rad or m].
         velocity: Largest speed [rad/s or m/s].
-        velocity_margin: Part of the velocity limit that is left, 1 at rest.
+        velocity_margin: Part of the velocity limit that is left, 0 to 1.
         effort: Largest measured effort [Nm or N].
         effort_margin: Part of the effort limit that is left.
         cut_off: Number of commands that limits have cut off.
@@ -608,6 +608,29 @@ class Certificate(Report):
     name: str
     valid_for: float
     tube: float
+
+
+@dataclass(frozen=True, slots=True)
+class Plan(Report):
+    """A path without collisions, for a trajectory controller.
+
+    Attributes:
+        controller: The controller.
+        goal: The goal that follows the path.
+        duration: How long it takes [s].
+        direct: Whether it is the straight way in joint space.
+        planning_time: How long the planning took [s].
+        joints: The joints.
+        positions: Positions along the path [rad or m], shape (k, n), the start first.
+    """
+
+    controller: str
+    goal: Mapping[str, object]
+    duration: float
+    direct: bool
+    planning_time: float
+    joints: Sequence[str]
+    positions: Sequence[Sequence[float]]
 
 
 @dataclass(frozen=True, slots=True)

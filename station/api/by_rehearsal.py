@@ -24,6 +24,7 @@ class ByRehearsal:
             str | None,
             Query(
                 max_length=64,
+                examples=["9E5_mt3oyZPBL6Vy"],
                 description="The certificate of a rehearsal of this command: it is "
                 "refused if something that matters has changed since, and stopped if "
                 "the robot leaves the rehearsed motion.",

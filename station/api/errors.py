@@ -85,6 +85,7 @@ STATUS: Mapping[type[errors.StationError], int] = {
     errors.SimulationError: 409,
     errors.RobotDescriptionError: 422,
     errors.RehearsalError: 503,
+    errors.NoPathError: 409,
     errors.RehearsalNeededError: 428,
     errors.CertificateNotFoundError: 404,
     errors.CertificateVoidError: 412,

@@ -28,6 +28,7 @@ TAGS = {
     "gains": "Run-time parameters of controllers, and named sets of them.",
     "set-points": "Set-points of running controllers, and the states that follow.",
     "bench": "Responses of joints to excitations, kept as runs, with their figures.",
+    "rehearsals": "Forecasts of motions in a copy of the station, and paths.",
     "goals": "Trajectories and gripper goals: progress, result, cancelling.",
     "waypoint-paths": "Waypoint paths: captured, edited, kept, and played.",
     "parameters": "The tree of parameters that controllers are loaded with (rosparam).",

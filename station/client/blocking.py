@@ -512,6 +512,7 @@ class StationClient(_Client[AsyncStationClient]):
     command_stream = _made(AsyncStationClient.command_stream, CommandStream)
     submit_goal = _waited_for(AsyncStationClient.submit_goal)
     rehearse = _waited_for(AsyncStationClient.rehearse)
+    plan = _waited_for(AsyncStationClient.plan)
     goals = _waited_for(AsyncStationClient.goals)
     goal = _waited_for(AsyncStationClient.goal)
     cancel_goal = _waited_for(AsyncStationClient.cancel_goal)

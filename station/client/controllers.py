@@ -439,6 +439,32 @@ class AsyncControllersClient:
             "POST", "/rehearse", wire.Rehearsal, request, patience=REHEARSAL_BOUND
         )
 
+    async def plan(
+        self,
+        controller: str,
+        positions: Mapping[str, float],
+        *,
+        timeout: float = 2.0,
+        seed: int = 0,
+    ) -> wire.Plan:
+        """Return a goal that leads to a pose and touches nothing; nothing moves.
+
+        Args:
+            controller: A running trajectory controller.
+            positions: Where joints are to go [rad or m], by name; others stay.
+            timeout: How long to search [s], above 0 and at most 30.
+            seed: Of the random numbers; another seed finds another path.
+        """
+        request: dict[str, JsonValue] = {
+            "controller": controller,
+            "positions": dict(positions),
+            "timeout": timeout,
+            "seed": seed,
+        }
+        return await self._connection.send(
+            "POST", "/plan", wire.Plan, request, patience=REHEARSAL_BOUND + timeout
+        )
+
     async def controller_types(self) -> list[wire.ControllerType]:
         """Return the types of controllers that can be loaded."""
         path = "/controller-types"

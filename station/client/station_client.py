@@ -192,7 +192,12 @@ class AsyncStationClient(AsyncControllersClient):
         return AsyncCommandStream(self._connection.command_options(controller, timeout))
 
     async def start_move(
-        self, target: Target, *, duration: float | None = None, controller: str = ""
+        self,
+        target: Target,
+        *,
+        duration: float | None = None,
+        controller: str = "",
+        plan: bool = False,
     ) -> AsyncGoalHandle:
         """Begin to move joints, to wait for the end or to cancel.
 
@@ -204,8 +209,11 @@ class AsyncStationClient(AsyncControllersClient):
                 controller, or positions by joint [rad or m]; other joints stay.
             duration: How long the motion takes [s]; a calm one when None.
             controller: The trajectory controller; found when empty.
+            plan: Go by a path that touches nothing, at its own pace.
         """
-        return await start_move(self, target, duration=duration, controller=controller)
+        return await start_move(
+            self, target, duration=duration, controller=controller, plan=plan
+        )
 
     async def move_to(
         self,

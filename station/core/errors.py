@@ -45,6 +45,7 @@ StationError
 ├── LoopError                     the control loop is not running or died (RuntimeError)
 ├── SimulationError               a simulation refuses a request (RuntimeError)
 ├── RehearsalError                a rehearsal cannot be made (RuntimeError)
+├── NoPathError                   there is no way to a pose, or none was found
 ├── RehearsalNeededError          the caller may move nothing without one
 ├── CertificateNotFoundError      no certificate of that name is valid (KeyError)
 ├── CertificateVoidError          something has changed since the rehearsal
@@ -407,6 +408,12 @@ class RehearsalError(StationError, RuntimeError):
     """A rehearsal cannot be made on this machine, or came to no result."""
 
     code = "rehearsal_failed"
+
+
+class NoPathError(StationError, RuntimeError):
+    """There is no path free of collisions, or none was found in time."""
+
+    code = "no_path"
 
 
 class RehearsalNeededError(StationError, PermissionError):

@@ -42,6 +42,7 @@ _MAP_FAILED = ctypes.c_void_p(-1).value
 def run_in_copy(
     work: Callable[[Callable[[], None]], ResultT | None],
     wait: Callable[[], None] = lambda: None,
+    patience: float = STUCK_AFTER,
 ) -> ResultT:
     """Return the result of `work`, done in a copy of this process.
 
@@ -50,6 +51,8 @@ def run_in_copy(
             work. Its result is pickled; None says that the copy was made at a moment
             that it cannot use.
         wait: Called before each copy is made; waits for a good moment.
+        patience: A copy that has not said for so long that it makes progress is ended
+            [s].
 
     Raises:
         RehearsalError: This system cannot copy a process, or no copy has come to a
@@ -63,7 +66,7 @@ def run_in_copy(
     why = "no copy was made"
     for _ in range(ATTEMPTS):
         wait()
-        kind, content = _run_once(work)
+        kind, content = _run_once(work, patience)
         if kind == _FAILURE:
             trace = content.decode()
             raise RehearsalError(
@@ -84,7 +87,9 @@ def run_in_copy(
     )
 
 
-def _run_once(work: Callable[[Callable[[], None]], object]) -> tuple[bytes, bytes]:
+def _run_once(
+    work: Callable[[Callable[[], None]], object], patience: float
+) -> tuple[bytes, bytes]:
     """Make one copy; return how it ended, `_PROGRESS` if it did not, and its answer."""
     reading, writing = os.pipe()
     child = os.fork()
@@ -93,7 +98,7 @@ def _run_once(work: Callable[[Callable[[], None]], object]) -> tuple[bytes, byte
     os.close(writing)
     received = bytearray()
     try:
-        while select.select([reading], [], [], STUCK_AFTER)[0]:
+        while select.select([reading], [], [], patience)[0]:
             part = os.read(reading, 1 << 20)
             if not part:
                 break

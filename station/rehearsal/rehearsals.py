@@ -9,16 +9,19 @@ from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any
 
-from station.core.errors import RehearsalError, RehearsalNeededError
+from station.core.errors import NoPathError, RehearsalError, RehearsalNeededError
 from station.core.ports.receipt import Receipt
 from station.rehearsal.certificates import Certificates, Tolerances
+from station.rehearsal.planning import Wish, plan
 from station.rehearsal.process_copy import run_in_copy
 from station.rehearsal.run_ahead import Plans, Script, run_ahead
-from station.reports import Rehearsal, RehearsalOutcome
+from station.reports import Plan, Rehearsal, RehearsalOutcome
 
 if TYPE_CHECKING:
     from station.core.facade.station import Station
 
+_ATTEMPTS = 4
+"""Paths that are planned and rehearsed at most for one wish."""
 _redeemed: ContextVar[bool] = ContextVar("redeemed", default=False)
 """Whether the command that is being given has the certificate of a rehearsal."""
 
@@ -104,11 +107,7 @@ class Rehearsals:
             RehearsalError: The robot is no simulated one, another rehearsal is under
                 way, or this machine cannot copy the station.
         """
-        if self._station.loop.hw.simulated_world() is None:
-            raise RehearsalError(
-                "A real robot cannot be copied.",
-                remedy="Rehearse on a simulated station with the same configuration.",
-            )
+        self._refuse_real_robot()
         if not self._busy.acquire(timeout=1.0):
             raise RehearsalError(
                 "Another rehearsal is under way.", remedy="Try again in a moment."
@@ -128,6 +127,52 @@ class Rehearsals:
             certificate = issue(steps, found.conditions, found.positions)
             told = replace(told, certificate=certificate)
         return told
+
+    def plan(self, wish: Wish) -> Plan:
+        """Return a path to a pose that touches nothing; nothing moves.
+
+        Each path is rehearsed, and another one is searched for if it would fail.
+
+        Args:
+            wish: What is wanted.
+
+        Raises:
+            ControllerNotFoundError: None of that name is loaded.
+            ControllerStateError: The controller is not running.
+            InvalidCommandError: The controller takes no trajectories, or has no such
+                joint.
+            InvalidTrajectoryError: A joint would leave its range.
+            NoPathError: The pose touches something, or no path was found in time.
+            RehearsalError: The robot is no simulated one, or this machine cannot copy
+                the station.
+        """
+        self._refuse_real_robot()
+        begun, error = time.perf_counter(), ""
+        for attempt in range(_ATTEMPTS):
+            found = plan(self._station, replace(wish, seed=wish.seed + attempt))
+            goal = {"kind": "goal", "name": wish.controller, "request": found.goal}
+            told = self.rehearse([{**goal, "at": 0.0}])
+            if told.outcome is RehearsalOutcome.COMPLETED:
+                return replace(found, planning_time=time.perf_counter() - begun)
+            error = told.outcome if told.error is None else told.error.text
+        raise NoPathError(
+            f"None of {_ATTEMPTS} paths could be followed; the last one ends with: "
+            f"{error}",
+            remedy="Plan again with another seed, or go by way of another pose.",
+            details={"cause": "rehearsal"},
+        )
+
+    def _refuse_real_robot(self) -> None:
+        """Refuse what needs a copy of the robot.
+
+        Raises:
+            RehearsalError: The robot is no simulated one.
+        """
+        if self._station.loop.hw.simulated_world() is None:
+            raise RehearsalError(
+                "A real robot cannot be copied.",
+                remedy="Rehearse on a simulated station with the same configuration.",
+            )
 
     @contextmanager
     def redeemed(

@@ -17,6 +17,7 @@ from station.reports import (
     HardwareTransmission as HardwareTransmission,
     LoopReport as LoopReport,
     Percentiles as Percentiles,
+    Plan as Plan,
     Playback as Playback,
     PlotLayout as PlotLayout,
     PlotSettings as PlotSettings,

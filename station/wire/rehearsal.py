@@ -124,6 +124,28 @@ RehearsalStep = Annotated[
 """One step of a rehearsal."""
 
 
+class PlanRequest(RequestModel):
+    """Search for a path to a pose that touches nothing.
+
+    Attributes:
+        controller: A running trajectory controller.
+        positions: Where joints are to go [rad or m], by name; others stay.
+        timeout: How long to search [s], above 0 and at most 30.
+        seed: Of the random numbers; another seed finds another path.
+
+    Example:
+        {"controller": "position_joint_trajectory_controller", "positions":
+         {"panda_joint1": 0.5}}
+    """
+
+    controller: ControllerName
+    positions: dict[str, Annotated[float, Field(allow_inf_nan=False)]] = Field(
+        min_length=1, max_length=64
+    )
+    timeout: float = Field(default=2.0, gt=0.0, le=30.0)
+    seed: int = Field(default=0, ge=0)
+
+
 class RehearsalRequest(RequestModel):
     """Try steps in a copy of the station; nothing moves.
 

@@ -2,18 +2,19 @@
 
 from fastapi import APIRouter
 
-from station.api.dependencies import OperatorAnyway, ServicesDep, Viewer
+from station.api.dependencies import Operator, ServicesDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
-from station.reports import Rehearsal
-from station.wire.rehearsal import RehearsalRequest
+from station.rehearsal.planning import Wish
+from station.reports import Plan, Rehearsal
+from station.wire.rehearsal import PlanRequest, RehearsalRequest
 
 router = APIRouter(tags=["rehearsals"], dependencies=[Viewer], route_class=JsonRoute)
 
 
 @router.post(
     "/rehearse",
-    dependencies=[OperatorAnyway],
+    dependencies=[Operator],
     responses=problems(413, 422, 503),
 )
 def rehearse(request: RehearsalRequest, services: ServicesDep) -> Rehearsal:
@@ -27,4 +28,21 @@ def rehearse(request: RehearsalRequest, services: ServicesDep) -> Rehearsal:
     steps = [step.as_input() for step in request.steps]
     return services.rehearsals.rehearse(
         steps, request.seconds, certify=request.certificate
+    )
+
+
+@router.post(
+    "/plan",
+    dependencies=[Operator],
+    responses=problems(404, 409, 413, 422, 503),
+)
+def plan(request: PlanRequest, services: ServicesDep) -> Plan:
+    """Return a goal that leads to a pose and touches nothing; nothing moves.
+
+    The path keeps 5 mm from everything, is timed within the limits, and was rehearsed.
+    Without a path the answer says why: which bodies would touch in the pose, which
+    joint would leave its range, or that the time was over.
+    """
+    return services.rehearsals.plan(
+        Wish(request.controller, request.positions, request.timeout, request.seed)
     )

@@ -6,7 +6,7 @@ and a refused switch raises with its reason instead of returning `False`.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from math import inf
@@ -65,6 +65,25 @@ class SimulatedWorld(ABC):
     def contacts(self) -> Sequence[ContactReport]:
         """Return the contacts of the world's bodies; of very many points only some."""
         return ()
+
+    def nearness(
+        self, joints: Sequence[str], margin: float
+    ) -> Callable[[Sequence[float]], Sequence[tuple[str, str, float]]]:
+        """Return a function that finds what would be near each other in a pose.
+
+        It takes positions of the joints [rad or m] and returns names of two bodies and
+        their distance [m], negative inside of each other, for each pair below the
+        margin. For copies of a station alone: the world stays in that pose.
+
+        Args:
+            joints: Names of joints; the others stay where they are.
+            margin: Distance below which bodies are near [m], > 0.
+
+        Raises:
+            HardwareInterfaceError: A joint is not in the world.
+        """
+        del joints, margin
+        return lambda _: ()
 
     def longest_period(self) -> float:
         """Return the most time that may pass in one cycle of the loop [s], > 0.
