@@ -63,6 +63,8 @@ STATUS: Mapping[type[errors.StationError], int] = {
     errors.ParameterNotFoundError: 404,
     errors.GainSetNotFoundError: 404,
     errors.GainSetError: 500,
+    errors.SceneObjectNotFoundError: 404,
+    errors.SceneRefusedError: 409,
     errors.WaypointPathNotFoundError: 404,
     errors.WaypointPathError: 500,
     errors.PathRefusedError: 409,

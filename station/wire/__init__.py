@@ -5,6 +5,7 @@ Imports the reports and nothing else of the station, as the client does.
 
 from station.reports import (
     ArmRecord as ArmRecord,
+    Clearance as Clearance,
     Event as Event,
     GainsChange as GainsChange,
     HardwareInterface as HardwareInterface,
@@ -141,6 +142,7 @@ from station.wire.simulation import (
     ResetRequest as ResetRequest,
     Scene as Scene,
     SceneObject as SceneObject,
+    SceneObjectRequest as SceneObjectRequest,
     SimulationPatch as SimulationPatch,
     StepRequest as StepRequest,
 )
