@@ -216,6 +216,30 @@ class Simulation(Report):
 
 
 @dataclass(frozen=True, slots=True)
+class Clearance(Report):
+    """The pair of an arm's link and an object that is nearest, by its margin.
+
+    Attributes:
+        arm: Name of the arm.
+        link: Name of the link.
+        object: Name of the object, or of the other arm and its link.
+        distance: Distance of their surfaces [m]; negative when they overlap.
+        margin: Distance that is kept [m].
+        is_slowing: Whether commands of the arm are slowed now.
+        interventions: Cycles in which a command was changed, since the last change of
+            the scene.
+    """
+
+    arm: str
+    link: str
+    object: str
+    distance: float
+    margin: float
+    is_slowing: bool
+    interventions: int
+
+
+@dataclass(frozen=True, slots=True)
 class HardwareResource(Report):
     """A resource of a hardware interface.
 

@@ -71,6 +71,8 @@ STATUS: Mapping[type[errors.StationError], int] = {
     errors.GainSetError: 500,
     errors.PlotLayoutNotFoundError: 404,
     errors.PlotLayoutError: 500,
+    errors.SceneObjectNotFoundError: 404,
+    errors.SceneRefusedError: 409,
     errors.WaypointPathNotFoundError: 404,
     errors.WaypointPathError: 500,
     errors.PathRefusedError: 409,

@@ -299,6 +299,27 @@ class AsyncStationClient(AsyncControllersClient):
         """Return the objects around a simulated robot, where they are now."""
         return (await self._connection.get("/scene", wire.Scene)).objects
 
+    async def clearances(self) -> list[wire.Clearance]:
+        """Return the nearest pair of each arm that keeps clear of something."""
+        return (await self._connection.get("/scene", wire.Scene)).clearances
+
+    async def put_object(self, name: str, /, **values: JsonValue) -> wire.SceneObject:
+        """Add an object that arms keep clear of, or change the one of that name.
+
+        Args:
+            name: Its name.
+            values: Fields of `SceneObjectRequest`, e.g. `type`, `size`, `position` [m],
+                `role`, `margin` [m].
+        """
+        request = wire.SceneObjectRequest.model_validate(values)
+        path = f"/scene/{segment(name)}"
+        return await self._connection.send("PUT", path, wire.SceneObject, request)
+
+    async def remove_object(self, name: str) -> list[wire.SceneObject]:
+        """Remove an object with a role; return what is left."""
+        path = f"/scene/{segment(name)}"
+        return (await self._connection.send("DELETE", path, wire.Scene)).objects
+
     async def loop(self) -> wire.LoopReport:
         """Return state and statistics of the control loop."""
         return await self._connection.get("/loop", wire.LoopReport)

@@ -113,14 +113,16 @@ class RobotSection(_Section):
 
 
 class SceneSection(_Section):
-    """The objects of a simulated world around the robot.
+    """The objects around the robots, and their roles.
 
     Attributes:
-        objects: Boxes, spheres, cylinders, tables and meshes; the robot's class checks
-            them.
+        objects: Boxes, spheres, cylinders, capsules, half-spaces, tables and meshes;
+            `core.geometry.scene` checks them.
+        arm_margin: Distance that arms keep from each other [m]; None for none.
     """
 
     objects: list[dict[str, Any]]
+    arm_margin: float | None = None
 
 
 class Controller(_Section):

@@ -326,6 +326,18 @@ class PlotLayoutError(StationError, OSError):
     code = "plot_layout_unusable"
 
 
+class SceneObjectNotFoundError(StationError, KeyError):
+    """The scene has no object of that name."""
+
+    code = "scene_object_not_found"
+
+
+class SceneRefusedError(StationError, RuntimeError):
+    """A solid object of a simulated world cannot be changed so while it runs."""
+
+    code = "scene_refused"
+
+
 class WaypointPathNotFoundError(StationError, KeyError):
     """There is no waypoint path of that name."""
 

@@ -9,6 +9,7 @@ from station.reports import (
     AsyncStatistics as AsyncStatistics,
     ChainedController as ChainedController,
     ControllerChains as ControllerChains,
+    Clearance as Clearance,
     Event as Event,
     ExportedValue as ExportedValue,
     GainsChange as GainsChange,
@@ -160,6 +161,7 @@ from station.wire.simulation import (
     ResetRequest as ResetRequest,
     Scene as Scene,
     SceneObject as SceneObject,
+    SceneObjectRequest as SceneObjectRequest,
     SimulationPatch as SimulationPatch,
     StepRequest as StepRequest,
 )

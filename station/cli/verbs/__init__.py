@@ -133,6 +133,7 @@ VERBS = (
         "reset",
         "put the simulated world back to its start; running controllers start anew",
     ),
+    Verb("scene", "scene", "list, put or remove the objects that arms keep clear of"),
     Verb(
         "records",
         "record",

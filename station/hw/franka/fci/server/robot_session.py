@@ -36,6 +36,7 @@ from station.hw.franka.arm.robot_arm import (
     RobotArm,
     SingularStartError,
 )
+from station.hw.franka.commands.arm_guard import slowed
 from station.hw.franka.fci.server.arm_settings import SETTERS
 from station.hw.franka.fci.server.message_reader import (
     MessageReader,
@@ -455,25 +456,32 @@ class RobotSession:
         """Pass a command on to the arm.
 
         Raises:
-            InvalidCommandError: A number is not finite, or a pose is no transform.
+            InvalidCommandError: A number is not finite, a pose is no transform, or the
+                arm has to stop at once to stay clear of its scene.
         """
         arm = self._arm
         if self._fastest is not None:
             if not self._is_finishing:  # the last command of a planned motion has none
                 arm.plan_joint_positions([*command["q_c"]], self._fastest)
             return
+        guard = arm.guard
+
+        def clear(field: str) -> list[float]:
+            values = [*command[field]]
+            return values if guard is None else slowed(guard, field, values)
+
         if self._controller == MoveController.EXTERNAL_CONTROLLER:
-            arm.command_joint_torques([*command["tau_J_d"]])
+            arm.command_joint_torques(clear("tau_J_d"))
         elbow = [*command["elbow_c"]] if command["valid_elbow"] else None
         match MoveGenerator(self._generator - 1):
             case MoveGenerator.JOINT_POSITION:
-                arm.command_joint_positions([*command["q_c"]])
+                arm.command_joint_positions(clear("q_c"))
             case MoveGenerator.JOINT_VELOCITY:
-                arm.command_joint_velocities([*command["dq_c"]])
+                arm.command_joint_velocities(clear("dq_c"))
             case MoveGenerator.CARTESIAN_POSITION:
-                arm.command_cartesian_pose([*command["O_T_EE_c"]], elbow)
+                arm.command_cartesian_pose(clear("O_T_EE_c"), elbow)
             case MoveGenerator.CARTESIAN_VELOCITY:
-                arm.command_cartesian_velocity([*command["O_dP_EE_c"]], elbow)
+                arm.command_cartesian_velocity(clear("O_dP_EE_c"), elbow)
 
     def _say(
         self,
