@@ -33,6 +33,7 @@ from station.library.path_player import PathPlayer
 from station.library.waypoint_paths import WaypointPaths
 from station.trials.background_experiments import BackgroundExperiments
 from station.trials.bench_runs import KeptRuns
+from station.trials.lesson_attempts import LessonAttempts
 from station.trials.live_bench import LiveBench
 from station.web.failed_logins import FailedLogins
 from station.web.request_id import RequestId
@@ -59,6 +60,7 @@ class Kept:
         gain_sets: Folder of the gain sets; the user's own when None.
         waypoint_paths: Folder of the waypoint paths; the user's own when None.
         bench_runs: Folder of the runs of the bench; the user's own when None.
+        lessons: Folder of the user's lessons; the user's own when None.
     """
 
     events: EventLog = field(default_factory=EventLog)
@@ -67,6 +69,7 @@ class Kept:
     gain_sets: Path | None = None
     waypoint_paths: Path | None = None
     bench_runs: Path | None = None
+    lessons: Path | None = None
 
 
 def create_app(
@@ -105,6 +108,7 @@ def create_app(
     kept = Kept() if kept is None else kept
     event_recorder = EventRecorder(kept.events)
     paths = WaypointPaths(station.loop, station.manager, kept.waypoint_paths)
+    runs = KeptRuns(kept.bench_runs)
     app.state.services = Services(
         station=station,
         authenticator=authenticator,
@@ -115,7 +119,8 @@ def create_app(
         control=Control(kept.events, station.motion.let_go),
         idempotent_answers=IdempotentAnswers(),
         bench=LiveBench(station),
-        bench_runs=KeptRuns(kept.bench_runs),
+        bench_runs=runs,
+        lessons=LessonAttempts(station, runs, kept.lessons),
         broadcaster=Broadcaster(
             station, slow_after=slow_after, max_clients=max_streams
         ),

@@ -20,6 +20,7 @@ import "./panels/tuning.js";
 import "./panels/plots.js";
 import "./panels/timeline.js";
 import "./panels/simulation.js";
+import "./panels/lessons.js";
 
 const DOCKS = [
   { id: "joints", title: "Joints", place: "side" },
@@ -27,11 +28,12 @@ const DOCKS = [
   { id: "gripper", title: "Gripper", place: "side" },
   { id: "move", title: "Waypoints and moves", place: "side" },
   { id: "tuning", title: "Tuning", place: "side" },
+  { id: "lessons", title: "Lessons", place: "side" },
   { id: "plots", title: "Plots", place: "below" },
   { id: "timeline", title: "Timeline", place: "below" },
   { id: "simulation", title: "Simulation", place: "below" },
 ];
-const FOLDED_AT_FIRST = { move: true, tuning: true, simulation: true };
+const FOLDED_AT_FIRST = { move: true, tuning: true, lessons: true, simulation: true };
 
 const element = (id) => document.getElementById(id);
 const layout = kept.get("layout", { side: 468, below: 236, folded: FOLDED_AT_FIRST, dock: "joints", heights: {} });
