@@ -36,6 +36,7 @@ from station.library.waypoint_paths import WaypointPaths
 from station.rehearsal.rehearsals import Rehearsals
 from station.trials.background_experiments import BackgroundExperiments
 from station.trials.bench_runs import KeptRuns
+from station.trials.lesson_attempts import LessonAttempts
 from station.trials.live_bench import LiveBench
 from station.web.failed_logins import FailedLogins
 from station.web.request_id import RequestId
@@ -63,6 +64,7 @@ class Kept:
         plot_layouts: Folder of the plot layouts; the user's own when None.
         waypoint_paths: Folder of the waypoint paths; the user's own when None.
         bench_runs: Folder of the runs of the bench; the user's own when None.
+        lessons: Folder of the user's lessons; the user's own when None.
     """
 
     events: EventLog = field(default_factory=EventLog)
@@ -72,6 +74,7 @@ class Kept:
     plot_layouts: Path | None = None
     waypoint_paths: Path | None = None
     bench_runs: Path | None = None
+    lessons: Path | None = None
 
 
 def create_app(  # noqa: PLR0913 - parts and bounds of one application
@@ -117,6 +120,7 @@ def create_app(  # noqa: PLR0913 - parts and bounds of one application
     seat = Agents(station, kept.events, agents or AgentPolicy())
     control = Control(kept.events, station.motion.let_go, rehearsed=rehearsals.check)
     control.listen(seat.withdraw)
+    runs = KeptRuns(kept.bench_runs)
     app.state.services = Services(
         station=station,
         authenticator=authenticator,
@@ -128,7 +132,8 @@ def create_app(  # noqa: PLR0913 - parts and bounds of one application
         agents=seat,
         idempotent_answers=IdempotentAnswers(),
         bench=LiveBench(station),
-        bench_runs=KeptRuns(kept.bench_runs),
+        bench_runs=runs,
+        lessons=LessonAttempts(station, runs, kept.lessons),
         broadcaster=Broadcaster(
             station, slow_after=slow_after, max_clients=max_streams
         ),

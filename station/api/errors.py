@@ -121,6 +121,7 @@ ROUTES: Mapping[str, str] = {
     "gains_changed": "GET /api/v1/controllers/{name}/gains has the present ones.",
     "gain_set_not_found": "GET /api/v1/gain-sets lists the gain sets.",
     "goal_not_found": "GET /api/v1/controllers/{name}/goals lists the latest goals.",
+    "lesson_not_found": "GET /api/v1/lessons lists the lessons.",
     "loop": "GET /api/v1/loop has the state of the control loop.",
     "invalid_gain": "GET /api/v1/controllers/{name}/gains has names and ranges.",
     "parameter_not_found": "GET /api/v1/parameters has the whole tree.",

@@ -38,6 +38,7 @@ TAGS = {
     "simulation": "Time, reset and scene of a simulated robot.",
     "recordings": "Every cycle in MCAP files, and what was kept around incidents.",
     "experiments": "Many trials of a simulated copy of the station, beside its robot.",
+    "lessons": "Exercises on the robot, checked on the student's own run.",
     "stop": "The latched stop, a software stop and no safety device.",
     "events": "What happened: who did what, when, from where, with what result.",
     "streams": "WebSocket streams; /api/v1/asyncapi.json describes their frames.",

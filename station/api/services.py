@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from station.rehearsal.rehearsals import Rehearsals
     from station.trials.background_experiments import BackgroundExperiments
     from station.trials.bench_runs import KeptRuns
+    from station.trials.lesson_attempts import LessonAttempts
     from station.trials.live_bench import LiveBench
     from station.web.failed_logins import FailedLogins
 
@@ -44,6 +45,7 @@ class Services:
         idempotent_answers: Answers that are repeated for a request that is sent twice.
         bench: Measures how a joint follows.
         bench_runs: Kept runs of the bench.
+        lessons: Lessons, the attempt under way, and the progress of people.
         broadcaster: All streams.
         dashboard_url: Returns the address of the dashboard; None while it is unknown.
         recorder: Records every cycle; None for a station that records nothing.
@@ -67,6 +69,7 @@ class Services:
     idempotent_answers: "IdempotentAnswers"
     bench: "LiveBench"
     bench_runs: "KeptRuns"
+    lessons: "LessonAttempts"
     broadcaster: "Broadcaster"
     dashboard_url: Callable[[], str | None]
     recorder: "Recorder | None"

@@ -33,6 +33,7 @@ from station.client.stores import (
     AsyncExperimentsClient,
     AsyncGainSetsClient,
     AsyncIncidentsClient,
+    AsyncLessonsClient,
     AsyncPlotLayoutsClient,
     AsyncRecordingsClient,
     AsyncTokensClient,
@@ -215,6 +216,14 @@ class BenchRunsClient(_Client[AsyncBenchRunsClient]):
     list = _waited_for(AsyncBenchRunsClient.list)
     get = _waited_for(AsyncBenchRunsClient.get)
     delete = _waited_for(AsyncBenchRunsClient.delete)
+
+
+class LessonsClient(_Client[AsyncLessonsClient]):
+    """Exercises that the station checks on the student's own run: `client.lessons`."""
+
+    list = _waited_for(AsyncLessonsClient.list)
+    begin = _waited_for(AsyncLessonsClient.begin)
+    check = _waited_for(AsyncLessonsClient.check)
 
 
 class GainSetsClient(_Client[AsyncGainSetsClient]):
@@ -451,6 +460,7 @@ class StationClient(_Client[AsyncStationClient]):
         super().__init__(source)
         self.simulation = SimulationClient(source.simulation)
         self.bench_runs = BenchRunsClient(source.bench_runs)
+        self.lessons = LessonsClient(source.lessons)
         self.gain_sets = GainSetsClient(source.gain_sets)
         self.recordings = RecordingsClient(source.recordings)
         self.incidents = IncidentsClient(source.incidents)

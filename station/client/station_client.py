@@ -23,6 +23,7 @@ from station.client.stores import (
     AsyncExperimentsClient,
     AsyncGainSetsClient,
     AsyncIncidentsClient,
+    AsyncLessonsClient,
     AsyncPlotLayoutsClient,
     AsyncRecordingsClient,
     AsyncTokensClient,
@@ -65,6 +66,7 @@ class AsyncStationClient(AsyncControllersClient):
     Attributes:
         simulation: Pause, step and reset of a simulated robot.
         bench_runs: Runs of the bench that the station keeps.
+        lessons: Exercises that the station checks on the student's own run.
         gain_sets: Named sets of gains on the station's disk.
         plot_layouts: Named layouts of plots on the station's disk.
         waypoint_paths: Waypoint paths on the station's disk, and their playing.
@@ -95,6 +97,7 @@ class AsyncStationClient(AsyncControllersClient):
         super().__init__(connection)
         self.simulation = AsyncSimulationClient(connection)
         self.bench_runs = AsyncBenchRunsClient(connection)
+        self.lessons = AsyncLessonsClient(connection)
         self.gain_sets = AsyncGainSetsClient(connection)
         self.recordings = AsyncRecordingsClient(connection)
         self.incidents = AsyncIncidentsClient(connection)

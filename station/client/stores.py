@@ -20,9 +20,16 @@ from station.wire.experiments import (
     ExperimentTrial,
     ExperimentTrials,
 )
+from station.wire.lessons import (
+    Lesson,
+    LessonBeginRequest,
+    LessonCheckRequest,
+    LessonResult,
+    Lessons,
+)
 
 _RECORDINGS, _INCIDENTS = "/recordings", "/incidents"
-_BENCH_RUNS = "/bench-runs"
+_BENCH_RUNS, _LESSONS = "/bench-runs", "/lessons"
 _GAIN_SETS, _WAYPOINT_PATHS = "/gain-sets", "/waypoint-paths"
 _PLOT_LAYOUTS = "/plot-layouts"
 _EXPERIMENTS, _PLAYBACK = "/experiments", "/playback"
@@ -220,6 +227,45 @@ class AsyncBenchRunsClient:
         """Delete a run; return its last content."""
         path = _below(_BENCH_RUNS, name)
         return await self._connection.send("DELETE", path, BenchResponse)
+
+
+class AsyncLessonsClient:
+    """Exercises that the station checks on the student's own run: `client.lessons`.
+
+    Every method raises what the station client's own methods raise.
+
+    Args:
+        connection: The connection to the station.
+    """
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        self._connection = connection
+
+    async def list(self, person: str = "") -> Lessons:
+        """Return the lessons in their order, with the progress of a person."""
+        return await self._connection.get(_LESSONS, Lessons, {"person": person})
+
+    async def begin(self, name: str, person: str = "") -> Lesson:
+        """Begin a lesson: the station watches what the robot does from now on."""
+        path, request = (
+            f"{_below(_LESSONS, name)}/begin",
+            LessonBeginRequest(person=person),
+        )
+        return await self._connection.send("POST", path, Lesson, request)
+
+    async def check(
+        self, name: str, person: str = "", answers: Mapping[str, float] | None = None
+    ) -> LessonResult:
+        """Check what was done since the lesson was begun.
+
+        Args:
+            name: The lesson.
+            person: Whose progress is kept; the bearer of the token when empty.
+            answers: Worked-out numbers by name, in the units of the lesson.
+        """
+        request = LessonCheckRequest(person=person, answers=dict(answers or {}))
+        path = f"{_below(_LESSONS, name)}/check"
+        return await self._connection.send("POST", path, LessonResult, request)
 
 
 class AsyncGainSetsClient:

@@ -27,6 +27,7 @@ LINES = {
     "kill": "kill a",
     "gains": "gains show arm",
     "bench": "bench relay j1 --relay-gain 50",
+    "lesson": "lesson check p_alone steady_error=5",
     "parameters": "parameters get",
     "reload_controller_libraries": "reload_controller_libraries",
     "echo": "echo joint_states --rate full",

@@ -94,6 +94,11 @@ VERBS = (
         "excite a joint and say how it follows; propose and apply gains",
     ),
     Verb(
+        "lesson",
+        "lesson",
+        "list, begin and check exercises on the simulated robot",
+    ),
+    Verb(
         "parameters",
         "parameters",
         "read and change the tree of parameters that controllers are loaded with",

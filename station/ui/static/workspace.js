@@ -22,6 +22,7 @@ import "./panels/tuning.js";
 import "./panels/plots.js";
 import "./panels/timeline.js";
 import "./panels/simulation.js";
+import "./panels/lessons.js";
 
 const DOCKS = [
   { id: "joints", title: "Joints", place: "first-column" },
@@ -29,6 +30,7 @@ const DOCKS = [
   { id: "gripper", title: "Gripper", place: "second-column" },
   { id: "move", title: "Waypoints and moves", place: "second-column" },
   { id: "tuning", title: "Tuning", place: "second-column" },
+  { id: "lessons", title: "Lessons", place: "second-column" },
   { id: "plots", title: "Plots", place: "below" },
   { id: "timeline", title: "Timeline", place: "below" },
   { id: "simulation", title: "Simulation", place: "below" },
