@@ -259,6 +259,25 @@ class HardwareTransmission(Report):
 
 
 @dataclass(frozen=True, slots=True)
+class AsyncStatistics(Report):
+    """The updates of a controller in a thread of its own.
+
+    Attributes:
+        policy: `synchronized` or `detached`.
+        age: How many cycles old the states are to which its commands belong.
+        missed: Updates that did not begin because the one before had not ended.
+        duration: How long its updates take [s].
+        period: Station time from one update to the next [s].
+    """
+
+    policy: str
+    age: int
+    missed: int
+    duration: Percentiles
+    period: Percentiles
+
+
+@dataclass(frozen=True, slots=True)
 class ExportedValue(Report):
     """A reference or a state that a controller exports.
 
@@ -770,7 +789,7 @@ class AgentRequest(Report):
         decided_by: Name of the person who answered; empty without one.
 
     Example:
-        {"number": "q3TZ8vDkN1xA", "agent": "tuner", "operation": "submit_goal",
+        {"number": "5f0c81e09ab3", "agent": "tuner", "operation": "submit_goal",
          "target": "position_joint_trajectory_controller", "request": {"goal": {}},
          "asked_at": 1767225600.25, "expires_at": 1767225660.25, "verdict": null,
          "decided_by": ""}

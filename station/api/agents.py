@@ -278,7 +278,7 @@ class Agents:
                 remedy="Wait for their answers.",
             )
         now = self._now()
-        number = secrets.token_urlsafe(9)
+        number = secrets.token_hex(6)
         asked = _Waiting(
             AgentRequest(
                 number=number,

@@ -5,6 +5,9 @@ of the type is loaded.
 """
 
 CONTROLLERS: dict[str, str] = {
+    "admittance_controller/AdmittanceController": (
+        "station.controllers.admittance_controller:AdmittanceController"
+    ),
     "diff_drive_controller/DiffDriveController": (
         "station.controllers.diff_drive_controller:DiffDriveController"
     ),

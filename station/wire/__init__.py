@@ -6,6 +6,7 @@ Imports the reports and nothing else of the station, as the client does.
 from station.reports import (
     AgentRequest as AgentRequest,
     ArmRecord as ArmRecord,
+    AsyncStatistics as AsyncStatistics,
     ChainedController as ChainedController,
     ControllerChains as ControllerChains,
     Event as Event,

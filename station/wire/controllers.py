@@ -11,7 +11,7 @@ from pydantic import (
     model_validator,
 )
 
-from station.reports import GainDifference, GainsChange, Percentiles
+from station.reports import AsyncStatistics, GainDifference, GainsChange, Percentiles
 from station.wire.base import (
     ControllerName,
     FromEnum,
@@ -68,6 +68,8 @@ class ControllerState(ResponseModel):
         time: How long its update takes [s].
         notes: Surprises for its user, such as a parameter that has no effect.
         update_rate: How often it is updated while it runs [Hz].
+        async_update: Its updates in a thread of its own; null if the control thread
+            updates it.
     """
 
     name: str
@@ -80,6 +82,7 @@ class ControllerState(ResponseModel):
     time: Percentiles
     notes: Items[str] = Field(default_factory=list)
     update_rate: float = 0.0
+    async_update: AsyncStatistics | None = None
 
 
 class Controllers(ResponseModel):

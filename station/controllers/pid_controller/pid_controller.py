@@ -147,7 +147,7 @@ _WRAPS = DeclaredParameter(
 _STRATEGY = DeclaredParameter(
     name=f"gains/{EACH_JOINT}/antiwindup_strategy",
     type=ParameterType.STRING,
-    default_text="legacy with i_clamp_max or antiwindup, else none",
+    default_text="legacy with i_clamp, else none",
     description="`none`, `legacy`, `back_calculation` or `conditional_integration`",
 )
 _GAINS = (

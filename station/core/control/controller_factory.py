@@ -5,6 +5,15 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from station.core.control.async_update import (
+    CYCLES,
+    IS_ASYNC,
+    POLICY,
+    TIME_LIMIT,
+    AsyncParams,
+    AsyncUpdate,
+    PrivateRobotHW,
+)
 from station.core.control.chains import ChainedRobotHW, claims_of_references
 from station.core.control.command_guard import find_guards
 from station.core.control.controller import ControllerBase
@@ -57,7 +66,15 @@ UPDATE_RATE = DeclaredParameter(
     minimum=0.0,
     description="how often it is updated, at most as often as the loop; 0: every cycle",
 )
-COMMON_PARAMETERS = (FALLBACK, ALLOW_START_JUMP, UPDATE_RATE)
+COMMON_PARAMETERS = (
+    FALLBACK,
+    ALLOW_START_JUMP,
+    UPDATE_RATE,
+    IS_ASYNC,
+    POLICY,
+    CYCLES,
+    TIME_LIMIT,
+)
 """Parameters that every controller has, whatever its type."""
 _TOLD = 5
 """How many unknown parameters the message of a refusal names; its details name all."""
@@ -145,12 +162,16 @@ class ControllerFactory:
         fallback = tuple(FALLBACK.read_str_list(params))
         may_jump = ALLOW_START_JUMP.read_bool(params)
         update_rate = UPDATE_RATE.read_float(params)
+        asynchronous = AsyncParams.read(params, reads)
         controller = create_controller(self.loaders, controller_type)
         hw = self._hw
         exports = ChainedRobotHW(hw, loaded)
         # A robot without chains is handed over as it is.
         seen = exports if exports.owners else hw
-        claims = self._initialise(name, controller, params, seen)
+        private = None if asynchronous is None else PrivateRobotHW(seen)
+        claims = self._initialise(name, controller, params, private or seen)
+        if private is not None:
+            claims += private.undeclared_claims()
         claims, references, states = exports.split_claims(claims)
         notes = _unknown_parameters(name, controller, params, reads, strict=strict)
         notes += _hindrances(controller)
@@ -166,6 +187,13 @@ class ControllerFactory:
             read=exports.owners_of(states),
         )
         loaded_controller.update_rate = update_rate
+        if private is not None and asynchronous is not None:
+            loaded_controller.beside = AsyncUpdate(
+                controller,
+                asynchronous,
+                private.storages(),
+                loaded_controller.commands.slots,
+            )
         return loaded_controller
 
     def _initialise(

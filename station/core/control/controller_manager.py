@@ -232,6 +232,8 @@ class ControllerManager:
             loaded.controller.set_points.clock = self._clock
         with self._lock:
             self._refuse_lost_exports(loaded)
+            if loaded.beside is not None:
+                loaded.beside.is_stepped = lambda: self.pump is not None
             if self._period > 0.0:
                 loaded.set_loop_period(self._period)
             self.lifecycle.loaded = insert_in_order(self.lifecycle.loaded, loaded)
@@ -377,6 +379,15 @@ class ControllerManager:
         """Return the times of all loaded controllers, in load order."""
         time = self.controller_update.time
         return [loaded.statistics(time) for loaded in self.lifecycle.loaded]
+
+    def end_async_threads(self) -> None:
+        """End the threads of asynchronous controllers; while no thread runs the loop.
+
+        The controllers run on: a loop that runs again makes new threads.
+        """
+        for one in self.lifecycle.loaded:
+            if one.beside is not None:
+                one.beside.end_thread()
 
     def reset_statistics(self) -> None:
         """Start the statistics of all controllers anew."""

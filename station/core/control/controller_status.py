@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from station.core.control.controller import ControllerState
 from station.core.hardware.robot_hw import InterfaceResources
-from station.reports import Percentiles
+from station.reports import AsyncStatistics, Percentiles
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +24,8 @@ class ControllerStatus:
             sentence or more each.
         update_rate: How often it is updated while it runs [Hz]; 0 while no loop is
             known.
+        async_update: Its updates in a thread of its own; None if the control thread
+            updates it.
     """
 
     name: str
@@ -36,6 +38,7 @@ class ControllerStatus:
     time: Percentiles
     notes: tuple[str, ...] = ()
     update_rate: float = 0.0
+    async_update: AsyncStatistics | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,6 +13,7 @@ cdef class LoadedController:
     cdef readonly tuple references, states, following, read
     cdef public object fault, traceback
     cdef public double update_rate
+    cdef public object beside
     cdef readonly double loop_period
     cdef readonly long every
     cdef public long countdown

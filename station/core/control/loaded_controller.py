@@ -24,6 +24,7 @@ from station.core.numerics.statistics import DurationRing
 from station.core.ports.goal import Goal
 
 if TYPE_CHECKING:
+    from station.core.control.async_update import AsyncUpdate
     from station.core.control.sample_columns import SampleColumns
 
 
@@ -58,6 +59,7 @@ class LoadedController:
         every: It is updated in every so manieth cycle, >= 1.
         countdown: How many cycles it waits for its next update.
         elapsed: Time since its last update, or since its start [s].
+        beside: Updates it in a thread of its own; None if the control thread does.
     """
 
     def __init__(
@@ -89,6 +91,7 @@ class LoadedController:
         self.following = following
         self.read = read
         self.update_rate = 0.0
+        self.beside: AsyncUpdate | None = None
         self.loop_period = 0.0
         self.every = 1
         self.countdown = 0
@@ -122,6 +125,10 @@ class LoadedController:
                 key=lambda n: abs(1.0 / (n * period) - self.update_rate),
             )
 
+        # The rate of an asynchronous controller is that of its own updates.
+        if self.beside is not None:
+            self.beside.every, self.every = self.every, 1
+
     def take_turn(self, period: float) -> float:
         """Count a cycle; return the time since its last update if an update is due.
 
@@ -146,7 +153,8 @@ class LoadedController:
 
     def actual_rate(self) -> float:
         """Return how often it is updated [Hz]; 0 while no loop is known."""
-        period = self.loop_period * self.every
+        every = self.every if self.beside is None else self.beside.every
+        period = self.loop_period * every
         return round(1.0 / period, 6) if period > 0.0 else 0.0
 
     def _rate_notes(self) -> tuple[str, ...]:
@@ -227,6 +235,7 @@ class LoadedController:
             self.durations.percentiles(),
             (*self.notes, *self._rate_notes(), *tunables.notes(tunables.values)),
             self.actual_rate(),
+            None if self.beside is None else self.beside.statistics(),
         )
 
     def _claims(self) -> tuple[InterfaceResources, ...]:

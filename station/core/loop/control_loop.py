@@ -195,6 +195,7 @@ class ControlLoop:
                 remedy="A cycle hangs in the hardware or in a controller.",
             )
         self._thread = None
+        self.manager.end_async_threads()
         self.manager.pump = self.step
         self.manager.controller_update.update_budget = (
             inf  # steps do not follow the wall clock

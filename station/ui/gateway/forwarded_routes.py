@@ -69,6 +69,8 @@ _ROUTES: tuple[tuple[tuple[str, ...], str], ...] = (
     (_READ, "/experiments/{}/preview"),
     (("POST",), "/experiments/{}/apply"),
     (_READ, "/events"),
+    (_READ, "/agents/requests"),
+    (("POST",), "/agents/requests/{}"),
     (_READ, "/alarms"),
     (("POST",), "/alarms/{}/acknowledge"),
     (("GET", "POST"), "/recordings"),

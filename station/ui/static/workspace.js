@@ -1,5 +1,6 @@
 // The workspace: where the docks are, their sizes and folds, and what the strip's log,
 // the first minute and the progress line show. Each panel is a file in `panels/`.
+import { watchAgents } from "./lib/agents.js";
 import { alarms } from "./lib/alarms.js";
 import { h, isNarrow, kept, show } from "./lib/dom.js";
 import { control } from "./lib/control.js";
@@ -340,6 +341,7 @@ function start() {
   setInterval(showAge, 100);
   store.addEventListener("joints", () => document.body.classList.contains("stale") && showAge());
   control.start();
+  watchAgents();
   alarms.start(element("alarms"), () => {
     openDock("timeline");
     element("dock-timeline").choose("alarms");

@@ -41,6 +41,7 @@ def test_loading_answers_201_and_the_controller(operator):
         "time": None,
         "notes": [],
         "update_rate": 1000.0,
+        "async_update": None,
     }
     assert names(operator) == {"spring": "initialized"}
 

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import test from "node:test";
-import { DERIVATIVE, Run, columnOf, linkOf, ofLink, parsed, tableQuery } from "../../../station/ui/static/lib/recorded.js";
+import { Run, columnOf, linkOf, ofLink, parsed, tableQuery } from "../../../station/ui/static/lib/recorded.js";
 
 const COLUMNS = [
   "cycle",
@@ -25,7 +25,7 @@ test("channels of the streams have the columns of a recording that say the same"
 });
 
 const run = (begin, values) => {
-  const made = new Run({ kind: "recordings", id: "x", begin, end: begin + 0.3, columns: COLUMNS, joints: ["panda_joint1"], events: [{ time: begin + 0.1, until: begin + 0.2, text: "it slipped" }] });
+  const made = new Run({ kind: "recordings", id: "x", begin, end: begin + 0.3, columns: COLUMNS, events: [{ time: begin + 0.1, until: begin + 0.2, text: "it slipped" }] });
   const rows = values.map((value, i) => `${i},${begin + i / 10},0.1,1,${value}`);
   made.take(parsed(`cycle,time,period,epoch,${COLUMNS[1]}\r\n${rows.join("\r\n")}\r\n`));
   return made;
@@ -47,15 +47,9 @@ test("runs are aligned by a moment of each", () => {
   assert.ok(Math.abs(mark.at - 0.2) < 1e-9 && Math.abs(mark.until - 0.3) < 1e-9);
 });
 
-test("rates of change are those of the recorded samples", () => {
-  const { values } = run(1, [0, 1, 4, 9]).history(`${DERIVATIVE}position/panda_joint1`);
-  assert.equal(values.length, 2);
-  values.forEach((value, i) => assert.ok(Math.abs(value - [20, 40][i]) < 1e-9));
-});
-
 test("only columns that are not there are read, thinned when there are too many rows", () => {
   const made = run(0, [1, 2, 3, 4]);
-  assert.deepEqual(made.missing(["position/panda_joint1", "loop|rate", "d/dt robot_state/panda|m_ee"]), [COLUMNS[3]]);
+  assert.deepEqual(made.missing(["position/panda_joint1", "loop|rate", "robot_state/panda|m_ee"]), [COLUMNS[3]]);
   assert.equal(tableQuery(["a/b", "c"], { duration: 12, cycles: 12000 }).toString(), "channels=a%2Fb&channels=c");
   assert.equal(tableQuery([], { duration: 400, cycles: 400000 }).get("rate"), "50");
 });
@@ -64,7 +58,7 @@ test("a link says recording, moment, comparison and plots, and is read again", (
   const [first, second] = [run(0, []), run(1, [])];
   second.offset = 0.25;
   const link = linkOf([first, second], 1.5, '[{"keys":["position/a"]}]');
-  assert.deepEqual(ofLink(`#${link}`), { kind: "recordings", id: "x", time: 1.5, other: { kind: "recordings", id: "x", offset: 0.25 }, layout: '[{"keys":["position/a"]}]' });
+  assert.deepEqual(ofLink(`#${link}`), { kind: "recordings", id: "x", time: 1.5, other: { kind: "recordings", id: "x", isOther: true, offset: 0.25 }, layout: '[{"keys":["position/a"]}]' });
   assert.deepEqual(ofLink("#incident=y"), { kind: "incidents", id: "y", time: null, other: null, layout: null });
   assert.equal(ofLink("#docks"), null);
 });

@@ -21,10 +21,11 @@ export class History {
     }
   }
 
-  /** Return the rate of change at a sample, over its two neighbours; null at an end. */
-  slope(i) {
-    if (i < 1 || i >= this.times.length - 1) return null;
-    return (this.values[i + 1] - this.values[i - 1]) / (this.times[i + 1] - this.times[i - 1]);
+  /** Return the rates of change, each over the neighbours of a sample; the ends have none. */
+  slopes() {
+    const made = new History(Infinity);
+    for (let i = 1; i < this.times.length - 1; i += 1) made.add(this.times[i], (this.values[i + 1] - this.values[i - 1]) / (this.times[i + 1] - this.times[i - 1]));
+    return made;
   }
 
   /** Return the same samples, to which nothing is added. */

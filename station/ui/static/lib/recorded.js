@@ -1,10 +1,10 @@
 // A recording as channels of plots: its columns, read when a plot asks for them; needs no page.
 import { History } from "./history.js";
 
-export const DERIVATIVE = "d/dt ";
 /** Most samples of a channel that are read: the rows of a longer recording are thinned. */
 const MOST = 20000;
 const FIRST_COLUMNS = 4; // cycle, time, period, epoch
+const POSITION = "joint_states/position/";
 const JOINT_STATES = /^(position|velocity|effort)$/;
 
 /** Return the column of a recording that has what a channel of the plots shows; undefined without one. */
@@ -30,17 +30,10 @@ export function parsed(csv) {
   return { names: head.split(","), rows: lines.map((line) => line.split(",").map(Number)) };
 }
 
-/** Return the slopes of a channel. */
-function slopes(source) {
-  const made = new History(Infinity);
-  for (let i = 1; i < source.times.length - 1; i += 1) made.add(source.times[i], source.slope(i));
-  return made;
-}
-
 /** A run over the same time as others: the station's, from the begin of the first of them. */
 export class Run {
-  constructor({ kind = "live", id, name = id, begin, end, events = [], joints = [], columns = [] }) {
-    Object.assign(this, { kind, id, name, begin, end, events, joints, columns });
+  constructor({ kind = "live", id, name = id, begin = 0, end = 0, cycles = 0, events = [], columns = [] }) {
+    Object.assign(this, { kind, id, name, begin, end, cycles, events, columns });
     this.offset = 0; // what is added to its own time since its begin [s]
     this.kept = new Map(); // by column or key: samples over the station's time
     this.shifted = new Map(); // by key: the same over the common time
@@ -67,9 +60,7 @@ export class Run {
 
   /** Return which of some columns are not there yet. */
   missing(keys) {
-    const wanted = new Set(keys.map((key) => this.place(key.replace(DERIVATIVE, ""))));
-    wanted.delete(undefined);
-    return [...wanted].filter((column) => !this.kept.has(column));
+    return [...new Set(keys.map((key) => this.place(key)))].filter((column) => column && !this.kept.has(column));
   }
 
   /** Take the columns of a table. */
@@ -84,7 +75,6 @@ export class Run {
   /** Return the samples of a channel over the common time; none where the run has no such channel. */
   history(key) {
     if (this.shifted.has(key)) return this.shifted.get(key);
-    if (key.startsWith(DERIVATIVE)) return slopes(this.history(key.slice(DERIVATIVE.length)));
     const made = new History(Infinity);
     const kept = this.kept.get(this.place(key));
     if (!kept) return made;
@@ -95,7 +85,7 @@ export class Run {
 
   /** Return the recorded positions at a common time, {joint: rad or m}. */
   pose(time) {
-    const at = this.joints.map((joint) => [joint, this.kept.get(`joint_states/position/${joint}`)?.nearest(time - this.offset + this.begin)]);
+    const at = this.columns.filter((column) => column.startsWith(POSITION)).map((column) => [column.slice(POSITION.length), this.kept.get(column)?.nearest(time - this.offset + this.begin)]);
     return Object.fromEntries(at.filter(([, value]) => value !== undefined));
   }
 
@@ -112,23 +102,20 @@ export function tableQuery(columns, { duration, cycles }) {
   return query;
 }
 
-/** Return what of a link is a moment of a recording: {kind, id, time, other, shift, layout}; null without a recording. */
+/** Return what of a link is a moment of a recording: {kind, id, time, other, layout}; null without a recording. */
 export function ofLink(hash) {
   const query = new URLSearchParams(hash.replace(/^#/, ""));
   const kind = ["recording", "incident"].find((name) => query.get(name));
   if (!kind) return null;
-  const [otherKind, otherId] = (query.get("with") ?? "").split("/");
-  const numberOf = (name) => (Number.isFinite(Number(query.get(name))) ? Number(query.get(name)) : 0);
-  return { kind: `${kind}s`, id: query.get(kind), time: query.has("t") ? numberOf("t") : null, other: otherId ? { kind: otherKind, id: otherId, offset: numberOf("shift") } : null, layout: query.get("layout") };
+  const [otherKind, otherId, offset] = query.get("with")?.split("/") ?? [];
+  const other = otherId ? { kind: otherKind, id: otherId, isOther: true, offset: Number(offset) || 0 } : null;
+  return { kind: `${kind}s`, id: query.get(kind), time: query.has("t") ? Number(query.get("t")) || 0 : null, other, layout: query.get("layout") };
 }
 
 /** Return the link to a moment, after `#`. */
 export function linkOf([run, other], time, layout) {
   const query = new URLSearchParams([[run.kind.slice(0, -1), run.id], ["t", time.toFixed(3)]]);
-  if (other && other.kind !== "live") {
-    query.set("with", `${other.kind}/${other.id}`);
-    query.set("shift", other.offset.toFixed(4));
-  }
+  if (other && other.kind !== "live") query.set("with", `${other.kind}/${other.id}/${other.offset.toFixed(4)}`);
   if (layout) query.set("layout", layout);
   return query.toString();
 }

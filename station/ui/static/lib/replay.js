@@ -7,21 +7,15 @@ import { store } from "./store.js";
 import { number } from "./text.js";
 
 const TICK_MS = 50;
-const MOST = 2; // runs over each other
-const AT_FIRST = ["joint_states/position"];
+const POSITION = "joint_states/position";
+
+const pathOf = ({ kind, id }) => `/${kind}/${encodeURIComponent(id)}`;
 
 /** Return a table of a recording; a long one takes as long as it takes. */
-async function table(run, columns) {
-  const answer = await fetch(`/api/v1/${run.kind}/${encodeURIComponent(run.id)}/table?${tableQuery(columns, run)}`);
+async function table(run, query) {
+  const answer = await fetch(`/api/v1${pathOf(run)}/table?${query}`);
   if (!answer.ok) throw new Refusal(answer.status, await answer.json().catch(() => ({})));
   return parsed(await answer.text());
-}
-
-/** Return the names of all columns: the first line of a table that is not read further. */
-async function columnsOf(kind, id) {
-  const answer = await fetch(`/api/v1/${kind}/${encodeURIComponent(id)}/table?rate=0.001`);
-  if (!answer.ok) throw new Refusal(answer.status, await answer.json().catch(() => ({})));
-  return parsed(await answer.text()).names;
 }
 
 class Replay extends EventTarget {
@@ -51,19 +45,18 @@ class Replay extends EventTarget {
   }
 
   /** Open a recording or an incident, over the one that is open if it is a comparison; return it, or undefined. */
-  async open(kind, id, { isOther = false, time = null } = {}) {
+  async open({ kind, id, isOther = false, time = null, offset = null }) {
     this.say(`Reading ${id} …`);
     try {
-      const info = await api("GET", `/${kind}/${encodeURIComponent(id)}`);
-      const run = new Run({ kind, id: info.identifier, name: info.name && info.name !== "incident" ? info.name : info.identifier, begin: 0, end: info.duration, columns: await columnsOf(kind, id) });
-      run.cycles = info.cycles;
-      const first = await table(run, AT_FIRST);
-      run.begin = first.rows[0][1];
-      run.end = first.rows.at(-1)[1];
+      const info = await api("GET", pathOf({ kind, id }));
+      const run = new Run({ kind, id: info.identifier, name: kind === "incidents" ? info.identifier : info.name || info.identifier, cycles: info.cycles });
+      // Few rows of it say which columns there are.
+      run.columns = (await table(run, "rate=0.001")).names;
+      const first = await table(run, tableQuery([POSITION], { ...info }));
+      Object.assign(run, { begin: first.rows[0][1], end: first.rows.at(-1)[1] });
       run.take(first);
-      run.joints = first.names.filter((name) => name.startsWith(`${AT_FIRST[0]}/`)).map((name) => name.slice(AT_FIRST[0].length + 1));
       await this.readEvents(run);
-      this.put(run, isOther, time);
+      this.put(run, { isOther, time, offset });
       return run;
     } catch (error) {
       if (!(error instanceof Refusal)) throw error;
@@ -75,16 +68,18 @@ class Replay extends EventTarget {
   }
 
   async readEvents(run) {
-    run.events = (await api("GET", `/${run.kind}/${encodeURIComponent(run.id)}/events`)).events;
+    run.events = (await api("GET", `${pathOf(run)}/events`)).events;
   }
 
   /** Show a run; an incident begins at the moment of its cause. */
-  put(run, isOther, time) {
-    const cause = run.events.find(({ kind }) => kind === "incident");
+  put(run, { isOther = false, time = null, offset = null }) {
+    const causeOf = ({ events }) => events.find(({ kind }) => kind === "incident");
+    const cause = causeOf(run);
     if (isOther && this.isOpen) {
-      this.runs = [...this.runs.slice(0, MOST - 1), run];
-      const own = this.runs[0].events.find(({ kind }) => kind === "incident");
-      if (own && cause) run.align(cause.time, this.runs[0].common(own.time));
+      const [first] = this.runs;
+      this.runs = [first, run];
+      if (offset !== null) run.offset = offset;
+      else if (causeOf(first) && cause) run.align(cause.time, first.common(causeOf(first).time));
     } else {
       this.pause();
       this.runs = [run];
@@ -106,7 +101,7 @@ class Replay extends EventTarget {
       if (!missing.length) continue;
       for (const column of missing) run.kept.set(column, null); // asked for once
       this.say("Reading …");
-      const found = await table(run, missing).catch((error) => refusals.add(error, {}));
+      const found = await table(run, tableQuery(missing, run)).catch((error) => refusals.add(error, {}));
       if (found) run.take(found);
       this.say("");
       this.tell("samples");
@@ -167,7 +162,7 @@ class Replay extends EventTarget {
   async addNote(text, begin, until) {
     const [run] = this.runs;
     const clamp = (time) => Math.min(Math.max(time + run.begin, run.begin), run.end);
-    const note = await act("POST", `/${run.kind}/${encodeURIComponent(run.id)}/notes`, { text, time: clamp(begin), until: until === null ? null : clamp(until) });
+    const note = await act("POST", `${pathOf(run)}/notes`, { text, time: clamp(begin), until: until === null ? null : clamp(until) });
     if (!note) return false;
     await this.readEvents(run);
     this.tell("runs");
@@ -180,13 +175,12 @@ class Replay extends EventTarget {
 
   /** Return the address of this moment, with what the plots show. */
   link(layout) {
-    return `${location.origin}${location.pathname}#${linkOf(this.runs, this.time, layout)}`;
+    return `${location.origin}${location.pathname}${this.isOpen ? `#${linkOf(this.runs, this.time, layout)}` : ""}`;
   }
 
   /** Keep the address of the page that of what is open, so that a reload comes back to it. */
   note() {
-    const hash = this.isOpen && this.runs[0].kind !== "live" ? `#${linkOf(this.runs, this.time, "")}` : "";
-    history.replaceState(null, "", location.pathname + location.search + hash);
+    history.replaceState(null, "", this.link(""));
   }
 }
 

@@ -1,4 +1,5 @@
 // Controllers: a row for each, what a switch would do before the click, and loading.
+import "./chains.js";
 import "./load_form.js";
 import { breakable, h, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
@@ -27,6 +28,7 @@ class Controllers extends Panel {
     this.append(
       this.preview,
       this.form,
+      h("st-chains", {}),
       h("div", { class: "scroll" }, h("table", { class: "controllers" }, h("thead", {}, h("tr", {}, ...heads)), this.body)),
     );
   }

@@ -7,7 +7,7 @@ import { Panel } from "../lib/panel.js";
 import { History } from "../lib/history.js";
 import { layoutMenu, layoutOf } from "../lib/plot_layouts.js";
 import { Plot, download } from "../lib/plot.js";
-import { DERIVATIVE, Run, ofLink } from "../lib/recorded.js";
+import { Run, ofLink } from "../lib/recorded.js";
 import { replay } from "../lib/replay.js";
 import { follow } from "../lib/station.js";
 import { store } from "../lib/store.js";
@@ -16,6 +16,7 @@ import { dashOf } from "../lib/traces.js";
 import { SPECTRUM, TRANSFORMS, transformed } from "../lib/transforms.js";
 
 const DRAW_HZ = 15;
+const DERIVATIVE = "d/dt ";
 const SAMPLE_UNITS = { desired: "rad", actual: "rad", error: "rad", output: "Nm" };
 const SHOWN_AT_FIRST = [["position"], ["effort"]];
 
@@ -45,7 +46,7 @@ class Plots extends Panel {
     this.tools.prepend(this.bar.tools);
     replay.addEventListener("runs", () => this.showRuns());
     replay.addEventListener("samples", () => this.plots.forEach((entry) => this.apply(entry)));
-    replay.addEventListener("change", () => this.showReplayTime());
+    replay.addEventListener("change", () => this.plots.forEach(({ plot }) => replay.isOpen && (plot.fixed = replay.time)));
     store.addEventListener("marker", () => {
       if (!this.paused) for (const { plot } of this.plots) plot.markers = store.markers;
     });
@@ -62,9 +63,7 @@ class Plots extends Panel {
     if (!wanted) return;
     const plots = wanted.layout && (await layoutOf(wanted.layout));
     if (plots) this.showSettings(plots);
-    if (!(await replay.open(wanted.kind, wanted.id, wanted)) || !wanted.other) return;
-    const other = await replay.open(wanted.other.kind, wanted.other.id, { isOther: true });
-    if (other) replay.align(other, other.begin + replay.runs[0].begin - wanted.other.offset, replay.runs[0].begin);
+    if ((await replay.open(wanted)) && wanted.other) await replay.open(wanted.other);
   }
 
   /** Lay what this page has seen of the robot over the recording that is open. */
@@ -73,7 +72,7 @@ class Plots extends Panel {
     const run = new Run({ id: "last minute", begin: end - 60, end, events: store.markers.map(({ at, text }) => ({ time: at, text })) });
     for (const key of this.wanted) run.kept.set(key, this.history(key).copy());
     run.begin = Math.max(run.begin, ...[...run.kept.values()].flatMap(({ times }) => times.slice(0, 1)));
-    replay.put(run, true);
+    replay.put(run, { isOther: true });
   }
 
   /** Draw the recordings that are open in place of the robot, or the robot again. */
@@ -93,10 +92,6 @@ class Plots extends Panel {
   get range() {
     const plot = this.plots[0]?.plot;
     return plot?.end == null ? [0, replay.duration] : [plot.end - plot.span, plot.end];
-  }
-
-  showReplayTime() {
-    if (replay.isOpen) for (const { plot } of this.plots) plot.fixed = replay.time;
   }
 
   setPaused(paused) {
@@ -135,7 +130,8 @@ class Plots extends Panel {
     else
       for (const [quantity] of SHOWN_AT_FIRST)
         this.addPlot(store.docks.joints.slice(0, 7).map((joint) => `${quantity}/${joint}`));
-    this.openLink();
+    if (!this.isLinkOpened) this.openLink();
+    this.isLinkOpened = true;
   }
 
   /** Show these plots in place of those that are there. */
@@ -197,7 +193,6 @@ class Plots extends Panel {
         if (arm) this.history(key).add(arm.stamp, arm[second]?.[Number(index)]);
       }
     }
-    this.derive();
   }
 
   hearSample(frame) {
@@ -402,9 +397,9 @@ class Plots extends Panel {
 
   /** Return the channels with their samples: of the robot, or of every recording that is open. */
   sourcesOf(keys) {
-    if (!replay.isOpen) return keys.map((key) => ({ ...this.channel(key), key, history: this.drawnHistory(key) }));
-    const letter = (i) => (replay.runs.length > 1 ? ` ${"AB"[i]}` : "");
-    return replay.runs.flatMap((run, i) => keys.map((key) => ({ ...this.channel(key), label: this.channel(key).label + letter(i), key, history: run.history(key) })));
+    const source = (key, letter, read) => ({ ...this.channel(key), label: this.channel(key).label + letter, key, history: read(key.replace(DERIVATIVE, "")) });
+    if (!replay.isOpen) return keys.map((key) => source(key, "", (name) => this.drawnHistory(name)));
+    return replay.runs.flatMap((run, i) => keys.map((key) => source(key, replay.runs.length > 1 ? ` ${"AB"[i]}` : "", (name) => run.history(name))));
   }
 
   /** Make what is drawn of the channels; an XY plot has them as they are. */
@@ -415,7 +410,8 @@ class Plots extends Panel {
     if (made === entry.made) return; // a picture that is held needs no second look
     entry.made = made;
     plot.isSpectrum = how === SPECTRUM && !plot.xy;
-    plot.traces = plot.xy ? sources : transformed(sources, how, end - plot.span, end);
+    const channels = sources.map((source) => (source.key.startsWith(DERIVATIVE) ? { ...source, history: source.history.slopes() } : source));
+    plot.traces = plot.xy ? channels : transformed(channels, how, end - plot.span, end);
   }
 
   keep() {
@@ -426,19 +422,9 @@ class Plots extends Panel {
   /** Note which channels the plots need; a derivative needs the channel it is one of. */
   note() {
     const keys = this.plots.flatMap((entry) => entry.keys);
-    this.derived = new Set(keys.filter((key) => key.startsWith(DERIVATIVE)));
     this.wanted = new Set(keys.map((key) => key.replace(DERIVATIVE, "")));
     this.streamed.want(this.wanted);
     replay.want([...this.wanted]);
-  }
-
-  /** Add the newest slopes; the newest sample itself has only one neighbour yet. */
-  derive() {
-    for (const key of this.derived ?? []) {
-      const source = this.history(key.slice(DERIVATIVE.length));
-      const i = source.times.length - 2;
-      if (i > 0) this.history(key).add(source.times[i], source.slope(i));
-    }
   }
 
   draw() {

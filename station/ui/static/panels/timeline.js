@@ -33,7 +33,6 @@ class Timeline extends Panel {
     this.list = h("div", { class: "log", tabIndex: 0 });
     this.list.setAttribute("aria-label", "What happened");
     this.append(h("div", { class: "tabs" }, ...this.buttons, this.record), this.list);
-    store.addEventListener("marker", () => this.chosen === "events" && !this.offered && this.drawOwn());
     replay.addEventListener("runs", () => this.ask());
     alarms.addEventListener("change", () => this.chosen === "alarms" && this.drawAlarms());
     this.events = new Map(); // by number: a frame may come twice after a reconnection
@@ -84,26 +83,14 @@ class Timeline extends Panel {
       const path = id === "events" ? `/events?limit=${SHOWN}` : `/${id}`;
       const told = await api("GET", path, undefined, { Accept: "application/json" });
       if (id !== this.chosen) return;
-      this.offered = true;
       this.record.hidden = id !== "recordings" || !store.isOperator;
       if (id === "events") this.hear(told.events);
       else this.draw(told.recordings);
     } catch (error) {
       if (id !== this.chosen || error.status === 0 || error.status >= 500) return; // The strip says so.
-      if (error.status !== 404) return this.tell(`${error.detail} ${error.remedy}`);
-      this.offered = false;
       this.record.hidden = true;
-      this.drawOwn();
+      this.tell(`${error.detail} ${error.remedy}`);
     }
-  }
-
-  /** Show what this page has noticed itself; the station keeps no such list. */
-  drawOwn() {
-    const what = SOURCES.find((source) => source.id === this.chosen).title;
-    const notes = this.chosen === "events" ? [...store.markers].reverse().slice(0, SHOWN) : [];
-    const rows = notes.map(({ at, text }) => html`<div class="row"><time>${at.toFixed(1)} s</time>${text}</div>`);
-    const since = this.chosen === "events" ? " Below is what this page has noticed since it was opened, in station time." : "";
-    this.tell(`${what}: not offered by this station.${since}`, rows);
   }
 
   draw(items) {
@@ -134,13 +121,13 @@ class Timeline extends Panel {
     if (item.state === "recording") return row(html`<span>${what}</span>`);
     const file = `/api/v1/${this.chosen}/${encodeURIComponent(name)}/file`;
     return row(html`<span>${what} </span><a href=${file} download="${name}.mcap">download</a>
-      <button class="s" type="button" title="Open it in the plots, and as a ghost in the 3D view." aria-label="Replay ${name}" @click=${() => this.open(name)}>Replay</button>
-      ${replay.isOpen && replay.runs[0].id !== name ? html`<button class="s" type="button" title="Lay it over the recording that is open." aria-label="Compare with ${name}" @click=${() => this.open(name, { isOther: true })}>Compare</button>` : nothing}`);
+      <button class="s" type="button" title="Open it in the plots, and as a ghost in the 3D view." aria-label="Replay ${name}" @click=${() => this.open(name, false)}>Replay</button>
+      ${replay.isOpen && replay.runs[0].id !== name ? html`<button class="s" type="button" title="Lay it over the recording that is open." aria-label="Compare with ${name}" @click=${() => this.open(name, true)}>Compare</button>` : nothing}`);
   }
 
-  open(name, how) {
+  open(id, isOther) {
     window.dispatchEvent(new CustomEvent("show-dock", { detail: "plots" }));
-    return replay.open(this.chosen, name, how);
+    return replay.open({ kind: this.chosen, id, isOther });
   }
 
   async toggleRecording() {
