@@ -121,7 +121,7 @@ def test_the_strip_stays_one_line_when_an_arm_has_stopped_itself(workspace, clie
     assert wait_until(lambda: panda.errors().robot_mode == "idle")
 
 
-@pytest.mark.parametrize(("width", "rows"), [(1280, 2), (1920, 1)])
+@pytest.mark.parametrize(("width", "rows"), [(1280, 2), (2560, 1)])
 def test_the_choices_of_the_timeline_stand_in_even_rows(workspace, width, rows):
     page = workspace.page
     workspace.dock("simulation")
