@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.browser.conftest import logged_in
+from tests.browser.test_tasks import counted
 from tests.browser.workspace_page import (
     CONTROLLER,
     WorkspacePage,
@@ -40,7 +41,8 @@ def compared(workspace, enabled):
         f"Replay {tuesday.identifier}",
         f"Compare with {mine.identifier}",
     )
-    assert len(clicked) <= 6
+    task = "compare my run with last Tuesday's recording"
+    assert len(clicked) == counted(task) <= 6
     workspace.dock("timeline")
     for name in clicked:
         workspace.page.get_by_role("button", name=name, exact=True).first.click()
@@ -171,7 +173,8 @@ def test_layouts_of_plots_are_kept_at_the_station_and_in_files(
     dock.locator(".layouts > summary").click()
 
 
-def test_an_incident_opens_at_its_moment_in_two_clicks(workspace, enabled):
+def test_the_moment_of_an_incident_is_linked_in_three_clicks(workspace, enabled):
+    workspace.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
     known = {one.identifier for one in enabled.incidents.list()}
     enabled.stop("a test")
 
@@ -193,6 +196,8 @@ def test_an_incident_opens_at_its_moment_in_two_clicks(workspace, enabled):
     marks = page.evaluate(f"() => {PLOTS}[0].plot.markers")
     assert [(m["text"], m["at"]) for m in marks] == [(cause.text, fixed)]
     assert f"#incident={incident.identifier}&t={fixed:.3f}" in page.url
+    workspace.button("plots", "Copy link").click()
+    assert counted("show a colleague the moment of a reflex") == 3
     workspace.button("plots", "Play").click()
     page.wait_for_function(f"(at) => {PLOTS}[0].plot.fixed > at + 0.2", arg=fixed)
     workspace.button("plots", "End replay").click()
