@@ -4,6 +4,8 @@ import math
 import time
 from collections.abc import Iterable, Mapping, Sequence
 
+from pydantic import JsonValue, TypeAdapter
+
 from station.client.connection import Sleep
 from station.client.controllers import AsyncControllersClient, AsyncGoalHandle
 from station.client.errors import MotionError
@@ -34,6 +36,7 @@ async def start_move(
     *,
     duration: float | None = None,
     controller: str = "",
+    plan: bool = False,
 ) -> AsyncGoalHandle:
     """Begin a motion of joints; see `AsyncStationClient.start_move`.
 
@@ -42,6 +45,7 @@ async def start_move(
         target: Name of a pose, one position per joint, or positions by joint.
         duration: How long the motion takes [s]; a calm one when None.
         controller: A trajectory controller; found when empty.
+        plan: Go by a path that touches nothing.
 
     Raises:
         ApiError: The station refuses.
@@ -54,6 +58,11 @@ async def start_move(
         controller = await running_controller(client, _TRAJECTORY)
     here = await client.query_state(controller)
     values = joint_positions(target, here.name, here.position)
+    if plan:
+        wanted = dict(zip(here.name, values, strict=True))
+        found = await client.plan(controller, wanted)
+        planned = TypeAdapter(dict[str, JsonValue]).validate_python(found.goal)
+        return await client.start_goal(controller, planned)
     goal = trajectory_goal(here.name, here.position, values, duration)
     return await client.start_goal(controller, goal)
 

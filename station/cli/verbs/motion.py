@@ -36,6 +36,9 @@ def add_goto(parser: "Parser") -> None:
     parser.add_argument(
         "--duration", type=float, metavar="S", help="without it: a calm one"
     )
+    parser.add_argument(
+        "--plan", action="store_true", help="go around what is in the way"
+    )
 
 
 def add_stop(parser: "Parser") -> None:
@@ -92,6 +95,7 @@ def goto(options: Namespace) -> int:
                 values or name,
                 duration=options.duration,
                 controller=name if values else "",
+                plan=options.plan,
             )
         except UnknownPoseError as error:
             raise UsageError(error.detail, remedy=error.remedy) from error

@@ -6,13 +6,16 @@ and a refused switch raises with its reason instead of returning `False`.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from math import inf
 from typing import Protocol
 
 from station.core.description.repair import Repair
+from station.core.description.urdf import Pose
+from station.core.errors import HardwareInterfaceError
+from station.core.geometry.scene import SceneObject
 from station.core.hardware.interfaces.interface_manager import InterfaceManager
 from station.core.hardware.robot_report import (
     ClampReport,
@@ -22,7 +25,31 @@ from station.core.hardware.robot_report import (
     SceneObjectReport,
 )
 from station.core.parameters import Parameters
-from station.reports import HardwareTransmission
+from station.reports import Clearance, HardwareTransmission
+
+
+class SceneGuard(ABC):
+    """Keeps an arm clear of a scene. Any thread."""
+
+    @abstractmethod
+    def prepare(
+        self, objects: Sequence[SceneObject], arm_margin: float | None
+    ) -> Callable[[], None]:
+        """Return a function for the control thread that lets these objects count.
+
+        Args:
+            objects: All objects of the scene; those with the role `object` do not
+                count.
+            arm_margin: Distance that arms keep from each other [m]; None: none.
+
+        Raises:
+            RobotDescriptionError: A mesh cannot be used.
+            ParameterError: A role names a link that the arm does not have.
+        """
+
+    @abstractmethod
+    def report(self) -> Clearance | None:
+        """Return how near the nearest pair is; None where nothing counts."""
 
 
 class SimulatedWorld(ABC):
@@ -54,6 +81,21 @@ class SimulatedWorld(ABC):
         """Return the poses that have a name: joint name to position [rad or m]."""
         return {}
 
+    def place_object(self, name: str, pose: Pose) -> None:
+        """Put a solid object somewhere else, at rest.
+
+        Args:
+            name: Its name.
+            pose: Pose of its middle in the world.
+
+        Raises:
+            HardwareInterfaceError: The world has no such object.
+        """
+        raise HardwareInterfaceError(
+            f"This world cannot move '{name}' to {pose.xyz}.",
+            remedy="Change scene.objects of the configuration.",
+        )
+
     def scene(self) -> Sequence[SceneObjectReport]:
         """Return the objects around the robot, at their present poses."""
         return ()
@@ -65,6 +107,25 @@ class SimulatedWorld(ABC):
     def contacts(self) -> Sequence[ContactReport]:
         """Return the contacts of the world's bodies; of very many points only some."""
         return ()
+
+    def nearness(
+        self, joints: Sequence[str], margin: float
+    ) -> Callable[[Sequence[float]], Sequence[tuple[str, str, float]]]:
+        """Return a function that finds what would be near each other in a pose.
+
+        It takes positions of the joints [rad or m] and returns names of two bodies and
+        their distance [m], negative inside of each other, for each pair below the
+        margin. For copies of a station alone: the world stays in that pose.
+
+        Args:
+            joints: Names of joints; the others stay where they are.
+            margin: Distance below which bodies are near [m], > 0.
+
+        Raises:
+            HardwareInterfaceError: A joint is not in the world.
+        """
+        del joints, margin
+        return lambda _: ()
 
     def longest_period(self) -> float:
         """Return the most time that may pass in one cycle of the loop [s], > 0.
@@ -325,6 +386,13 @@ class RobotHW(InterfaceManager):
         The same object from `init` on.
         """
         return None
+
+    def guards(self) -> Sequence[SceneGuard]:
+        """Return what keeps the arms of this robot clear of a scene; empty if nothing.
+
+        The same objects from `init` on.
+        """
+        return ()
 
     def address(self) -> str:
         """Return the address of a real robot, e.g. its IP; empty for a simulated one.

@@ -7,12 +7,14 @@ the controllers of all are stopped and wait for a recovery, instead of running o
 """
 
 from collections.abc import Sequence
+from itertools import permutations
 
 from typing_extensions import override
 
 from station.core.description.robot_description import ROBOT_DESCRIPTION
 from station.core.errors import ParameterError, SwitchRefusedError
 from station.core.franka.franka_robot_state import RobotMode
+from station.core.geometry.scene import read_scene
 from station.core.hardware.combined_robot_hw import CombinedRobotHW
 from station.core.hardware.interfaces import JointCommandInterface, JointStateInterface
 from station.core.hardware.robot_hw import ControllerInfo, ResourceConflict
@@ -31,7 +33,6 @@ from station.hw.franka.simulated.franka_world import (
     placement_of,
     simulate,
 )
-from station.hw.mujoco.scene import read_scene
 from station.hw.robot_loader import create_robot
 
 _EFFORT = "hardware_interface::EffortJointInterface"
@@ -138,6 +139,9 @@ class FrankaCombinedHW(CombinedRobotHW):
             robot.init(root_params, hw_params.namespace(name))
             self.arms.append(robot)
             self.add_robot(name, robot)
+        guards = [one for robot in self.arms for one in robot.guards()]
+        for guard, other in permutations(guards, 2):
+            guard.add_neighbour(other)
 
     def erroneous_arm(self) -> FrankaCombinableHW | None:
         """Return the first arm that cannot move; None if all can."""

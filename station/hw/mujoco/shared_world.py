@@ -1,6 +1,6 @@
 """A MuJoCo world and the robots in it, as the control loop sees them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from math import inf
 from typing import Protocol
 
@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 from typing_extensions import override
 
+from station.core.description.urdf import Pose
 from station.core.hardware.robot_hw import SimulatedWorld
 from station.core.hardware.robot_report import (
     ContactReport,
@@ -16,6 +17,7 @@ from station.core.hardware.robot_report import (
 )
 from station.hw.mujoco.bases import moving_bases
 from station.hw.mujoco.world import World
+from station.hw.mujoco.world_joints import joint_position_address
 
 MOST_CONTACTS = 64
 """Contacts reported at most: a pile of objects has hundreds."""
@@ -70,6 +72,10 @@ class SharedWorld(SimulatedWorld):
         return self._keyframes
 
     @override
+    def place_object(self, name: str, pose: Pose) -> None:
+        self.world.place_object(name, pose)
+
+    @override
     def scene(self) -> Sequence[SceneObjectReport]:
         return self.world.scene()
 
@@ -80,6 +86,30 @@ class SharedWorld(SimulatedWorld):
     @override
     def contacts(self) -> Sequence[ContactReport]:
         return touching(self.world.model, self.world.data)
+
+    @override
+    def nearness(
+        self, joints: Sequence[str], margin: float
+    ) -> Callable[[Sequence[float]], Sequence[tuple[str, str, float]]]:
+        model, data = self.world.model, self.world.data
+        addresses = [joint_position_address(model, name) for name in joints]
+        model.geom_margin[:] = margin
+
+        def find(pose: Sequence[float]) -> Sequence[tuple[str, str, float]]:
+            data.qpos[addresses] = pose
+            mujoco.mj_kinematics(model, data)
+            mujoco.mj_collision(model, data)
+            if not data.ncon:
+                return ()
+            contact = data.contact
+            found = zip(contact.geom.tolist(), contact.dist.tolist(), strict=True)
+            return [
+                (_body_of(model, one), _body_of(model, other), distance)
+                for (one, other), distance in found
+                if distance < margin
+            ]
+
+        return find
 
     @override
     def longest_period(self) -> float:

@@ -1,0 +1,287 @@
+"""Plan motions that touch nothing, in a copy of the station."""
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from station.core.errors import (
+    InvalidCommandError,
+    InvalidTrajectoryError,
+    NoPathError,
+    suggest,
+)
+from station.core.trajectory import PosVelAccState, peak_speeds, through_waypoints
+from station.core.trajectory.quintic_spline_segment import QuinticSplineSegment
+from station.rehearsal.path_search import Joints, PathSearch
+from station.rehearsal.process_copy import run_in_copy
+from station.reports import Plan
+
+if TYPE_CHECKING:
+    from station.core.facade.station import Station
+
+MARGIN = 0.01
+"""Least distance to everything that is farther away at the beginning [m]."""
+DEPTH = 0.001
+"""How much nearer bodies may come that are near each other at the beginning [m]."""
+_SLACK = 0.004
+"""The same for all bodies along the timed path [m], of which other poses are looked at
+than of the path that was searched."""
+_INSIDE = 1e-3
+"""Distance that a path keeps from the ends of the joints' ranges [rad or m]."""
+_SPEED = 0.4
+"""Part of the velocity limits that a path uses, so that accelerations stay small."""
+_CALM = 1.0
+"""Mean speed without a velocity limit [rad/s or m/s]."""
+_ACCELERATION = 2.0
+"""Peak acceleration of a segment that begins and ends at rest [rad/s^2 or m/s^2]. A
+Franka allows 7.5; faster changes of speed look like a contact to its observer."""
+_PEAK = 10.0 / 3.0**0.5
+"""Peak acceleration of a quintic polynomial from rest to rest over way / time^2."""
+_SHORTEST = 0.3
+"""Shortest time of a segment [s]."""
+_SAMPLE = 0.01
+"""Time between two looks at the timed path [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wish:
+    """The wish for a path.
+
+    Attributes:
+        controller: A running trajectory controller.
+        positions: Where joints are to go [rad or m], by name; others stay.
+        timeout: How long to search [s], > 0.
+        seed: Of the random numbers.
+    """
+
+    controller: str
+    positions: Mapping[str, float]
+    timeout: float = 2.0
+    seed: int = 0
+
+
+def plan(station: "Station", wish: Wish) -> Plan:
+    """Return a path from where a controller's joints are to a pose.
+
+    Args:
+        station: The station; its robot must be simulated.
+        wish: What is wanted.
+
+    Raises:
+        ControllerNotFoundError: None of that name is loaded.
+        ControllerStateError: The controller is not running.
+        InvalidCommandError: The controller takes no trajectories, or has no such joint.
+        InvalidTrajectoryError: A joint would leave its range.
+        NoPathError: The pose touches something, or no path was found in time.
+        RehearsalError: The robot is no simulated one, or this machine cannot copy the
+            station.
+    """
+    start = station.motion.query_state(wish.controller).position
+    joints = list(station.manager.get_controller(wish.controller).joint_names)
+    goal = _goal_of(station, wish, joints, start)
+    begun = time.perf_counter()
+
+    def work(tell: Callable[[], None]) -> list[Plan | NoPathError] | None:
+        del tell
+        if not station.loop.go_on_without_thread():
+            return None
+        try:
+            return [_Planner(station, wish, joints).find_plan(np.array(start), goal)]
+        except NoPathError as error:
+            return [error]
+
+    (found,) = run_in_copy(work, station.loop.wait_between_cycles, wish.timeout + 2.0)
+    if isinstance(found, NoPathError):
+        raise found
+    return replace(found, planning_time=time.perf_counter() - begun)
+
+
+def _goal_of(
+    station: "Station", wish: Wish, joints: list[str], start: list[float]
+) -> Joints:
+    """Return where the joints are to go, shape (n,).
+
+    Raises:
+        InvalidCommandError: The controller has no such joint.
+        InvalidTrajectoryError: A joint would leave its range.
+    """
+    for name in wish.positions:
+        if name not in joints:
+            raise InvalidCommandError(
+                f"'{wish.controller}' moves no joint '{name}'.",
+                remedy=suggest(name, joints),
+            )
+    limits = {one.joint: one.limits for one in station.loop.hw.joint_limits()}
+    for name, q in wish.positions.items():
+        found = limits.get(name)
+        low = None if found is None else found.min_position
+        high = None if found is None else found.max_position
+        if low is not None and high is not None and not low <= q <= high:
+            raise InvalidTrajectoryError(
+                f"{name} cannot go to {q:.4g}; allowed are {low:.4g} to {high:.4g}.",
+                remedy="Choose another pose.",
+                details={"joint": name, "cause": "unreachable"},
+            )
+    pairs = zip(joints, start, strict=True)
+    return np.array([wish.positions.get(name, q) for name, q in pairs])
+
+
+class _Planner:
+    """Plans in a copy of the station, whose world it may put into any pose."""
+
+    def __init__(self, station: "Station", wish: Wish, joints: list[str]) -> None:
+        self._wish = wish
+        self._joints = joints
+        world = station.loop.hw.simulated_world()
+        if world is None:
+            raise NoPathError(
+                "What is around a real robot is not known.",
+                remedy="Plan on a simulated station with its scene.",
+            )
+        self._near = world.nearness(joints, MARGIN)
+        limits = {one.joint: one.limits for one in station.loop.hw.joint_limits()}
+        found = [limits.get(name) for name in joints]
+        self._lower = np.array([
+            -np.pi if one is None or one.min_position is None else one.min_position
+            for one in found
+        ])
+        self._upper = np.array([
+            np.pi if one is None or one.max_position is None else one.max_position
+            for one in found
+        ])
+        self._speeds = np.array([
+            _CALM if one is None or not one.max_velocity else _SPEED * one.max_velocity
+            for one in found
+        ])
+        self._allowed: dict[tuple[str, str], float] = {}
+
+    def find_plan(self, start: Joints, goal: Joints) -> Plan:
+        """Return a path, timed and clear.
+
+        Raises:
+            NoPathError: The goal touches something, or no path was found in time.
+        """
+        deadline = time.perf_counter() + self._wish.timeout
+        for one, other, distance in self._near(start.tolist()):
+            before = self._allowed.get((one, other), 0.0)
+            self._allowed[one, other] = min(before, distance)
+        blocked = self._blocked(goal)
+        if blocked:
+            one, other, distance = min(blocked, key=lambda pair: pair[2])
+            raise NoPathError(
+                f"{one} and {other} would be {1e3 * distance:.0f} mm from each other "
+                f"in that pose; {1e3 * MARGIN:.0f} mm are kept free."
+                if distance > 0.0
+                else f"{one} would come {-1e3 * distance:.0f} mm into {other} in that "
+                "pose.",
+                remedy="Choose another pose, or move what is in the way.",
+                details={"cause": "goal_in_collision", "pair": [one, other]},
+            )
+        inside = np.full(len(self._joints), _INSIDE)
+        search = PathSearch(
+            lambda pose: not self._blocked(pose),
+            self._lower + inside,
+            self._upper - inside,
+            self._wish.seed,
+        )
+        path = search.find(start, goal, deadline)
+        if path is None:
+            raise NoPathError(
+                f"No path was found within {self._wish.timeout:g} s.",
+                remedy="Allow more time, or go by way of another pose.",
+                details={"cause": "timeout"},
+            )
+        states = self._timed(path)
+        points = [
+            {
+                "positions": list(state.position),
+                "velocities": list(state.velocity),
+                "accelerations": list(state.acceleration),
+                "time_from_start": state.time_from_start,
+            }
+            for state in states
+        ]
+        return Plan(
+            self._wish.controller,
+            {"trajectory": {"joint_names": self._joints, "points": points}},
+            states[-1].time_from_start,
+            len(path) == 2,
+            0.0,
+            self._joints,
+            [pose.tolist() for pose in path],
+        )
+
+    def _blocked(
+        self, pose: Joints, slack: float = DEPTH
+    ) -> list[tuple[str, str, float]]:
+        """Return the pairs that are nearer to each other than they may be.
+
+        Args:
+            pose: Positions of the joints [rad or m], shape (n,).
+            slack: By how much they may be nearer [m].
+        """
+        return [
+            (one, other, distance)
+            for one, other, distance in self._near(pose.tolist())
+            if distance < self._allowed.get((one, other), MARGIN) - slack
+        ]
+
+    def _timed(self, path: list[Joints]) -> list[PosVelAccState]:
+        """Return a path with times: in one go if that is clear, else corner by corner.
+
+        Raises:
+            NoPathError: Neither is clear.
+        """
+        places = [pose.tolist() for pose in path]
+        spans = [
+            max(
+                float(np.max(np.abs(b - a) / self._speeds)),
+                float(np.max(np.abs(b - a)) * _PEAK / _ACCELERATION) ** 0.5,
+                _SHORTEST,
+            )
+            for a, b in pairwise(path)
+        ]
+        times = np.cumsum(spans).tolist()
+        in_one_go = through_waypoints(places[0], places[1:], times)
+        rest = [0.0] * len(self._joints)
+        stopping = [
+            PosVelAccState(place, rest, rest, at)
+            for place, at in zip(places[1:], times, strict=True)
+        ]
+        for states in (in_one_go, stopping):
+            peaks = np.array(peak_speeds(places[0], states)) / self._speeds
+            slower = max(float(peaks.max()) * _SPEED, 1.0)
+            slow = [
+                PosVelAccState(
+                    one.position,
+                    [v / slower for v in one.velocity],
+                    one.acceleration,
+                    one.time_from_start * slower,
+                )
+                for one in states
+            ]
+            if self._is_clear_in_time(places[0], slow):
+                return slow
+        raise NoPathError(
+            "The path that was found touches something once it is timed.",
+            remedy="Plan again with another seed.",
+            details={"cause": "timeout"},
+        )
+
+    def _is_clear_in_time(
+        self, start: list[float], states: list[PosVelAccState]
+    ) -> bool:
+        rest = [0.0] * len(start)
+        before = PosVelAccState(start, rest, rest, 0.0)
+        for state in states:
+            begin, end = before.time_from_start, state.time_from_start
+            segment = QuinticSplineSegment(begin, before, end, state)
+            for at in np.arange(begin, end, _SAMPLE).tolist():
+                if self._blocked(np.array(segment.sample(at).position), _SLACK):
+                    return False
+            before = state
+        return True

@@ -1,0 +1,86 @@
+"""A plan leads around what is in the way, or the refusal says why there is none."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import station
+from station.core.errors import InvalidTrajectoryError, NoPathError
+from station.rehearsal.path_search import PathSearch
+from station.rehearsal.planning import Wish
+from station.rehearsal.rehearsals import Rehearsals
+
+ARM = "position_joint_trajectory_controller"
+JOINTS = [f"panda_joint{i}" for i in range(1, 8)]
+BEGIN = [-0.9, -0.2, 0.0, -2.0, 0.0, 1.571, 0.785]
+BEHIND = {"panda_joint1": 0.9}
+
+
+def box(name, size, position):
+    return {"name": name, "type": "box", "size": size, "position": position}
+
+
+SCENES = {
+    "post": [box("post", [0.08, 0.08, 1.0], [0.42, 0.0, 0.5])],
+    "low wall": [box("wall", [0.5, 0.05, 0.5], [0.5, 0.0, 0.25])],
+    "beam and box": [
+        box("beam", [0.1, 0.1, 0.1], [0.45, 0.0, 0.75]),
+        box("box", [0.2, 0.2, 0.4], [0.5, 0.0, 0.2]),
+    ],
+}
+
+
+def at_begin(scene):
+    robot = station.open({"scene": {"objects": scene}})
+    robot.reset(dict(zip(JOINTS, BEGIN, strict=True)))
+    robot.run(0.05)
+    robot.switch(start=[ARM])
+    robot.run(0.05)
+    return robot
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_planned_path_is_followed_without_a_contact(scene):
+    robot = at_begin(SCENES[scene])
+    found = Rehearsals(robot.facade).plan(Wish(ARM, BEHIND))
+    world = robot.facade.loop.hw.simulated_world()
+    goal = robot.facade.motion.submit_goal(ARM, found.goal)
+    touched = set()
+    for _ in range(int(1000 * found.duration) + 500):
+        robot.step()
+        touched |= {one.bodies for one in world.contacts()}
+    assert goal.status.value == "succeeded"
+    assert not touched
+    assert robot.positions()["panda_joint1"] == pytest.approx(0.9, abs=0.01)
+
+
+def test_refusal_says_which_bodies_or_which_joint():
+    robot = at_begin(SCENES["post"])
+    rehearsals = Rehearsals(robot.facade)
+    with pytest.raises(NoPathError, match="post") as touching:
+        rehearsals.plan(Wish(ARM, {"panda_joint1": 0.0}))
+    assert touching.value.details["cause"] == "goal_in_collision"
+    assert "post" in touching.value.details["pair"]
+    with pytest.raises(InvalidTrajectoryError, match="panda_joint1 cannot go to 9"):
+        rehearsals.plan(Wish(ARM, {"panda_joint1": 9.0}))
+    with pytest.raises(NoPathError, match="No path was found"):
+        rehearsals.plan(Wish(ARM, BEHIND, timeout=0.001))
+
+
+def test_search_finds_the_gap_of_a_wall():
+    def is_clear(pose):
+        return not (0.4 < pose[0] < 0.6 and abs(pose[1] - 0.8) > 0.1)
+
+    search = PathSearch(is_clear, np.zeros(2), np.ones(2), seed=1)
+    path = search.find(np.array([0.1, 0.1]), np.array([0.9, 0.1]), np.inf)
+    for one, other in pairwise(path):
+        for share in np.linspace(0.0, 1.0, 200):
+            x, y = one + share * (other - one)
+            assert not (0.41 < x < 0.59 and abs(y - 0.8) > 0.12)
+
+
+def test_free_way_is_straight():
+    search = PathSearch(lambda _: True, np.zeros(2), np.ones(2), seed=1)
+    start, goal = np.array([0.1, 0.1]), np.array([0.9, 0.4])
+    assert search.find(start, goal, np.inf) == [start, goal]
