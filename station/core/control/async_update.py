@@ -96,7 +96,7 @@ class AsyncParams:
 
     @classmethod
     def read(cls, params: Parameters, reads: set[str]) -> "AsyncParams | None":
-        """Return what a controller's namespace says; None if it is not asynchronous.
+        """Return the parameters of a controller; None if it is not asynchronous.
 
         Args:
             params: The namespace.
@@ -254,7 +254,7 @@ class AsyncUpdate:
         self._durations, self._periods = DurationRing(1024), DurationRing(1024)
 
     def statistics(self) -> AsyncStatistics:
-        """Return how often and how long it is updated. Any thread."""
+        """Return periods and durations of its updates. Any thread."""
         return AsyncStatistics(
             "detached" if self._params.is_detached else "synchronized",
             self._age,
