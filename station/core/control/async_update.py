@@ -52,15 +52,14 @@ POLICY = DeclaredParameter(
     type=ParameterType.STRING,
     default="synchronized",
     choices=("synchronized", "detached"),
-    description="synchronized: a result counts after the declared cycles, whenever it "
-    "is there; detached: as soon as it is there",
+    description="when the result of an asynchronous update counts",
 )
 CYCLES = DeclaredParameter(
     name="async_parameters/cycles",
     type=ParameterType.NUMBER,
-    default=1,
-    minimum=1,
-    description="after how many cycles the result of an update counts",
+    default=1.0,
+    minimum=1.0,
+    description="after how many cycles the result of an asynchronous update counts",
 )
 TIME_LIMIT = DeclaredParameter(
     name="async_parameters/time_limit",
@@ -69,7 +68,7 @@ TIME_LIMIT = DeclaredParameter(
     default=1.0,
     minimum=0.0,
     excludes_minimum=True,
-    description="an update that takes longer stops the controller",
+    description="an asynchronous update that takes longer stops the controller",
 )
 _WITHOUT_EFFECT = (
     "thread_priority",
@@ -97,7 +96,7 @@ class AsyncParams:
 
     @classmethod
     def read(cls, params: Parameters, reads: set[str]) -> "AsyncParams | None":
-        """Return what a controller's namespace says; None if it is not asynchronous.
+        """Return the parameters of a controller; None if it is not asynchronous.
 
         Args:
             params: The namespace.
@@ -106,13 +105,15 @@ class AsyncParams:
         Raises:
             ParameterError: A value is impossible.
         """
+        # All are read, so that an impossible value is refused before it has an effect.
+        policy, cycles = POLICY.read_str(params), CYCLES.read_float(params)
+        time_limit = TIME_LIMIT.read_float(params)
         if not IS_ASYNC.read_bool(params):
             return None
         reads |= {
             params.resolve(f"async_parameters/{each}") for each in _WITHOUT_EFFECT
         }
-        policy, cycles = POLICY.read_str(params), CYCLES.read_float(params)
-        return cls(policy == "detached", int(cycles), TIME_LIMIT.read_float(params))
+        return cls(policy == "detached", int(cycles), time_limit)
 
 
 class PrivateRobotHW(RobotHW):
@@ -253,7 +254,7 @@ class AsyncUpdate:
         self._durations, self._periods = DurationRing(1024), DurationRing(1024)
 
     def statistics(self) -> AsyncStatistics:
-        """Return how often and how long it is updated. Any thread."""
+        """Return periods and durations of its updates. Any thread."""
         return AsyncStatistics(
             "detached" if self._params.is_detached else "synchronized",
             self._age,

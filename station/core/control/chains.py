@@ -143,7 +143,7 @@ def claims_of_references(names: Sequence[str]) -> tuple[InterfaceResources, ...]
 def find_conflicts(
     hw: RobotHW, controllers: Sequence[ControllerInfo]
 ) -> list[ResourceConflict]:
-    """Return why some controllers cannot run together: the robot, or two owners.
+    """Return the conflicts of the robot, and references with two owners.
 
     Args:
         hw: The robot; it does not see the references.
@@ -168,7 +168,7 @@ def find_conflicts(
 
 
 def chains_report(loaded: Sequence[LoadedController]) -> ControllerChains:
-    """Return who exports what, and who commands whom. Any thread."""
+    """Return the exports and the followers of each controller. Any thread."""
     found = []
     for one in loaded:
         controller, name = one.controller, one.info.name
@@ -199,7 +199,7 @@ def chains_report(loaded: Sequence[LoadedController]) -> ControllerChains:
 
 
 def depth_of(one: LoadedController) -> int:
-    """Return how many controllers follow one another behind a controller."""
+    """Return the length of the longest chain behind a controller; 0 for none."""
     return max((1 + depth_of(each) for each in one.following), default=0)
 
 

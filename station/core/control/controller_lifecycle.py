@@ -50,7 +50,7 @@ class ControllerLifecycle:
 
     @property
     def has_chains(self) -> bool:
-        """Whether a loaded controller commands another one."""
+        """True if a loaded controller commands another one."""
         return any(one.following for one in self.loaded)
 
     def find(self, name: str) -> LoadedController:

@@ -152,7 +152,7 @@ class LoadedController:
         return elapsed
 
     def actual_rate(self) -> float:
-        """Return how often it is updated [Hz]; 0 while no loop is known."""
+        """Return the rate of its updates [Hz]; 0 while no loop is known."""
         every = self.every if self.beside is None else self.beside.every
         period = self.loop_period * every
         return round(1.0 / period, 6) if period > 0.0 else 0.0

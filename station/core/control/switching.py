@@ -42,7 +42,7 @@ class Strictness(Enum):
 
     @property
     def follows_chains(self) -> bool:
-        """Whether controllers are added to a request that its chains need."""
+        """True if controllers are added to a request that its chains need."""
         return self in {Strictness.AUTO, Strictness.FORCE_AUTO}
 
 
