@@ -27,10 +27,13 @@ from station.client.robots import (
 )
 from station.client.station_client import AsyncStationClient
 from station.client.stores import (
+    AsyncAgentsClient,
     AsyncAlarmsClient,
+    AsyncBenchRunsClient,
     AsyncExperimentsClient,
     AsyncGainSetsClient,
     AsyncIncidentsClient,
+    AsyncPlotLayoutsClient,
     AsyncRecordingsClient,
     AsyncTokensClient,
     AsyncWaypointPathsClient,
@@ -206,6 +209,14 @@ class GripperClient(_Client[AsyncGripperClient]):
     stop = _waited_for(AsyncGripperClient.stop)
 
 
+class BenchRunsClient(_Client[AsyncBenchRunsClient]):
+    """Runs of the bench that the station keeps: `client.bench_runs`."""
+
+    list = _waited_for(AsyncBenchRunsClient.list)
+    get = _waited_for(AsyncBenchRunsClient.get)
+    delete = _waited_for(AsyncBenchRunsClient.delete)
+
+
 class GainSetsClient(_Client[AsyncGainSetsClient]):
     """Named sets of gains on the station's disk: `client.gain_sets`."""
 
@@ -224,8 +235,11 @@ class RecordingsClient(_Client[AsyncRecordingsClient]):
     list = _waited_for(AsyncRecordingsClient.list)
     get = _waited_for(AsyncRecordingsClient.get)
     trajectory = _waited_for(AsyncRecordingsClient.trajectory)
+    bench = _waited_for(AsyncRecordingsClient.bench)
     download = _waited_for(AsyncRecordingsClient.download)
     download_table = _waited_for(AsyncRecordingsClient.download_table)
+    events = _waited_for(AsyncRecordingsClient.events)
+    add_note = _waited_for(AsyncRecordingsClient.add_note)
     start = _waited_for(AsyncRecordingsClient.start)
     stop = _waited_for(AsyncRecordingsClient.stop)
     delete = _waited_for(AsyncRecordingsClient.delete)
@@ -237,8 +251,11 @@ class IncidentsClient(_Client[AsyncIncidentsClient]):
     list = _waited_for(AsyncIncidentsClient.list)
     get = _waited_for(AsyncIncidentsClient.get)
     trajectory = _waited_for(AsyncIncidentsClient.trajectory)
+    bench = _waited_for(AsyncIncidentsClient.bench)
     download = _waited_for(AsyncIncidentsClient.download)
     download_table = _waited_for(AsyncIncidentsClient.download_table)
+    events = _waited_for(AsyncIncidentsClient.events)
+    add_note = _waited_for(AsyncIncidentsClient.add_note)
 
 
 class ExperimentsClient(_Client[AsyncExperimentsClient]):
@@ -255,6 +272,15 @@ class ExperimentsClient(_Client[AsyncExperimentsClient]):
     preview = _waited_for(AsyncExperimentsClient.preview)
     apply = _waited_for(AsyncExperimentsClient.apply)
     list = _waited_for(AsyncExperimentsClient.list)
+
+
+class PlotLayoutsClient(_Client[AsyncPlotLayoutsClient]):
+    """Named layouts of plots on the station's disk: `client.plot_layouts`."""
+
+    names = _waited_for(AsyncPlotLayoutsClient.names)
+    get = _waited_for(AsyncPlotLayoutsClient.get)
+    save = _waited_for(AsyncPlotLayoutsClient.save)
+    delete = _waited_for(AsyncPlotLayoutsClient.delete)
 
 
 class WaypointPathsClient(_Client[AsyncWaypointPathsClient]):
@@ -284,6 +310,13 @@ class TokensClient(_Client[AsyncTokensClient]):
     list = _waited_for(AsyncTokensClient.list)
     create = _waited_for(AsyncTokensClient.create)
     revoke = _waited_for(AsyncTokensClient.revoke)
+
+
+class AgentsClient(_Client[AsyncAgentsClient]):
+    """Requests of agents, which a person allows or refuses: `client.agents`."""
+
+    requests = _waited_for(AsyncAgentsClient.requests)
+    answer = _waited_for(AsyncAgentsClient.answer)
 
 
 class LeaseClient(_Client[AsyncLeaseClient]):
@@ -417,13 +450,16 @@ class StationClient(_Client[AsyncStationClient]):
         source = _Source(url, token, timeout=timeout, transport=inline, ca=ca)
         super().__init__(source)
         self.simulation = SimulationClient(source.simulation)
+        self.bench_runs = BenchRunsClient(source.bench_runs)
         self.gain_sets = GainSetsClient(source.gain_sets)
         self.recordings = RecordingsClient(source.recordings)
         self.incidents = IncidentsClient(source.incidents)
         self.experiments = ExperimentsClient(source.experiments)
+        self.plot_layouts = PlotLayoutsClient(source.plot_layouts)
         self.waypoint_paths = WaypointPathsClient(source.waypoint_paths)
         self.alarms = AlarmsClient(source.alarms)
         self.tokens = TokensClient(source.tokens)
+        self.agents = AgentsClient(source.agents)
         self.lease = LeaseClient(source.lease)
 
     def __enter__(self) -> Self:
@@ -475,6 +511,7 @@ class StationClient(_Client[AsyncStationClient]):
     bench = _waited_for(AsyncStationClient.bench)
     command_stream = _made(AsyncStationClient.command_stream, CommandStream)
     submit_goal = _waited_for(AsyncStationClient.submit_goal)
+    rehearse = _waited_for(AsyncStationClient.rehearse)
     goals = _waited_for(AsyncStationClient.goals)
     goal = _waited_for(AsyncStationClient.goal)
     cancel_goal = _waited_for(AsyncStationClient.cancel_goal)

@@ -15,6 +15,8 @@ from station.wire.excitations import BenchRequest, BenchResponse, Excitation
 from station.wire.protocol import KEY_HEADER
 
 Strictness = SwitchStrictness
+REHEARSAL_BOUND = 60.0
+"""How much longer than usual the answer to a rehearsal may take [s]."""
 POLL = 0.05
 """How often a goal is looked at [s]."""
 _FINAL = {"succeeded", "aborted", "preempted"}
@@ -258,6 +260,7 @@ class AsyncControllersClient:
         epoch: int | None = None,
         timeout: float | None = None,
         rates: Sequence[float] | None = None,
+        certificate: str | None = None,
     ) -> wire.CommandAccepted:
         """Send a set-point.
 
@@ -270,6 +273,7 @@ class AsyncControllersClient:
                 own setting.
             rates: How fast the set-point changes [rad/s or m/s], for controllers that
                 feed this forward.
+            certificate: That of a rehearsal of this command; None without one.
         """
         request = wire.CommandRequest(
             command=list(values),
@@ -277,7 +281,7 @@ class AsyncControllersClient:
             timeout=timeout,
             rates=None if rates is None else list(rates),
         )
-        path = controller_path(name, "command")
+        path = _certified(controller_path(name, "command"), certificate)
         return await self._connection.send("PUT", path, wire.CommandAccepted, request)
 
     async def controller_state(self, name: str) -> wire.ControllerSample:
@@ -292,6 +296,8 @@ class AsyncControllersClient:
         *,
         duration: float = 2.0,
         settling_band: float = 0.02,
+        relay_gain: float | None = None,
+        run: str | None = None,
     ) -> BenchResponse:
         """Excite one joint through a running controller, and return how it follows.
 
@@ -305,9 +311,17 @@ class AsyncControllersClient:
             duration: How long the response is measured [s], above 0, at most 10.
             settling_band: Half-width of the band of the settling time, as a share of
                 the step, above 0 and below 1.
+            relay_gain: Proportional gain of the joint during a relay, > 0, with
+                integral and derivative gain 0; None leaves the gains in force.
+            run: Name under which the station keeps the response; it makes one when
+                None.
         """
         request = BenchRequest(
-            excitation=excitation, duration=duration, settling_band=settling_band
+            excitation=excitation,
+            duration=duration,
+            settling_band=settling_band,
+            relay_gain=relay_gain,
+            name=run,
         )
         path, patience = controller_path(name, "bench"), 5.0 * request.duration
         return await self._connection.send(
@@ -315,7 +329,11 @@ class AsyncControllersClient:
         )
 
     async def submit_goal(
-        self, name: str, goal: Mapping[str, JsonValue], epoch: int | None = None
+        self,
+        name: str,
+        goal: Mapping[str, JsonValue],
+        epoch: int | None = None,
+        certificate: str | None = None,
     ) -> wire.Goal:
         """Give a running controller a goal; it replaces the one before.
 
@@ -323,8 +341,9 @@ class AsyncControllersClient:
             name: The controller.
             goal: The goal message of its action, times in seconds.
             epoch: Refuse when a stop or reset came since that epoch.
+            certificate: That of a rehearsal of this command; None without one.
         """
-        path = controller_path(name, "goals")
+        path = _certified(controller_path(name, "goals"), certificate)
         request = wire.GoalRequest(goal=dict(goal), epoch=epoch)
         return await self._connection.send("POST", path, wire.Goal, request)
 
@@ -343,7 +362,11 @@ class AsyncControllersClient:
         return await self._connection.send("DELETE", path, wire.Goal)
 
     async def follow_trajectory(
-        self, name: str, trajectory: Mapping[str, JsonValue], epoch: int | None = None
+        self,
+        name: str,
+        trajectory: Mapping[str, JsonValue],
+        epoch: int | None = None,
+        certificate: str | None = None,
     ) -> wire.CommandAccepted:
         """Let a running controller follow a trajectory without a goal.
 
@@ -352,9 +375,10 @@ class AsyncControllersClient:
             trajectory: A JointTrajectory message, times in seconds; without points the
                 joints stop and hold.
             epoch: Refuse when a stop or reset came since that epoch.
+            certificate: That of a rehearsal of this command; None without one.
         """
         request = wire.TrajectoryRequest(trajectory=dict(trajectory), epoch=epoch)
-        path = controller_path(name, "trajectory")
+        path = _certified(controller_path(name, "trajectory"), certificate)
         return await self._connection.send("POST", path, wire.CommandAccepted, request)
 
     async def query_state(
@@ -371,7 +395,11 @@ class AsyncControllersClient:
         return await self._connection.get(path, wire.DesiredState, query)
 
     async def start_goal(
-        self, name: str, goal: Mapping[str, JsonValue], epoch: int | None = None
+        self,
+        name: str,
+        goal: Mapping[str, JsonValue],
+        epoch: int | None = None,
+        certificate: str | None = None,
     ) -> AsyncGoalHandle:
         """Give a controller a goal, as `submit_goal`, to wait for or to cancel.
 
@@ -379,9 +407,37 @@ class AsyncControllersClient:
             name: The controller.
             goal: The goal message of its action, times in seconds.
             epoch: Refuse when a stop or reset came since that epoch.
+            certificate: That of a rehearsal of this command; None without one.
         """
-        answer = await self.submit_goal(name, goal, epoch)
+        answer = await self.submit_goal(name, goal, epoch, certificate)
         return AsyncGoalHandle(self, name, answer, self._connection.sleep)
+
+    async def rehearse(
+        self,
+        steps: Sequence[Mapping[str, JsonValue]],
+        *,
+        seconds: float | None = None,
+        certificate: bool = False,
+    ) -> wire.Rehearsal:
+        """Try commands in a copy of the station; nothing moves.
+
+        Args:
+            steps: The commands: mappings with `kind` (`set_point`, `goal`,
+                `trajectory`, `switch`, `gains`, `path`), the fields of that kind, and
+                `at`, its time [s since the beginning].
+            seconds: How long the rehearsal lasts [s]; None ends it when all goals have
+                ended and the joints stand still, after 30 s at the latest.
+            certificate: Ask for a certificate, with which the commands are carried out
+                as they were rehearsed.
+        """
+        request: dict[str, JsonValue] = {
+            "steps": [dict(step) for step in steps],
+            "seconds": seconds,
+            "certificate": certificate,
+        }
+        return await self._connection.send(
+            "POST", "/rehearse", wire.Rehearsal, request, patience=REHEARSAL_BOUND
+        )
 
     async def controller_types(self) -> list[wire.ControllerType]:
         """Return the types of controllers that can be loaded."""
@@ -403,6 +459,11 @@ class AsyncControllersClient:
             "POST", path, wire.Reloaded, request, patience=SWITCH_BOUND
         )
         return answer.unloaded
+
+
+def _certified(path: str, certificate: str | None) -> str:
+    """Return the path of a command with the certificate of its rehearsal."""
+    return path if certificate is None else f"{path}?certificate={segment(certificate)}"
 
 
 def controller_path(name: str, rest: str = "") -> str:

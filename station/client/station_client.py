@@ -17,10 +17,13 @@ from station.client.poses import Pose, Target
 from station.client.robots import AsyncRobotClient, AsyncSimulationClient, Restart
 from station.client.samples import Samples
 from station.client.stores import (
+    AsyncAgentsClient,
     AsyncAlarmsClient,
+    AsyncBenchRunsClient,
     AsyncExperimentsClient,
     AsyncGainSetsClient,
     AsyncIncidentsClient,
+    AsyncPlotLayoutsClient,
     AsyncRecordingsClient,
     AsyncTokensClient,
     AsyncWaypointPathsClient,
@@ -61,9 +64,12 @@ class AsyncStationClient(AsyncControllersClient):
 
     Attributes:
         simulation: Pause, step and reset of a simulated robot.
+        bench_runs: Runs of the bench that the station keeps.
         gain_sets: Named sets of gains on the station's disk.
+        plot_layouts: Named layouts of plots on the station's disk.
         waypoint_paths: Waypoint paths on the station's disk, and their playing.
         tokens: Named tokens of people and programs.
+        agents: Requests of agents, and a person's answers.
         alarms: Alarms, and who has acknowledged them.
         lease: Control, taken and given back call by call; see also `control`.
         recordings: Recordings of every cycle on the station's disk.
@@ -88,13 +94,16 @@ class AsyncStationClient(AsyncControllersClient):
         )
         super().__init__(connection)
         self.simulation = AsyncSimulationClient(connection)
+        self.bench_runs = AsyncBenchRunsClient(connection)
         self.gain_sets = AsyncGainSetsClient(connection)
         self.recordings = AsyncRecordingsClient(connection)
         self.incidents = AsyncIncidentsClient(connection)
         self.experiments = AsyncExperimentsClient(connection)
+        self.plot_layouts = AsyncPlotLayoutsClient(connection)
         self.waypoint_paths = AsyncWaypointPathsClient(connection)
         self.alarms = AsyncAlarmsClient(connection)
         self.tokens = AsyncTokensClient(connection)
+        self.agents = AsyncAgentsClient(connection)
         self.lease = AsyncLeaseClient(connection)
 
     async def __aenter__(self) -> Self:

@@ -82,7 +82,8 @@ def _leaves(
 
 DEFAULT_FILE = Path(__file__).with_name("default.yaml")
 _MERGED_SECTIONS = (
-    "station", "robot", "api", "ui", "watchdog", "records", "foxglove", "rosbridge"
+    "station", "robot", "api", "ui", "watchdog", "records", "foxglove", "rosbridge",
+    "rehearsal",
 )  # fmt: skip
 _INNER_SECTIONS = {n for n, f in StationConfig.model_fields.items() if f.exclude}
 _SECTIONS = [n for n, f in StationConfig.model_fields.items() if not f.exclude]

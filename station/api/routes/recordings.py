@@ -3,15 +3,25 @@
 from typing import TYPE_CHECKING, Annotated, Any
 
 from fastapi import APIRouter, Depends, Path, Query
+from starlette.requests import Request
 from starlette.responses import FileResponse, StreamingResponse
 
+from station.api.audit import origin_of
 from station.api.dependencies import Operator, ServicesDep, StationDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
 from station.core.errors import RecordingRefusedError
 from station.core.facade.station import Station
 from station.records.record_store import RECORDING, RecordingInfo, RecordStore
-from station.wire import Recording, RecordingRequest, Recordings, Trajectory
+from station.wire import (
+    NoteRequest,
+    RecordedEvent,
+    RecordedEvents,
+    Recording,
+    RecordingRequest,
+    Recordings,
+    Trajectory,
+)
 from station.wire.recordings import RecordingId
 
 if TYPE_CHECKING:
@@ -200,6 +210,25 @@ def get_recording_trajectory(
     return _trajectory(recorder.store, identifier, rate)
 
 
+@router.get("/recordings/{identifier}/events", responses=problems(404, 409, 422))
+def get_recording_events(identifier: Id, recorder: RecorderDep) -> RecordedEvents:
+    """Return the events of a recording that has ended, with the notes on it."""
+    return _events(recorder.store, identifier)
+
+
+@router.post(
+    "/recordings/{identifier}/notes",
+    status_code=201,
+    dependencies=[Operator],
+    responses=problems(404, 409, 413, 422),
+)
+def add_note_to_recording(
+    identifier: Id, note: NoteRequest, request: Request, recorder: RecorderDep
+) -> RecordedEvent:
+    """Write a note into a recording that has ended; it becomes an event of the file."""
+    return _add_note(recorder, recorder.store, identifier, note, request)
+
+
 @router.get("/incidents", responses=problems(409))
 def list_incidents(store: IncidentsDep) -> Recordings:
     """List the incidents, the oldest first.
@@ -251,8 +280,31 @@ def get_incident_trajectory(
     return _trajectory(store, identifier, rate)
 
 
+@router.get("/incidents/{identifier}/events", responses=problems(404, 409, 422))
+def get_incident_events(identifier: Id, store: IncidentsDep) -> RecordedEvents:
+    """Return the events of an incident that has ended, with the notes on it."""
+    return _events(store, identifier)
+
+
+@router.post(
+    "/incidents/{identifier}/notes",
+    status_code=201,
+    dependencies=[Operator],
+    responses=problems(404, 409, 413, 422),
+)
+def add_note_to_incident(
+    identifier: Id,
+    note: NoteRequest,
+    request: Request,
+    recorder: RecorderDep,
+    store: IncidentsDep,
+) -> RecordedEvent:
+    """Write a note into an incident that has ended; it becomes an event of the file."""
+    return _add_note(recorder, store, identifier, note, request)
+
+
 def _file(store: RecordStore, identifier: str) -> FileResponse:
-    info = _ended(store, identifier)
+    info = ended(store, identifier)
     return FileResponse(
         store.file(info.identifier),
         media_type=MEDIA_TYPE,
@@ -273,7 +325,7 @@ def _table(
     from station.records.recording_table import Choice
 
     choice = Choice(tuple(channels), tuple(joints), rate)
-    info = _ended(store, identifier)
+    info = ended(store, identifier)
     # A file that cannot be read is refused here, before the answer begins.
     pause = station.loop.right_of_way.give
     pieces = csv_pieces(store.file(info.identifier), choice, pause)
@@ -286,7 +338,7 @@ def _trajectory(store: RecordStore, identifier: str, rate: float) -> Trajectory:
     # Imported late: an application without a recorder needs no reader of MCAP.
     from station.records.recording_reader import read_trajectory
 
-    info = _ended(store, identifier)
+    info = ended(store, identifier)
     found = read_trajectory(store.file(info.identifier)).decimated(rate)
     return Trajectory.model_validate({
         "name": list(found.names),
@@ -296,7 +348,33 @@ def _trajectory(store: RecordStore, identifier: str, rate: float) -> Trajectory:
     })
 
 
-def _ended(store: RecordStore, identifier: str) -> RecordingInfo:
+def _events(store: RecordStore, identifier: str) -> RecordedEvents:
+    # Imported late, as in `_trajectory`.
+    from station.records.recording_events import read_events
+
+    found = read_events(store.file(ended(store, identifier).identifier))
+    return RecordedEvents.model_validate({"events": found})
+
+
+def _add_note(
+    recorder: "Recorder",
+    store: RecordStore,
+    identifier: str,
+    note: NoteRequest,
+    request: Request,
+) -> RecordedEvent:
+    found = recorder.add_note(
+        store,
+        ended(store, identifier).identifier,
+        note.text,
+        note.time,
+        until=note.until,
+        who=origin_of(request).who,
+    )
+    return RecordedEvent.model_validate(found)
+
+
+def ended(store: RecordStore, identifier: str) -> RecordingInfo:
     """Return a recording that has ended, and whose file is there.
 
     Raises:

@@ -1,10 +1,9 @@
 """Set-points of controllers, and the states that follow."""
 
-from functools import partial
-
 from fastapi import APIRouter
 
 from station.api import answers
+from station.api.by_rehearsal import ByRehearsalDep
 from station.api.dependencies import (
     AccessDep,
     LeaseKey,
@@ -18,7 +17,6 @@ from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
 from station.core.control import controller as core_controller
 from station.wire import CommandAccepted, CommandInfo, CommandRequest, ControllerSample
-from station.wire.excitations import BenchRequest, BenchResponse
 
 router = APIRouter(tags=["set-points"], dependencies=[Viewer], route_class=JsonRoute)
 
@@ -29,32 +27,10 @@ def get_command(name: str, station: StationDep) -> CommandInfo:
     return answers.command_info(station.motion.set_point(name))
 
 
-@router.post(
-    "/controllers/{name}/bench",
-    dependencies=[Operator],
-    responses=problems(404, 409, 413, 422, 423),
-)
-def measure_response(
-    name: str,
-    request: BenchRequest,
-    services: ServicesDep,
-    access: AccessDep,
-    key: LeaseKey = None,
-) -> BenchResponse:
-    """Excite one joint through a running controller, and return how it follows.
-
-    The answer comes when the joint is back where it began. Before anything moves the
-    excitation is checked: size, rate, and distance from the joint's limits. A stop, a
-    loss of control, or a joint that leaves the envelope ends it.
-    """
-    admit = partial(services.control.admit, access, key, name)
-    return services.bench.measure(name, request, admit)
-
-
 @router.put(
     "/controllers/{name}/command",
     dependencies=[Operator],
-    responses=problems(404, 409, 413, 422, 423),
+    responses=problems(404, 409, 412, 413, 422, 423, 428),
 )
 def put_command(
     name: str,
@@ -62,21 +38,27 @@ def put_command(
     station: StationDep,
     services: ServicesDep,
     access: AccessDep,
+    by_rehearsal: ByRehearsalDep,
     key: LeaseKey = None,
 ) -> CommandAccepted:
     """Give a running controller a set-point; the newest wins.
 
     The answer says which cycle was the first with the set-point.
     """
-    receipt = station.motion.receipt()
-    # Control may have changed hands since the request's access was checked.
-    with services.control.commanding(access, key, name):
+    values, timeout, rates = request.command, request.timeout, request.rates
+    command = {"name": name, "values": values, "timeout": timeout, "rates": rates}
+    with (
+        by_rehearsal.giving("set_point", **command) as certified,
+        # Control may have changed hands since the request's access was checked.
+        services.control.commanding(access, key, name),
+    ):
+        receipt = certified or station.motion.receipt()
         epoch = station.motion.set_command(
             name,
-            request.command,
+            values,
             request.epoch,
-            request.timeout,
-            request.rates,
+            timeout,
+            rates,
             receipt,
         )
     return CommandAccepted(epoch=epoch, cycle=station.motion.wait_for(receipt))

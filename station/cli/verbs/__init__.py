@@ -89,6 +89,11 @@ VERBS = (
         "show or set the gains of a controller; save, compare and apply sets of gains",
     ),
     Verb(
+        "bench",
+        "bench",
+        "excite a joint and say how it follows; propose and apply gains",
+    ),
+    Verb(
         "parameters",
         "parameters",
         "read and change the tree of parameters that controllers are loaded with",
@@ -101,6 +106,12 @@ VERBS = (
     Verb("streams", "echo", "print what a topic says, until Ctrl-C"),
     Verb("motion", "command", "send a controller a set-point"),
     Verb("motion", "goto", "move to a pose, or a controller's joints, and wait"),
+    Verb(
+        "rehearsal",
+        "rehearse",
+        "tell how a motion would end, without moving anything; exit code 1 when it "
+        "fails",
+    ),
     Verb(
         "motion",
         "stop",
@@ -141,6 +152,8 @@ VERBS = (
     Verb("streams", "events", "print what happened: who did what, with what result"),
     Verb("access", "control", "show who holds control, take it, or give it back"),
     Verb("access", "token", "make, list or revoke named tokens"),
+    Verb("agents", "agents", "list what agents ask for; allow or refuse it"),
+    Verb("agents", "mcp", "serve an agent that speaks the Model Context Protocol"),
     Verb("experiments", "sweep", "run a trial for each of many values of parameters"),
     Verb(
         "experiments",

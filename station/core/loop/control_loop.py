@@ -231,6 +231,24 @@ class ControlLoop:
             # A test's late cycle has the period that a late thread would have given it.
             control_cycle.run_cycle((1 + late) * self.period)
 
+    def wait_between_cycles(self) -> None:
+        """Wait until a cycle has just ended; at once when no thread makes cycles."""
+        if self._thread is not None:
+            self.right_of_way.wait_for_begun_cycle()
+
+    def go_on_without_thread(self) -> bool:
+        """Be stepped from now on, in a copy of the process that lacks the thread.
+
+        Returns:
+            Whether no cycle was under way, so that the next one can follow.
+        """
+        is_whole = self.snapshots.newest == self.cycle
+        self._thread = None
+        self._state = LoopState.STOPPED
+        self.manager.pump = self.step
+        self.manager.controller_update.update_budget = inf
+        return is_whole
+
     def run_in_cycle(
         self, action: Callable[[], T], timeout: float = 1.0, *, moves: bool = False
     ) -> T:

@@ -15,8 +15,7 @@ const SIGNS = { Restart: "↻", Unload: "✕" };
 
 class Controllers extends Panel {
   build() {
-    const load = h("button", { class: "s", type: "button" }, "Load …");
-    load.addEventListener("click", () => this.form.toggle());
+    const load = h("button", { class: "s", type: "button", onclick: () => this.form.toggle() }, "Load …");
     this.tools.append(load);
     const heads = ["controller", "state", "claims", "update", ""].map((text) => h("th", {}, text));
     heads[3].title = "Median time that an update takes in the control cycle; 99 of 100 in the tooltip of each cell";
