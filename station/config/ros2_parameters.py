@@ -169,6 +169,9 @@ def _trajectory(params: Values, place: str) -> Values:
     kind = _kind(params.pop("command_interfaces", None), place)
     params["type"] = f"{kind}/JointTrajectoryController"
     params.pop("state_interfaces", None)
+    # Interfaces of a driver; here it is the factor itself.
+    if isinstance(params.get("speed_scaling"), dict):
+        del params["speed_scaling"]
     joints = params.pop("command_joints", None) or params.get("joints")
     params["joints"] = joints
     # One of two places has the gain of the desired velocity.
