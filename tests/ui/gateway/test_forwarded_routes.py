@@ -14,7 +14,7 @@ from station.ui.sessions.sessions import Role
         ("DELETE", "/controllers/arm/goals/3"),
         ("POST", "/robots/panda/gripper/grasp"),
         ("GET", "/incidents/2026-11-22T13.05"),
-        ("GET", "/incidents/2026-11-22T13.05/trajectory"),
+        ("GET", "/incidents/2026-11-22T13.05/table"),
         ("POST", "/waypoint-paths/wave/capture"),
         ("DELETE", "/playback"),
         ("POST", "/experiments/better/apply"),

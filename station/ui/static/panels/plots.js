@@ -12,7 +12,7 @@ import { replay } from "../lib/replay.js";
 import { follow } from "../lib/station.js";
 import { store } from "../lib/store.js";
 import { number, shortNames } from "../lib/text.js";
-import { dashOf } from "../lib/traces.js";
+import { swatch } from "../lib/traces.js";
 import { SPECTRUM, TRANSFORMS, transformed } from "../lib/transforms.js";
 
 const DRAW_HZ = 15;
@@ -435,16 +435,6 @@ class Plots extends Panel {
       this.tell(entry);
     }
   }
-}
-
-/** Return a piece of a trace for the legend, dashed as in the plot. */
-function swatch(i) {
-  const line = document.createElementNS("http://www.w3.org/2000/svg", "line");
-  for (const [name, value] of Object.entries({ x1: 0, y1: 4, x2: 12, y2: 4, "stroke-dasharray": dashOf(i).join(" ") })) line.setAttribute(name, value);
-  const picture = document.createElementNS("http://www.w3.org/2000/svg", "svg");
-  picture.setAttribute("aria-hidden", "true");
-  picture.append(line);
-  return picture;
 }
 
 /** Return what all labels begin with, when there is more than one, e.g. `q joint`. */
