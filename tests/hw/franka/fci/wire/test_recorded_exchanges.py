@@ -1,6 +1,6 @@
 """What the public headers' own structures hold is read, and written to the same bytes.
 
-`recorded/record.cpp` has written the files with the headers of each version.
+`record_exchanges.cpp` has written the files with the headers of each version.
 """
 
 import struct
@@ -23,7 +23,7 @@ from station.hw.franka.fci.wire.robot_protocol import (
     StopMoveStatus,
 )
 
-FOLDER = Path(__file__).parent / "recorded"
+FOLDER = Path(__file__).parent
 MOVE = {
     "controller_mode": 2,
     "motion_generator_mode": 3,
@@ -65,7 +65,7 @@ def protocol(request):
 @pytest.fixture
 def parts(protocol):
     """Return requests, answers, state and command."""
-    data = (FOLDER / f"version_{protocol.version}.bin").read_bytes()
+    data = (FOLDER / f"exchanges_of_version_{protocol.version}.bin").read_bytes()
     sizes, start, found = struct.unpack_from("<4I", data), 16, []
     for size in sizes:
         found.append(data[start : start + size])

@@ -1,5 +1,5 @@
 // Writes the exchanges of one version of the protocol as the public headers lay them out:
-//   g++ -std=c++17 -DVERSION=10 -I libfranka-common/include record.cpp && ./a.out > version_10.bin
+//   g++ -std=c++17 -DVERSION=10 -I libfranka-common/include record_exchanges.cpp && ./a.out > exchanges_of_version_10.bin
 // Each field has numbers of its own, which tests/hw/franka/fci/wire/test_recorded_exchanges.py
 // computes from its name. The file: four sizes (u32), then requests, answers, state, command.
 #include <algorithm>
