@@ -259,6 +259,71 @@ class HardwareTransmission(Report):
 
 
 @dataclass(frozen=True, slots=True)
+class AsyncStatistics(Report):
+    """The updates of a controller in a thread of its own.
+
+    Attributes:
+        policy: `synchronized` or `detached`.
+        age: How many cycles old the states are to which its commands belong.
+        missed: Updates that did not begin because the one before had not ended.
+        duration: How long its updates take [s].
+        period: Station time from one update to the next [s].
+    """
+
+    policy: str
+    age: int
+    missed: int
+    duration: Percentiles
+    period: Percentiles
+
+
+@dataclass(frozen=True, slots=True)
+class ExportedValue(Report):
+    """A reference or a state that a controller exports.
+
+    Attributes:
+        name: Full name, e.g. `pid_controller/joint1/position`.
+        users: Names of the loaded controllers that claim the reference or read the
+            state.
+    """
+
+    name: str
+    users: Sequence[str]
+
+
+@dataclass(frozen=True, slots=True)
+class ChainedController(Report):
+    """A controller with what it exports, and with its place in chains.
+
+    Attributes:
+        name: Its name.
+        state: Where it is in its life.
+        is_in_chained_mode: Whether a running controller commands its references.
+        following: Names of the controllers whose references it commands.
+        references: References that it exports.
+        states: States that it exports.
+    """
+
+    name: str
+    state: str
+    is_in_chained_mode: bool
+    following: Sequence[str]
+    references: Sequence[ExportedValue]
+    states: Sequence[ExportedValue]
+
+
+@dataclass(frozen=True, slots=True)
+class ControllerChains(Report):
+    """The loaded controllers, with who commands whom.
+
+    Attributes:
+        controllers: The controllers, in the order in which they are updated.
+    """
+
+    controllers: Sequence[ChainedController]
+
+
+@dataclass(frozen=True, slots=True)
 class GainsChange(Report):
     """A change of gains that took effect.
 
@@ -325,6 +390,39 @@ class WaypointPath(Report):
     name: str
     saved_at: str
     waypoints: Sequence[Waypoint]
+
+
+@dataclass(frozen=True, slots=True)
+class PlotSettings(Report):
+    """One plot of a layout.
+
+    Attributes:
+        keys: Its channels, as the page names them, in their order.
+        xy: Whether the others are drawn over the first channel, not over time.
+        span: How much time is shown [s], above 0.
+        transform: What is shown of the channels: `smooth`, `difference`, `norm`,
+            `spectrum`; empty for the channels as they are.
+    """
+
+    keys: Sequence[str]
+    xy: bool = False
+    span: float = 10.0
+    transform: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class PlotLayout(Report):
+    """The plots of a page, under a name.
+
+    Attributes:
+        name: Its name.
+        saved_at: When it was saved, ISO 8601.
+        plots: Its plots, from left to right.
+    """
+
+    name: str
+    saved_at: str
+    plots: Sequence[PlotSettings]
 
 
 class PlaybackState(TextEnum):
@@ -397,6 +495,161 @@ class ArmRecord(Report):
     command: Sequence[float | None]
 
 
+class RehearsalOutcome(TextEnum):
+    """End of a rehearsal."""
+
+    COMPLETED = "completed"
+    """Everything was carried out, and every goal was reached."""
+    REFUSED = "refused"
+    """The station would refuse a step."""
+    FAILED = "failed"
+    """The motion would end with an error."""
+    UNFINISHED = "unfinished"
+    """The longest time was over before the motion was."""
+
+
+class RehearsalCause(TextEnum):
+    """Kind of the first error of a rehearsal."""
+
+    REFUSED = "refused"
+    """The station refuses a step."""
+    REFLEX = "reflex"
+    """The robot feels a contact and ends the motion."""
+    LIMIT = "limit"
+    """The robot ends the motion because of one of its limits."""
+    TOLERANCE = "tolerance"
+    """A goal is aborted, as a rule outside of its tolerances."""
+    FAULT = "fault"
+    """A controller fails."""
+    STOP = "stop"
+    """The station is stopped."""
+
+
+@dataclass(frozen=True, slots=True)
+class RehearsalFault(Report):
+    """The first error of a rehearsal.
+
+    Attributes:
+        cause: Kind of the error.
+        cycle: Number of the cycle in which it comes.
+        time: Time since the beginning [s].
+        where: Joint, arm or controller concerned; empty when none is.
+        touching: Bodies that touch in that cycle, in pairs, and did not at the
+            beginning.
+        code: Name of the error, for programs.
+        text: One sentence or more for people.
+        step: Number of the step that was carried out last, from 0.
+    """
+
+    cause: RehearsalCause
+    cycle: int
+    time: float
+    where: str
+    touching: Sequence[Sequence[str]]
+    code: str
+    text: str
+    step: int
+
+
+@dataclass(frozen=True, slots=True)
+class JointForecast(Report):
+    """The extremes of one joint in a rehearsal.
+
+    A margin is null where the joint has no such limit, and negative beyond it.
+
+    Attributes:
+        joint: Name of the joint.
+        position: Position at the end [rad or m].
+        position_margin: Least distance to the ends of its range [rad or m].
+        velocity: Largest speed [rad/s or m/s].
+        velocity_margin: Part of the velocity limit that is left, 1 at rest.
+        effort: Largest measured effort [Nm or N].
+        effort_margin: Part of the effort limit that is left.
+        cut_off: Number of commands that limits have cut off.
+        cut_off_cycle: Number of the first of these cycles; null without one.
+    """
+
+    joint: str
+    position: float | None
+    position_margin: float | None
+    velocity: float | None
+    velocity_margin: float | None
+    effort: float | None
+    effort_margin: float | None
+    cut_off: int
+    cut_off_cycle: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class ContactForecast(Report):
+    """Two bodies that touch in a rehearsal.
+
+    Attributes:
+        bodies: Their names; "world" for the floor.
+        cycle: Number of the first cycle in which they touch.
+        force: Largest force between them at one point [N].
+    """
+
+    bodies: Sequence[str]
+    cycle: int
+    force: float
+
+
+@dataclass(frozen=True, slots=True)
+class Certificate(Report):
+    """The station's word that a command goes as it was rehearsed, or is stopped.
+
+    Attributes:
+        name: Its name, to be given with the command.
+        valid_for: How long it is valid [s].
+        tube: How far a joint may be from the rehearsed position [rad or m].
+    """
+
+    name: str
+    valid_for: float
+    tube: float
+
+
+@dataclass(frozen=True, slots=True)
+class Rehearsal(Report):
+    """The course of some steps, carried out by a copy of the station.
+
+    Attributes:
+        outcome: How it ended.
+        error: The first error; null without one.
+        is_at_rest: Whether the joints stood still at the end.
+        begin_cycle: Number of the first cycle.
+        cycles: Number of cycles.
+        duration: The same in station time [s].
+        wall_time: How long the rehearsal took [s].
+        joints: All joints.
+        contacts: Pairs of bodies that touched.
+        times: Time of each row of `positions` since the beginning [s], shape (k,).
+        positions: Positions of the joints [rad or m], shape (k, n), 200 rows at most.
+        digest: SHA-256 of positions, velocities and efforts of all joints in every
+            cycle as doubles; the same motion has the same digest.
+        certificate: With it the command is carried out as it was rehearsed; null when
+            none was asked for, or none can be given.
+        twin: What was moved: `copy` of this simulated station, or `model` of a real
+            robot, which is as good as its parameters.
+    """
+
+    outcome: RehearsalOutcome
+    error: RehearsalFault | None
+    is_at_rest: bool
+    begin_cycle: int
+    cycles: int
+    duration: float
+    wall_time: float
+    joints: Sequence[JointForecast]
+    contacts: Sequence[ContactForecast]
+    times: Sequence[float]
+    positions: Sequence[Sequence[float]]
+    digest: str
+    certificate: Certificate | None = None
+    twin: str = "copy"
+
+
 class Severity(TextEnum):
     """Severity of an event."""
 
@@ -454,6 +707,8 @@ class EventKind(TextEnum):
     """An experiment began, came further or ended."""
     ALARM = "alarm"
     """A person has acknowledged an alarm."""
+    AGENT = "agent"
+    """An agent has asked for something, or a person has answered it."""
     EVENTS = "events"
     """The event log itself: events could not be written, or can be again."""
 
@@ -503,3 +758,49 @@ class Event(Report):
     details: Mapping[str, object] = field(default_factory=dict)
     request_id: str = ""
     boot_id: str = ""
+
+
+class Verdict(TextEnum):
+    """Answer to a request of an agent."""
+
+    ALLOWED = "allowed"
+    """A person has allowed this request."""
+    ALLOWED_FOR_A_TIME = "allowed_for_a_time"
+    """A person has allowed it, and all that the agent asks for in the next 10 min."""
+    REFUSED = "refused"
+    """A person has refused it."""
+    EXPIRED = "expired"
+    """Nobody answered in time, or the agent has hung up."""
+
+
+@dataclass(frozen=True, slots=True)
+class AgentRequest(Report):
+    """A request of an agent that a person allows or refuses.
+
+    Attributes:
+        number: Name of the request, for the answer.
+        agent: Name of the agent.
+        operation: Operation of the API that it asks for.
+        target: What it acts on, e.g. the name of a controller; may be empty.
+        request: Body of the request; null without one.
+        asked_at: Wall time when it came [s since 1970].
+        expires_at: Wall time when it is refused without an answer [s since 1970].
+        verdict: The answer; null while it waits.
+        decided_by: Name of the person who answered; empty without one.
+
+    Example:
+        {"number": "5f0c81e09ab3", "agent": "tuner", "operation": "submit_goal",
+         "target": "position_joint_trajectory_controller", "request": {"goal": {}},
+         "asked_at": 1767225600.25, "expires_at": 1767225660.25, "verdict": null,
+         "decided_by": ""}
+    """
+
+    number: str
+    agent: str
+    operation: str
+    target: str
+    request: Any
+    asked_at: float
+    expires_at: float
+    verdict: Verdict | None = None
+    decided_by: str = ""

@@ -1,10 +1,10 @@
 """The web application: routes, errors, access, documentation."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from fastapi import APIRouter, FastAPI
 from starlette.middleware.cors import CORSMiddleware
@@ -12,6 +12,7 @@ from starlette.routing import BaseRoute
 
 import station as package
 from station.api import index, metrics
+from station.api.agents import AgentPolicy, Agents
 from station.api.audit import Audit, EventRecorder
 from station.api.auth import Authenticator
 from station.api.control import Control
@@ -29,8 +30,10 @@ from station.api.streams import Broadcaster
 from station.core.facade.station import Station
 from station.events import Alarms, EventLog
 from station.library.gain_sets import GainSets
-from station.library.path_player import PathPlayer
+from station.library.path_player import PathPlayer, PlayOptions
+from station.library.plot_layouts import PlotLayouts
 from station.library.waypoint_paths import WaypointPaths
+from station.rehearsal.rehearsals import Rehearsals
 from station.trials.background_experiments import BackgroundExperiments
 from station.trials.bench_runs import KeptRuns
 from station.trials.lesson_attempts import LessonAttempts
@@ -58,6 +61,7 @@ class Kept:
         recorder: Records every cycle; None for a station that records nothing.
         experiments: Runs experiments; None for a station that runs none.
         gain_sets: Folder of the gain sets; the user's own when None.
+        plot_layouts: Folder of the plot layouts; the user's own when None.
         waypoint_paths: Folder of the waypoint paths; the user's own when None.
         bench_runs: Folder of the runs of the bench; the user's own when None.
         lessons: Folder of the user's lessons; the user's own when None.
@@ -67,12 +71,13 @@ class Kept:
     recorder: "Recorder | None" = None
     experiments: BackgroundExperiments | None = None
     gain_sets: Path | None = None
+    plot_layouts: Path | None = None
     waypoint_paths: Path | None = None
     bench_runs: Path | None = None
     lessons: Path | None = None
 
 
-def create_app(
+def create_app(  # noqa: PLR0913 - parts and bounds of one application
     station: Station,
     authenticator: Authenticator,
     policy: HostPolicy | None = None,
@@ -82,6 +87,7 @@ def create_app(
     max_body: int = MAX_BODY_BYTES,
     dashboard_url: Callable[[], str | None] = lambda: None,
     kept: Kept | None = None,
+    agents: AgentPolicy | None = None,
 ) -> FastAPI:
     """Return the application that serves `station`.
 
@@ -96,6 +102,7 @@ def create_app(
         dashboard_url: Returns where the dashboard is; None while it is not known.
         kept: Where events and recordings are kept; only events, and these in memory,
             when left out.
+        agents: What the station asks of agents; a person's leave when left out.
     """
     app = StationApi(
         title="Control station",
@@ -109,6 +116,11 @@ def create_app(
     event_recorder = EventRecorder(kept.events)
     paths = WaypointPaths(station.loop, station.manager, kept.waypoint_paths)
     runs = KeptRuns(kept.bench_runs)
+    player = PathPlayer(station.loop, station.manager, station.motion, paths)
+    rehearsals = Rehearsals(station, {"path": partial(_plan_path, player)})
+    seat = Agents(station, kept.events, agents or AgentPolicy())
+    control = Control(kept.events, station.motion.let_go, rehearsed=rehearsals.check)
+    control.listen(seat.withdraw)
     app.state.services = Services(
         station=station,
         authenticator=authenticator,
@@ -116,7 +128,8 @@ def create_app(
         event_recorder=event_recorder,
         event_feed=EventFeed(kept.events),
         alarms=Alarms(station, kept.events),
-        control=Control(kept.events, station.motion.let_go),
+        control=control,
+        agents=seat,
         idempotent_answers=IdempotentAnswers(),
         bench=LiveBench(station),
         bench_runs=runs,
@@ -128,8 +141,10 @@ def create_app(
         recorder=kept.recorder,
         experiments=kept.experiments,
         gain_sets=GainSets(station.tuning, kept.gain_sets),
+        plot_layouts=PlotLayouts(kept.plot_layouts),
         waypoint_paths=paths,
-        path_player=PathPlayer(station.loop, station.manager, station.motion, paths),
+        path_player=player,
+        rehearsals=rehearsals,
     )
     add_error_handlers(app)
     app.router.routes.extend(_shared_routes())
@@ -149,6 +164,11 @@ def create_app(
     app.add_middleware(Audit, repeats=event_recorder.repeats)
     app.add_middleware(RequestId)
     return app
+
+
+def _plan_path(player: PathPlayer, step: Mapping[str, Any]) -> dict[str, object]:
+    """Return the goal of a step that plays a path."""
+    return player.plan_goal(step["path"], PlayOptions(**step["options"]))
 
 
 @cache

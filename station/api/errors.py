@@ -10,6 +10,12 @@ from starlette.exceptions import HTTPException
 from starlette.types import Receive, Scope, Send
 from typing_extensions import override
 
+from station.api.agents import (
+    AgentRefusedError,
+    AgentRequestDecidedError,
+    AgentRequestNotFoundError,
+    TooManyAgentRequestsError,
+)
 from station.api.control import ControlHeldError, ControlNotHeldError
 from station.api.named_tokens import (
     TokenExistsError,
@@ -63,6 +69,8 @@ STATUS: Mapping[type[errors.StationError], int] = {
     errors.ParameterNotFoundError: 404,
     errors.GainSetNotFoundError: 404,
     errors.GainSetError: 500,
+    errors.PlotLayoutNotFoundError: 404,
+    errors.PlotLayoutError: 500,
     errors.WaypointPathNotFoundError: 404,
     errors.WaypointPathError: 500,
     errors.PathRefusedError: 409,
@@ -76,6 +84,10 @@ STATUS: Mapping[type[errors.StationError], int] = {
     errors.LoopError: 503,
     errors.SimulationError: 409,
     errors.RobotDescriptionError: 422,
+    errors.RehearsalError: 503,
+    errors.RehearsalNeededError: 428,
+    errors.CertificateNotFoundError: 404,
+    errors.CertificateVoidError: 412,
     ExperimentError: 409,
     ExperimentNotFoundError: 404,
     ExperimentRunningError: 409,
@@ -86,6 +98,10 @@ STATUS: Mapping[type[errors.StationError], int] = {
     TokenExistsError: 409,
     TokenNotFoundError: 404,
     TokensNotKeptError: 500,
+    AgentRefusedError: 403,
+    TooManyAgentRequestsError: 429,
+    AgentRequestNotFoundError: 404,
+    AgentRequestDecidedError: 409,
     ControlHeldError: 423,
     ControlNotHeldError: 409,
 }
@@ -110,8 +126,12 @@ ROUTES: Mapping[str, str] = {
     "resource_conflict": "POST /api/v1/controllers/switch stops and starts at once.",
     "service_not_found": "GET /api/v1/robots/{arm_id}/services lists the services.",
     "simulation_refused": "PATCH /api/v1/simulation pauses and resumes it.",
+    "plot_layout_not_found": "GET /api/v1/plot-layouts lists the layouts.",
     "waypoint_path_not_found": "GET /api/v1/waypoint-paths lists the paths.",
     "token_not_found": "GET /api/v1/tokens lists the named tokens.",
+    "rehearsal_needed": "POST /api/v1/rehearse with `certificate: true` gives one.",
+    "certificate_not_found": "POST /api/v1/rehearse gives a new one.",
+    "certificate_void": "POST /api/v1/rehearse gives a new one.",
     "stale_epoch": "GET /api/v1/status has the present epoch.",
     "stopped": "POST /api/v1/stop/release releases the stop, and once more with "
     '{"arm": true} allows motion.',

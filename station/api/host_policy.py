@@ -16,6 +16,7 @@ from station.wire.protocol import (
     KEY_HEADER,
     LEASE_HEADER,
     NOT_AFTER_HEADER,
+    REHEARSAL_HEADER,
     REPLAYED_HEADER,
 )
 
@@ -33,7 +34,9 @@ REQUEST_HEADERS = (
     REQUEST_ID_HEADER,
 )
 """Headers that they may send. They have no cookie: they show a token."""
-ANSWER_HEADERS = ("ETag", REPLAYED_HEADER, REQUEST_ID_HEADER, CLOCK_HEADER)
+ANSWER_HEADERS = (
+    "ETag", REPLAYED_HEADER, REQUEST_ID_HEADER, CLOCK_HEADER, REHEARSAL_HEADER
+)  # fmt: skip
 """Headers that they may read."""
 _HOST = re.compile(r"(?P<name>\[[0-9a-f:.]+\]|[a-z0-9._-]+)(:\d{1,5})?", re.ASCII)
 

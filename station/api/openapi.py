@@ -9,6 +9,7 @@ from fastapi import FastAPI
 from fastapi.routing import APIRoute, iter_route_contexts
 from typing_extensions import override
 
+from station.api.agents import seat_of
 from station.api.routes.problems import MEANINGS
 from station.reports import Described, examples_of
 from station.wire import PROBLEM_MEDIA_TYPE, Problem
@@ -80,7 +81,15 @@ _OF_STATUS = {"401": ("WWW-Authenticate", "WwwAuthenticate"), "426": ("Upgrade",
 
 _WHOEVER_HOLDS_CONTROL = frozenset({
     f"/api/v1/{name}"
-    for name in ("login", "logout", "stop", "stream-tickets", "tokens", "tokens/{name}")
+    for name in (
+        "agents/requests/{number}",
+        "login",
+        "logout",
+        "stop",
+        "stream-tickets",
+        "tokens",
+        "tokens/{name}",
+    )
 })
 """Paths whose changes no lease of control can refuse."""
 
@@ -153,6 +162,9 @@ class StationApi(FastAPI):
                     if method != "get" and path not in _WHOEVER_HOLDS_CONTROL:
                         locked = {"description": MEANINGS[423]}
                         operation["responses"].setdefault("423", locked)
+                    seat = seat_of(method, operation)
+                    if seat is not None:
+                        operation["x-agent"] = seat
                     _complete(path, operation)
         return super().openapi()
 

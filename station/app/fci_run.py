@@ -24,10 +24,9 @@ from station.hw.franka.fci.server.model_library import (
 from station.hw.franka.fci.server.robot_model import write_robot_model
 from station.hw.franka.fci.server.robot_session import ModelLibrary
 from station.hw.franka.fci.wire.robot_protocol import (
-    FR3,
-    PANDA,
     PROTOCOLS,
     RobotProtocol,
+    versions_of_arm,
 )
 from station.hw.franka.franka_parameters import FrankaParameters, read_parameters
 from station.hw.franka.hand.hand_services import HandServices
@@ -189,7 +188,7 @@ def protocols_of(
     """
     if version is not None:
         return (PROTOCOLS[version],)
-    own = FR3[-1] if parameters.arm == "fr3" else PANDA
+    own = versions_of_arm(parameters.arm)[-1]
     return (*(one for one in PROTOCOLS.values() if one is not own), own)
 
 

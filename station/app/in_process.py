@@ -24,6 +24,8 @@ from station.core.loop.scheduling import realtime_interpreter
 from station.core.loop.snapshot import Snapshot
 from station.core.loop.stop_latch import StopState
 from station.hw.robot_loader import find_robot
+from station.rehearsal.rehearsals import Rehearsals
+from station.reports import Rehearsal
 from station.wire import StreamFrame
 
 if TYPE_CHECKING:
@@ -256,6 +258,25 @@ class InProcessStation:
     def set_gains(self, name: str, values: Mapping[str, float]) -> None:
         """Change gains of a controller between two cycles; the others stay."""
         self.facade.tuning.set_gains(name, values)
+
+    def rehearse(
+        self, steps: Sequence[Mapping[str, object]], seconds: float | None = None
+    ) -> Rehearsal:
+        """Tell how commands would end, in a copy of this process; nothing moves.
+
+        Args:
+            steps: The commands, as `POST /rehearse` takes them.
+            seconds: How long the rehearsal lasts [s]; until all goals have ended and
+                the joints stand still when None, 30 s at most.
+
+        Raises:
+            RehearsalError: The robot is no simulated one, or this machine cannot copy
+                the process.
+        """
+        defaults = {"at": 0.0, "timeout": None, "rates": None}
+        return Rehearsals(self.facade).rehearse(
+            [{**defaults, **step} for step in steps], seconds
+        )
 
     def reset(self, positions: Mapping[str, float] | None = None) -> None:
         """Put the simulated world back to its start; see `SimulationControl.reset`."""

@@ -9,11 +9,12 @@ import hashlib
 import os
 import time
 from collections.abc import Callable, Mapping
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from station import compiled
+from station.api.agents import AgentPolicy
 from station.api.app import Kept, create_app
 from station.api.auth import Authenticator
 from station.api.host_policy import HostPolicy
@@ -23,6 +24,7 @@ from station.app.announcement import Announcement
 from station.app.composition import ROBOT_NAMESPACE, compose
 from station.app.journal import Journal
 from station.app.recording_start import make_ports, make_recorder
+from station.app.rehearsal_rules import rules_of
 from station.app.shutdown_signals import ShutdownSignals
 from station.app.station_watchdog import StationWatchdog
 from station.app.ui_process import UiOptions, UiProcess, find_orphan, free_port
@@ -190,7 +192,9 @@ class StationRun:
             from station.app.fci_beside import FciBeside
 
             fci = self._config.fci
-            stack.enter_context(FciBeside(station, fci.host, self._warn, fci.version))
+            stack.enter_context(
+                FciBeside(station, fci.host, self._warn, fci.version, fci.desk)
+            )
         announce("Waiting for the first cycles")
         clock = station.loop.clock
         deadline = clock.now() + READY_TIMEOUT
@@ -217,10 +221,7 @@ class StationRun:
             ui_port = free_port(api.host, ui.port)
         journal = stack.enter_context(Journal(station, self._warn))
         authenticator.named = journal.named_tokens()
-        experiments = BackgroundExperiments(
-            Setup.of(self._config), workers=spare_processors()
-        )
-        stack.callback(experiments.close)
+        experiments = stack.enter_context(closing(self._background_experiments()))
         policy = HostPolicy(host_names(api.host), api.allowed_origins)
         app = create_app(
             station,
@@ -228,7 +229,11 @@ class StationRun:
             policy,
             dashboard_url=lambda: _dashboard_url(server.url, ui_port),
             kept=Kept(journal.log, self._recorder, experiments),
+            agents=AgentPolicy(
+                self._config.agents.approval == "always", self._config.agents.wait
+            ),
         )
+        app.state.services.rehearsals.adopt(rules_of(self._config))
         journal.start(app)
         ports = make_ports(app, station, self._config, policy)
         server = ApiServer(app, api.host, api.port, tls, ports)
@@ -271,6 +276,9 @@ class StationRun:
             kernel=self._extensions.start(),
             robot=station.status().robot_label,
         )
+
+    def _background_experiments(self) -> BackgroundExperiments:
+        return BackgroundExperiments(Setup.of(self._config), workers=spare_processors())
 
     def _ui_options(
         self,

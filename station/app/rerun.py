@@ -7,18 +7,21 @@ controllers, robots and the station itself.
 
 import json
 from collections import deque
-from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 from station.app.composition import compose
 from station.config import load_config
 from station.core.clock import ManualClock
-from station.core.control.switching import Strictness, SwitchRequest
 from station.core.errors import RecordingFileError, StationError
+from station.core.facade.repeated_inputs import (
+    PLANNED,
+    Arguments,
+    carry_out,
+    carry_out_plan,
+)
 from station.core.facade.station import Station
-from station.core.ports.receipt import Receipt
 from station.records.recording_reader import (
     Trajectory,
     read_inputs,
@@ -26,8 +29,9 @@ from station.records.recording_reader import (
     read_trajectory,
 )
 
-Arguments: TypeAlias = Mapping[str, Any]
-"""The arguments of an input, as JSON has them."""
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
 _STANDSTILL = ManualClock()
 """Measures the validity of set-points: wall time plays no part in a re-run."""
 _BATCH = 1000
@@ -133,7 +137,7 @@ class _Rerun:
         self._done: set[int] = set()
         self._plans: dict[float, list[Arguments]] = {}
         for one in self._inputs:
-            if one["kind"] in _PLAN and one.get("planned_at") is not None:
+            if one["kind"] in PLANNED and one.get("planned_at") is not None:
                 self._plans.setdefault(float(str(one["planned_at"])), []).append(one)
         # A switch runs cycles while it waits; they have their inputs, too.
         station.manager.pump = self._advance
@@ -178,7 +182,7 @@ class _Rerun:
         receipt = self._station.motion.receipt()
         receipt.held = []
         try:
-            _PLAN[str(one["kind"])](self._station, one, receipt)
+            carry_out_plan(self._station, str(one["kind"]), one, receipt)
         except StationError as error:
             self._refused(one, error)
         self._prepared[id(one)] = receipt.held
@@ -203,20 +207,27 @@ class _Rerun:
         return int(one["after"])
 
     def _ask(self, one: Arguments) -> None:
-        if one["kind"] in _PLAN:
+        if one["kind"] in PLANNED:
             self._hand_over(one)
             return
-        ask = _ASK.get(str(one["kind"]))
-        if ask is None:
-            what = one.get("what", one["kind"])
-            self._not_repeated.append(
-                f"Cannot be asked again: {what}, after cycle {one['after']}."
-            )
-            return
         try:
-            ask(self._station, one)
+            if one["kind"] == "set_point":
+                self._let_no_time_pass(str(one["name"]))
+            if carry_out(self._station, str(one["kind"]), one):
+                return
         except StationError as error:
             self._refused(one, error)
+            return
+        what = one.get("what", one["kind"])
+        self._not_repeated.append(
+            f"Cannot be asked again: {what}, after cycle {one['after']}."
+        )
+
+    def _let_no_time_pass(self, name: str) -> None:
+        """Let a set-point expire where the recording says so, and nowhere else."""
+        port = self._station.manager.get_controller(name).set_points
+        if port is not None:
+            port.clock = _STANDSTILL
 
     def _refused(self, one: Arguments, error: StationError) -> None:
         self._not_repeated.append(
@@ -233,81 +244,3 @@ def _difference(recorded: Trajectory, row: int, now: Any) -> Difference | None: 
             if old != new and not both_nan:
                 return Difference(now.cycle, joint, quantity, old, new)
     return None
-
-
-def _switch(station: Station, one: Arguments) -> None:
-    station.switch_controllers(
-        SwitchRequest(
-            one["start"],
-            one["stop"],
-            Strictness(one.get("strictness", Strictness.STRICT.value)),
-            start_asap=one.get("start_asap", False),
-            timeout=one.get("timeout", 0.0),
-            zero_period=one.get("zero_period", False),
-        )
-    )
-
-
-def _set_point(station: Station, one: Arguments) -> None:
-    port = station.manager.get_controller(one["name"]).set_points
-    if port is not None:
-        port.clock = _STANDSTILL  # a set-point expires where the recording says so
-    station.motion.set_command(
-        one["name"], one["values"], timeout=one["timeout"], rates=one["rates"]
-    )
-
-
-def _expire(station: Station, one: Arguments) -> None:
-    port = station.manager.get_controller(one["name"]).set_points
-    if port is not None:
-        port.expire()
-
-
-def _goal(station: Station, one: Arguments, receipt: Receipt) -> None:
-    station.motion.submit_goal(one["name"], one["request"], receipt=receipt)
-
-
-def _trajectory(station: Station, one: Arguments, receipt: Receipt) -> None:
-    station.motion.follow_trajectory(one["name"], one["request"], receipt=receipt)
-
-
-def _cancel_goal(station: Station, one: Arguments) -> None:
-    goals = station.motion.goals(one["name"])
-    station.motion.cancel_goal(one["name"], goals[-1 - one["behind"]].identifier)
-
-
-def _service(station: Station, one: Arguments) -> None:
-    declared, method = station.robots.find_service(one["robot"], one["service"])
-    station.loop.run_in_cycle(lambda: method(**one["arguments"]), moves=declared.moves)
-
-
-def _recover(station: Station, one: Arguments) -> None:
-    for name in one["robots"]:
-        station.robots.recover(name)
-
-
-_ASK: dict[str, Callable[[Station, Arguments], object]] = {
-    "switch": _switch,
-    "set_point": _set_point,
-    "expire": _expire,
-    "cancel_goal": _cancel_goal,
-    "hold_trajectory": lambda station, one: station.motion.hold(one["name"]),
-    "gains": lambda station, one: station.tuning.set_many(one["changes"]),
-    "stop": lambda station, one: station.stop(one["reason"]),
-    "release": lambda station, one: station.release_stop(arm=one["arm"]),
-    "reset": lambda station, one: station.simulation.reset(one["positions"]),
-    "load": lambda station, one: station.load_controller(
-        one["name"], params=one["params"]
-    ),
-    "unload": lambda station, one: station.unload_controller(one["name"]),
-    "service": _service,
-    "recover": _recover,
-    "late": lambda station, one: station.loop.delay_next_cycle(one["periods"] - 1),
-}
-"""How each kind of input is asked again."""
-
-_PLAN: dict[str, Callable[[Station, Arguments, Receipt], None]] = {
-    "goal": _goal,
-    "trajectory": _trajectory,
-}
-"""How what is planned first and handed over later is asked again."""

@@ -27,12 +27,14 @@ from station.client.robots import (
 )
 from station.client.station_client import AsyncStationClient
 from station.client.stores import (
+    AsyncAgentsClient,
     AsyncAlarmsClient,
     AsyncBenchRunsClient,
     AsyncExperimentsClient,
     AsyncGainSetsClient,
     AsyncIncidentsClient,
     AsyncLessonsClient,
+    AsyncPlotLayoutsClient,
     AsyncRecordingsClient,
     AsyncTokensClient,
     AsyncWaypointPathsClient,
@@ -245,6 +247,8 @@ class RecordingsClient(_Client[AsyncRecordingsClient]):
     bench = _waited_for(AsyncRecordingsClient.bench)
     download = _waited_for(AsyncRecordingsClient.download)
     download_table = _waited_for(AsyncRecordingsClient.download_table)
+    events = _waited_for(AsyncRecordingsClient.events)
+    add_note = _waited_for(AsyncRecordingsClient.add_note)
     start = _waited_for(AsyncRecordingsClient.start)
     stop = _waited_for(AsyncRecordingsClient.stop)
     delete = _waited_for(AsyncRecordingsClient.delete)
@@ -259,6 +263,8 @@ class IncidentsClient(_Client[AsyncIncidentsClient]):
     bench = _waited_for(AsyncIncidentsClient.bench)
     download = _waited_for(AsyncIncidentsClient.download)
     download_table = _waited_for(AsyncIncidentsClient.download_table)
+    events = _waited_for(AsyncIncidentsClient.events)
+    add_note = _waited_for(AsyncIncidentsClient.add_note)
 
 
 class ExperimentsClient(_Client[AsyncExperimentsClient]):
@@ -275,6 +281,15 @@ class ExperimentsClient(_Client[AsyncExperimentsClient]):
     preview = _waited_for(AsyncExperimentsClient.preview)
     apply = _waited_for(AsyncExperimentsClient.apply)
     list = _waited_for(AsyncExperimentsClient.list)
+
+
+class PlotLayoutsClient(_Client[AsyncPlotLayoutsClient]):
+    """Named layouts of plots on the station's disk: `client.plot_layouts`."""
+
+    names = _waited_for(AsyncPlotLayoutsClient.names)
+    get = _waited_for(AsyncPlotLayoutsClient.get)
+    save = _waited_for(AsyncPlotLayoutsClient.save)
+    delete = _waited_for(AsyncPlotLayoutsClient.delete)
 
 
 class WaypointPathsClient(_Client[AsyncWaypointPathsClient]):
@@ -304,6 +319,13 @@ class TokensClient(_Client[AsyncTokensClient]):
     list = _waited_for(AsyncTokensClient.list)
     create = _waited_for(AsyncTokensClient.create)
     revoke = _waited_for(AsyncTokensClient.revoke)
+
+
+class AgentsClient(_Client[AsyncAgentsClient]):
+    """Requests of agents, which a person allows or refuses: `client.agents`."""
+
+    requests = _waited_for(AsyncAgentsClient.requests)
+    answer = _waited_for(AsyncAgentsClient.answer)
 
 
 class LeaseClient(_Client[AsyncLeaseClient]):
@@ -443,9 +465,11 @@ class StationClient(_Client[AsyncStationClient]):
         self.recordings = RecordingsClient(source.recordings)
         self.incidents = IncidentsClient(source.incidents)
         self.experiments = ExperimentsClient(source.experiments)
+        self.plot_layouts = PlotLayoutsClient(source.plot_layouts)
         self.waypoint_paths = WaypointPathsClient(source.waypoint_paths)
         self.alarms = AlarmsClient(source.alarms)
         self.tokens = TokensClient(source.tokens)
+        self.agents = AgentsClient(source.agents)
         self.lease = LeaseClient(source.lease)
 
     def __enter__(self) -> Self:
@@ -485,6 +509,7 @@ class StationClient(_Client[AsyncStationClient]):
     hardware = _waited_for(AsyncStationClient.hardware)
     controllers = _waited_for(AsyncStationClient.controllers)
     controller = _waited_for(AsyncStationClient.controller)
+    chains = _waited_for(AsyncStationClient.chains)
     load_controller = _waited_for(AsyncStationClient.load_controller)
     unload_controller = _waited_for(AsyncStationClient.unload_controller)
     switch_controllers = _waited_for(AsyncStationClient.switch_controllers)
@@ -496,6 +521,7 @@ class StationClient(_Client[AsyncStationClient]):
     bench = _waited_for(AsyncStationClient.bench)
     command_stream = _made(AsyncStationClient.command_stream, CommandStream)
     submit_goal = _waited_for(AsyncStationClient.submit_goal)
+    rehearse = _waited_for(AsyncStationClient.rehearse)
     goals = _waited_for(AsyncStationClient.goals)
     goal = _waited_for(AsyncStationClient.goal)
     cancel_goal = _waited_for(AsyncStationClient.cancel_goal)

@@ -10,11 +10,13 @@ from pydantic import JsonValue
 from station import wire
 from station.client.connection import AsyncConnection, Sleep, segment
 from station.client.errors import MotionError
-from station.wire.controllers import SWITCH_BOUND
+from station.wire.controllers import SWITCH_BOUND, SwitchStrictness
 from station.wire.excitations import BenchRequest, BenchResponse, Excitation
 from station.wire.protocol import KEY_HEADER
 
-Strictness = Literal["strict", "best_effort"]
+Strictness = SwitchStrictness
+REHEARSAL_BOUND = 60.0
+"""How much longer than usual the answer to a rehearsal may take [s]."""
 POLL = 0.05
 """How often a goal is looked at [s]."""
 _FINAL = {"succeeded", "aborted", "preempted"}
@@ -118,6 +120,10 @@ class AsyncControllersClient:
         """Return one controller."""
         return await self._connection.get(controller_path(name), wire.ControllerState)
 
+    async def chains(self) -> wire.ControllerChains:
+        """Return the loaded controllers with who commands whose references."""
+        return await self._connection.get("/controllers/chains", wire.ControllerChains)
+
     async def load_controller(
         self,
         name: str,
@@ -192,7 +198,9 @@ class AsyncControllersClient:
         Args:
             start: Names to start.
             stop: Names to stop.
-            strictness: `strict` for all or nothing, `best_effort` for what is possible.
+            strictness: `strict` for all or nothing, `best_effort` for what is possible;
+                `auto` also starts and stops what chains need, and `force_auto` stops
+                who is in the way of a start.
             start_asap: Start each as soon as its joints are ready.
             timeout: How long the hardware may take [s], 0 to 60; 0 means as long as it
                 takes, up to `bound`.
@@ -252,6 +260,7 @@ class AsyncControllersClient:
         epoch: int | None = None,
         timeout: float | None = None,
         rates: Sequence[float] | None = None,
+        certificate: str | None = None,
     ) -> wire.CommandAccepted:
         """Send a set-point.
 
@@ -264,6 +273,7 @@ class AsyncControllersClient:
                 own setting.
             rates: How fast the set-point changes [rad/s or m/s], for controllers that
                 feed this forward.
+            certificate: That of a rehearsal of this command; None without one.
         """
         request = wire.CommandRequest(
             command=list(values),
@@ -271,7 +281,7 @@ class AsyncControllersClient:
             timeout=timeout,
             rates=None if rates is None else list(rates),
         )
-        path = controller_path(name, "command")
+        path = _certified(controller_path(name, "command"), certificate)
         return await self._connection.send("PUT", path, wire.CommandAccepted, request)
 
     async def controller_state(self, name: str) -> wire.ControllerSample:
@@ -319,7 +329,11 @@ class AsyncControllersClient:
         )
 
     async def submit_goal(
-        self, name: str, goal: Mapping[str, JsonValue], epoch: int | None = None
+        self,
+        name: str,
+        goal: Mapping[str, JsonValue],
+        epoch: int | None = None,
+        certificate: str | None = None,
     ) -> wire.Goal:
         """Give a running controller a goal; it replaces the one before.
 
@@ -327,8 +341,9 @@ class AsyncControllersClient:
             name: The controller.
             goal: The goal message of its action, times in seconds.
             epoch: Refuse when a stop or reset came since that epoch.
+            certificate: That of a rehearsal of this command; None without one.
         """
-        path = controller_path(name, "goals")
+        path = _certified(controller_path(name, "goals"), certificate)
         request = wire.GoalRequest(goal=dict(goal), epoch=epoch)
         return await self._connection.send("POST", path, wire.Goal, request)
 
@@ -347,7 +362,11 @@ class AsyncControllersClient:
         return await self._connection.send("DELETE", path, wire.Goal)
 
     async def follow_trajectory(
-        self, name: str, trajectory: Mapping[str, JsonValue], epoch: int | None = None
+        self,
+        name: str,
+        trajectory: Mapping[str, JsonValue],
+        epoch: int | None = None,
+        certificate: str | None = None,
     ) -> wire.CommandAccepted:
         """Let a running controller follow a trajectory without a goal.
 
@@ -356,9 +375,10 @@ class AsyncControllersClient:
             trajectory: A JointTrajectory message, times in seconds; without points the
                 joints stop and hold.
             epoch: Refuse when a stop or reset came since that epoch.
+            certificate: That of a rehearsal of this command; None without one.
         """
         request = wire.TrajectoryRequest(trajectory=dict(trajectory), epoch=epoch)
-        path = controller_path(name, "trajectory")
+        path = _certified(controller_path(name, "trajectory"), certificate)
         return await self._connection.send("POST", path, wire.CommandAccepted, request)
 
     async def query_state(
@@ -375,7 +395,11 @@ class AsyncControllersClient:
         return await self._connection.get(path, wire.DesiredState, query)
 
     async def start_goal(
-        self, name: str, goal: Mapping[str, JsonValue], epoch: int | None = None
+        self,
+        name: str,
+        goal: Mapping[str, JsonValue],
+        epoch: int | None = None,
+        certificate: str | None = None,
     ) -> AsyncGoalHandle:
         """Give a controller a goal, as `submit_goal`, to wait for or to cancel.
 
@@ -383,9 +407,37 @@ class AsyncControllersClient:
             name: The controller.
             goal: The goal message of its action, times in seconds.
             epoch: Refuse when a stop or reset came since that epoch.
+            certificate: That of a rehearsal of this command; None without one.
         """
-        answer = await self.submit_goal(name, goal, epoch)
+        answer = await self.submit_goal(name, goal, epoch, certificate)
         return AsyncGoalHandle(self, name, answer, self._connection.sleep)
+
+    async def rehearse(
+        self,
+        steps: Sequence[Mapping[str, JsonValue]],
+        *,
+        seconds: float | None = None,
+        certificate: bool = False,
+    ) -> wire.Rehearsal:
+        """Try commands in a copy of the station; nothing moves.
+
+        Args:
+            steps: The commands: mappings with `kind` (`set_point`, `goal`,
+                `trajectory`, `switch`, `gains`, `path`), the fields of that kind, and
+                `at`, its time [s since the beginning].
+            seconds: How long the rehearsal lasts [s]; None ends it when all goals have
+                ended and the joints stand still, after 30 s at the latest.
+            certificate: Ask for a certificate, with which the commands are carried out
+                as they were rehearsed.
+        """
+        request: dict[str, JsonValue] = {
+            "steps": [dict(step) for step in steps],
+            "seconds": seconds,
+            "certificate": certificate,
+        }
+        return await self._connection.send(
+            "POST", "/rehearse", wire.Rehearsal, request, patience=REHEARSAL_BOUND
+        )
 
     async def controller_types(self) -> list[wire.ControllerType]:
         """Return the types of controllers that can be loaded."""
@@ -407,6 +459,11 @@ class AsyncControllersClient:
             "POST", path, wire.Reloaded, request, patience=SWITCH_BOUND
         )
         return answer.unloaded
+
+
+def _certified(path: str, certificate: str | None) -> str:
+    """Return the path of a command with the certificate of its rehearsal."""
+    return path if certificate is None else f"{path}?certificate={segment(certificate)}"
 
 
 def controller_path(name: str, rest: str = "") -> str:

@@ -17,12 +17,14 @@ from station.client.poses import Pose, Target
 from station.client.robots import AsyncRobotClient, AsyncSimulationClient, Restart
 from station.client.samples import Samples
 from station.client.stores import (
+    AsyncAgentsClient,
     AsyncAlarmsClient,
     AsyncBenchRunsClient,
     AsyncExperimentsClient,
     AsyncGainSetsClient,
     AsyncIncidentsClient,
     AsyncLessonsClient,
+    AsyncPlotLayoutsClient,
     AsyncRecordingsClient,
     AsyncTokensClient,
     AsyncWaypointPathsClient,
@@ -66,8 +68,10 @@ class AsyncStationClient(AsyncControllersClient):
         bench_runs: Runs of the bench that the station keeps.
         lessons: Exercises that the station checks on the student's own run.
         gain_sets: Named sets of gains on the station's disk.
+        plot_layouts: Named layouts of plots on the station's disk.
         waypoint_paths: Waypoint paths on the station's disk, and their playing.
         tokens: Named tokens of people and programs.
+        agents: Requests of agents, and a person's answers.
         alarms: Alarms, and who has acknowledged them.
         lease: Control, taken and given back call by call; see also `control`.
         recordings: Recordings of every cycle on the station's disk.
@@ -98,9 +102,11 @@ class AsyncStationClient(AsyncControllersClient):
         self.recordings = AsyncRecordingsClient(connection)
         self.incidents = AsyncIncidentsClient(connection)
         self.experiments = AsyncExperimentsClient(connection)
+        self.plot_layouts = AsyncPlotLayoutsClient(connection)
         self.waypoint_paths = AsyncWaypointPathsClient(connection)
         self.alarms = AsyncAlarmsClient(connection)
         self.tokens = AsyncTokensClient(connection)
+        self.agents = AsyncAgentsClient(connection)
         self.lease = AsyncLeaseClient(connection)
 
     async def __aenter__(self) -> Self:

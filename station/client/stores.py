@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
+from typing import Literal
 
 from station import wire
 from station.client.connection import AsyncConnection, Query, segment
@@ -30,6 +31,7 @@ from station.wire.lessons import (
 _RECORDINGS, _INCIDENTS = "/recordings", "/incidents"
 _BENCH_RUNS, _LESSONS = "/bench-runs", "/lessons"
 _GAIN_SETS, _WAYPOINT_PATHS = "/gain-sets", "/waypoint-paths"
+_PLOT_LAYOUTS = "/plot-layouts"
 _EXPERIMENTS, _PLAYBACK = "/experiments", "/playback"
 _PERIOD = 0.5
 """Time between two looks at an experiment that runs [s]."""
@@ -109,6 +111,26 @@ class _AsyncFiles:
             query = {**query, "rate": repr(rate)}
         await self._connection.download(f"{self._of(identifier)}/table", target, query)
         return target
+
+    async def events(self, identifier: str) -> Sequence[wire.RecordedEvent]:
+        """Return the events of one that has ended, with the notes on it."""
+        path = f"{self._of(identifier)}/events"
+        return (await self._connection.get(path, wire.RecordedEvents)).events
+
+    async def add_note(
+        self, identifier: str, text: str, time: float, until: float | None = None
+    ) -> wire.RecordedEvent:
+        """Write a note into one that has ended; it becomes an event of the file.
+
+        Args:
+            identifier: Which one.
+            text: The note.
+            time: Station time of the moment, or of the begin of the range [s].
+            until: Station time of the end of the range [s]; None for a moment.
+        """
+        request = wire.NoteRequest(text=text, time=time, until=until)
+        path = f"{self._of(identifier)}/notes"
+        return await self._connection.send("POST", path, wire.RecordedEvent, request)
 
     async def bench(self, identifier: str, part: PartRequest) -> BenchResponse:
         """Read a part of one that has ended as a test of a joint, and keep the run.
@@ -331,6 +353,49 @@ def _chosen(controllers: Sequence[str] | None) -> wire.GainSetRequest:
     if controllers is None:
         return wire.GainSetRequest()
     return wire.GainSetRequest(controllers=list(controllers))
+
+
+class AsyncPlotLayoutsClient:
+    """Named layouts of plots on the station's disk: `client.plot_layouts`.
+
+    Every method raises what the station client's own methods raise.
+
+    Args:
+        connection: The connection to the station.
+    """
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        self._connection = connection
+
+    async def names(self) -> list[str]:
+        """Return the names of the saved layouts."""
+        found = await self._connection.get(_PLOT_LAYOUTS, wire.PlotLayouts)
+        return found.plot_layouts
+
+    async def get(self, name: str) -> wire.PlotLayout:
+        """Return a layout with its plots."""
+        return await self._connection.get(_below(_PLOT_LAYOUTS, name), wire.PlotLayout)
+
+    async def save(
+        self, name: str, plots: Sequence[wire.PlotSettings | wire.PlotRequest]
+    ) -> wire.PlotLayout:
+        """Save the plots of a layout; a layout of that name is replaced.
+
+        Args:
+            name: Letters, digits, `_`, `.` and `-`.
+            plots: The plots, from left to right.
+        """
+        read = partial(wire.PlotRequest.model_validate, from_attributes=True)
+        request = wire.PlotLayoutRequest(plots=[read(plot) for plot in plots])
+        return await self._connection.send(
+            "PUT", _below(_PLOT_LAYOUTS, name), wire.PlotLayout, request
+        )
+
+    async def delete(self, name: str) -> wire.PlotLayout:
+        """Delete a layout; return its last content."""
+        return await self._connection.send(
+            "DELETE", _below(_PLOT_LAYOUTS, name), wire.PlotLayout
+        )
 
 
 class AsyncWaypointPathsClient:
@@ -617,7 +682,7 @@ class AsyncTokensClient:
 
         Args:
             name: Owner of the token.
-            role: `operator` or `viewer`.
+            role: `operator`, `viewer` or `agent`.
             expires: How long it is valid [s]; None until it is revoked.
         """
         request = wire.TokenRequest(name=name, role=role, expires=expires)
@@ -627,6 +692,40 @@ class AsyncTokensClient:
         """End a token, and the streams, sessions and the control it has."""
         path = _below("/tokens", name)
         return await self._connection.send("DELETE", path, wire.Token)
+
+
+class AsyncAgentsClient:
+    """Requests of agents, which a person allows or refuses: `client.agents`.
+
+    Args:
+        connection: The client's connection.
+    """
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        self._connection = connection
+
+    async def requests(self) -> list[wire.AgentRequest]:
+        """Return the latest requests, oldest first; one that waits has no `verdict`."""
+        found = await self._connection.get("/agents/requests", wire.AgentRequests)
+        return found.requests
+
+    async def answer(
+        self,
+        number: str,
+        verdict: Literal["allowed", "allowed_for_a_time", "refused"],
+    ) -> wire.AgentRequest:
+        """Allow or refuse what an agent asks for.
+
+        Args:
+            number: `number` of the request.
+            verdict: `allowed_for_a_time` also allows what comes in the next 10 min.
+        """
+        return await self._connection.send(
+            "POST",
+            _below("/agents/requests", number),
+            wire.AgentRequest,
+            wire.AgentAnswer(verdict=verdict),
+        )
 
 
 def _below(path: str, name: str) -> str:

@@ -8,7 +8,14 @@ from collections.abc import Callable
 from math import inf
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
 from station.core.loop.pace import FASTEST, SLOWEST
@@ -33,6 +40,17 @@ WebOrigin = Annotated[str, Field(pattern=ORIGIN_PATTERN)]
 
 FileName = Annotated[str, Field(min_length=1)]
 """A file; relative to the working directory."""
+
+
+def _word_of_switch(value: object) -> object:
+    """Return `off` for what YAML 1.1 makes of the word."""
+    return "off" if value is False else value
+
+
+RehearsalPolicy = Annotated[
+    Literal["off", "advise", "required"], BeforeValidator(_word_of_switch)
+]
+"""Whether motions have to be rehearsed."""
 
 
 class _Section(BaseModel):
@@ -220,6 +238,25 @@ class ToolPortSection(_Section):
     allowed_origins: list[str] = Field(default_factory=list)
 
 
+class RehearsalSection(_Section):
+    """The need of a rehearsal before a motion, and how exactly it has to be kept to.
+
+    Attributes:
+        operator: For people, and for tokens that are not named in `agents`.
+        agent: For the tokens named in `agents`.
+        agents: Named tokens of programs that decide by themselves.
+        pose_tolerance: How far a joint may be from where the rehearsal began when the
+            command is given [rad or m].
+        tube: How far a joint may be from the rehearsed motion [rad or m].
+    """
+
+    operator: RehearsalPolicy
+    agent: RehearsalPolicy
+    agents: list[str] = Field(default_factory=list, max_length=100)
+    pose_tolerance: float = Field(gt=0.0, le=0.5)
+    tube: float = Field(gt=0.0, le=0.5)
+
+
 class FciSection(_Section):
     """The Franka Control Interface beside the loop.
 
@@ -227,11 +264,26 @@ class FciSection(_Section):
         enabled: Whether programs of libfranka can connect to the simulated arm.
         host: Address to listen at; the port is libfranka's. There are no tokens.
         version: The only version of the protocol; None: whichever a client asks for.
+        desk: TCP port of Desk; None: there is no Desk.
     """
 
     enabled: bool
     host: str = Field(min_length=1, pattern=r"^[A-Za-z0-9.:_-]+$")
     version: int | None = Field(default=None, ge=5, le=10)
+    desk: int | None = Field(default=None, ge=1, le=65535)
+
+
+class AgentsSection(_Section):
+    """Programs with a token of the role `agent`.
+
+    Attributes:
+        approval: `always`: a person allows each change; `never`: none is asked, which
+            is for a simulation alone that is paused and stepped.
+        wait: How long a request waits for a person [s].
+    """
+
+    approval: Literal["always", "never"] = "always"
+    wait: float = Field(default=60.0, gt=0.0, le=600.0)
 
 
 class StationConfig(_Section):
@@ -253,7 +305,9 @@ class StationConfig(_Section):
         records: Recordings and incidents.
         foxglove: The server for Foxglove.
         rosbridge: The server for clients of rosbridge.
+        agents: Programs that ask people before they change anything.
         fci: The server for programs of libfranka.
+        rehearsal: The need of rehearsals before motions.
     """
 
     station: LoopSection
@@ -267,7 +321,9 @@ class StationConfig(_Section):
     records: RecordsSection
     foxglove: ToolPortSection
     rosbridge: ToolPortSection
+    agents: AgentsSection = Field(default_factory=AgentsSection)
     fci: FciSection
+    rehearsal: RehearsalSection
     parameters: dict[str, Any] = Field(default_factory=dict, exclude=True)
     ros_controllers: frozenset[str] = Field(default=frozenset(), exclude=True)
 

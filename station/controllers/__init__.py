@@ -5,6 +5,9 @@ of the type is loaded.
 """
 
 CONTROLLERS: dict[str, str] = {
+    "admittance_controller/AdmittanceController": (
+        "station.controllers.admittance_controller:AdmittanceController"
+    ),
     "diff_drive_controller/DiffDriveController": (
         "station.controllers.diff_drive_controller:DiffDriveController"
     ),
@@ -35,6 +38,9 @@ CONTROLLERS: dict[str, str] = {
     ),
     "effort_controllers/JointVelocityController": (
         "station.controllers.effort_controllers:JointVelocityController"
+    ),
+    "force_torque_sensor_broadcaster/ForceTorqueSensorBroadcaster": (
+        "station.controllers.force_torque_sensor_controller:ForceTorqueSensorBroadcaster"
     ),
     "force_torque_sensor_controller/ForceTorqueSensorController": (
         "station.controllers.force_torque_sensor_controller:ForceTorqueSensorController"
@@ -81,11 +87,23 @@ CONTROLLERS: dict[str, str] = {
     "franka_control/FrankaStateController": (
         "station.controllers.franka_state_controller:FrankaStateController"
     ),
+    "impedance_controllers/CartesianImpedanceController": (
+        "station.controllers.impedance_controllers:CartesianImpedanceController"
+    ),
+    "impedance_controllers/JointImpedanceController": (
+        "station.controllers.impedance_controllers:JointImpedanceController"
+    ),
     "imu_sensor_controller/ImuSensorController": (
         "station.controllers.imu_sensor_controller:ImuSensorController"
     ),
     "joint_state_controller/JointStateController": (
         "station.controllers.joint_state_controller:JointStateController"
+    ),
+    "parallel_gripper_action_controller/GripperActionController": (
+        "station.controllers.gripper_action_controller:ParallelGripperActionController"
+    ),
+    "pid_controller/PidController": (
+        "station.controllers.pid_controller:PidController"
     ),
     "pos_vel_controllers/JointTrajectoryController": (
         "station.controllers.joint_trajectory_controller"

@@ -1,7 +1,9 @@
-"""Publish what the robot's force-torque sensors measure at a fixed rate.
+"""Publish what force-torque sensors measure: all at a rate, or one filtered.
 
 Source: ros_controllers@678b92a force_torque_sensor_controller/src/
-force_torque_sensor_controller.cpp; geometry_msgs/WrenchStamped.msg.
+force_torque_sensor_controller.cpp; ros2_controllers@4.x
+force_torque_sensor_broadcaster/src/force_torque_sensor_broadcaster.cpp;
+geometry_msgs/WrenchStamped.msg.
 """
 
 from collections.abc import Mapping
@@ -10,12 +12,13 @@ from typing import ClassVar, NamedTuple
 from typing_extensions import override
 
 from station.core.control.controller import PUBLISH_RATE, Controller
-from station.core.declared_parameter import DeclaredParameter
+from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.hardware.interfaces import (
     ForceTorqueSensorHandle,
     ForceTorqueSensorInterface,
 )
 from station.core.parameters import Parameters
+from station.core.toolbox.filters import FilterChain
 from station.core.toolbox.publish_timer import PublishTimer
 
 
@@ -86,3 +89,105 @@ class ForceTorqueSensorController(Controller[ForceTorqueSensorInterface]):
     @override
     def published(self) -> Mapping[str, Mapping[str, object]]:
         return {name: wrench._asdict() for name, wrench in self.wrenches.items()}
+
+
+_SENSOR_NAME = DeclaredParameter(
+    name="sensor_name", type=ParameterType.STRING, description="the sensor"
+)
+_FRAME_ID = DeclaredParameter(
+    name="frame_id",
+    type=ParameterType.STRING,
+    default="",
+    description="name of the frame of the published values",
+)
+_FILTERS = DeclaredParameter(
+    name="sensor_filter_chain",
+    type=ParameterType.MAPPINGS,
+    default_text="none",
+    description="filters of what is measured",
+)
+_AXES = tuple(f"{kind}/{axis}" for kind in ("force", "torque") for axis in "xyz")
+
+
+def _corrections(name: str, default: float, text: str) -> list[DeclaredParameter]:
+    return [
+        DeclaredParameter(
+            name=f"{name}/{axis}",
+            type=ParameterType.NUMBER,
+            unit="" if name == "multiplier" else "N" if "force" in axis else "Nm",
+            default=default,
+            description=text,
+        )
+        for axis in _AXES
+    ]
+
+
+_OFFSET = _corrections("offset", 0.0, "is added to what is measured")
+_MULTIPLIER = _corrections("multiplier", 1.0, "factor of what is measured and added")
+
+
+class ForceTorqueSensorBroadcaster(Controller[ForceTorqueSensorInterface]):
+    """Publishes one sensor in every cycle, as it is and filtered; commands nothing.
+
+    What is published is `(measured + offset) * multiplier`.
+
+    Source:
+        ForceTorqueSensorBroadcaster; differs: a robot has whole sensors, so that
+        `interface_names` has no effect.
+    """
+
+    hardware_interface: ClassVar[type] = ForceTorqueSensorInterface
+    accepted_parameters: ClassVar[tuple[str, ...]] = (
+        "interface_names",
+        "state_publish_rate",
+        "publish_rate",
+    )
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._published: dict[str, WrenchStamped] = {}
+
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        return (
+            *super().declared_parameters(),
+            _SENSOR_NAME,
+            _FRAME_ID,
+            _FILTERS,
+            *_OFFSET,
+            *_MULTIPLIER,
+        )
+
+    @override
+    def init(self, interface: ForceTorqueSensorInterface, params: Parameters) -> None:
+        self._sensor = interface.get_handle(_SENSOR_NAME.read_str(params))
+        self._frame = _FRAME_ID.read_str(params) or self._sensor.get_frame_id()
+        self._filters = FilterChain.read(
+            params.get(_FILTERS.name), params.resolve(_FILTERS.name)
+        )
+        self._offset = [each.read_float(params) for each in _OFFSET]
+        self._multiplier = [each.read_float(params) for each in _MULTIPLIER]
+
+    @override
+    def starting(self, time: float) -> None:
+        self._filters.reset()
+
+    @override
+    def update(self, time: float, period: float) -> None:
+        measured = self._sensor.get_force() + self._sensor.get_torque()
+        values = [
+            (value + offset) * factor
+            for value, offset, factor in zip(
+                measured, self._offset, self._multiplier, strict=True
+            )
+        ]
+        filtered = self._filters.update(values)
+        self._published = {
+            name: WrenchStamped(time, self._frame, each[:3], each[3:])
+            for name, each in (("wrench", values), ("wrench_filtered", filtered))
+        }
+
+    @override
+    def published(self) -> Mapping[str, Mapping[str, object]]:
+        return {name: wrench._asdict() for name, wrench in self._published.items()}

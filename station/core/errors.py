@@ -29,6 +29,8 @@ StationError
 ├── InvalidGainError              a gain is unknown or out of range (ValueError)
 ├── GainSetNotFoundError          there is no gain set of that name (KeyError)
 ├── GainSetError                  a gain set cannot be read or written (OSError)
+├── PlotLayoutNotFoundError       there is no plot layout of that name (KeyError)
+├── PlotLayoutError               a plot layout cannot be read or written (OSError)
 ├── WaypointPathNotFoundError     there is no waypoint path of that name (KeyError)
 ├── WaypointPathError             a waypoint path cannot be read or written (OSError)
 ├── PathRefusedError              a path cannot be played as things are (RuntimeError)
@@ -42,6 +44,10 @@ StationError
 ├── StoppedError                  the latched stop is engaged; nothing may move
 ├── LoopError                     the control loop is not running or died (RuntimeError)
 ├── SimulationError               a simulation refuses a request (RuntimeError)
+├── RehearsalError                a rehearsal cannot be made (RuntimeError)
+├── RehearsalNeededError          the caller may move nothing without one
+├── CertificateNotFoundError      no certificate of that name is valid (KeyError)
+├── CertificateVoidError          something has changed since the rehearsal
 └── RobotDescriptionError         a URDF or mesh cannot be used (ValueError)
 ```
 """
@@ -307,6 +313,18 @@ class GainSetError(StationError, OSError):
     code = "gain_set_file"
 
 
+class PlotLayoutNotFoundError(StationError, KeyError):
+    """There is no plot layout of that name."""
+
+    code = "plot_layout_not_found"
+
+
+class PlotLayoutError(StationError, OSError):
+    """A plot layout cannot be read or written, or its file is malformed."""
+
+    code = "plot_layout_unusable"
+
+
 class WaypointPathNotFoundError(StationError, KeyError):
     """There is no waypoint path of that name."""
 
@@ -383,6 +401,30 @@ class SimulationError(StationError, RuntimeError):
     """The simulation refuses a request in its present state, or there is none."""
 
     code = "simulation_refused"
+
+
+class RehearsalError(StationError, RuntimeError):
+    """A rehearsal cannot be made on this machine, or came to no result."""
+
+    code = "rehearsal_failed"
+
+
+class RehearsalNeededError(StationError, PermissionError):
+    """The caller may command a motion only with the certificate of a rehearsal."""
+
+    code = "rehearsal_needed"
+
+
+class CertificateNotFoundError(StationError, KeyError):
+    """There is no certificate of that name, or it has been used or has expired."""
+
+    code = "certificate_not_found"
+
+
+class CertificateVoidError(StationError):
+    """The command is not the rehearsed one, or something that matters has changed."""
+
+    code = "certificate_void"
 
 
 class RobotDescriptionError(StationError, ValueError):

@@ -4,6 +4,15 @@
 """
 
 from station.core.clock import Clock, ManualClock, SystemClock
+from station.core.control.chainable_controller import (
+    ChainableController,
+    ExportedState,
+    ExportedStateHandle,
+    ExportedStateInterface,
+    Reference,
+    ReferenceHandle,
+    ReferenceInterface,
+)
 from station.core.control.controller import (
     Controller,
     ControllerBase,
@@ -110,6 +119,7 @@ __all__: list[str] = [
     "ActuatorHandle",
     "ActuatorStateHandle",
     "ActuatorStateInterface",
+    "ChainableController",
     "Clock",
     "CombinedRobotHW",
     "ControlLoop",
@@ -129,6 +139,9 @@ __all__: list[str] = [
     "EffortJointInterface",
     "EffortJointSoftLimitsHandle",
     "EffortJointSoftLimitsInterface",
+    "ExportedState",
+    "ExportedStateHandle",
+    "ExportedStateInterface",
     "ForceTorqueSensorHandle",
     "ForceTorqueSensorInterface",
     "FourBarLinkageTransmission",
@@ -168,6 +181,9 @@ __all__: list[str] = [
     "RealtimeClock",
     "RealtimePublisher",
     "RealtimeServerGoalHandle",
+    "Reference",
+    "ReferenceHandle",
+    "ReferenceInterface",
     "ResourceConflict",
     "ResourceHandle",
     "ResourceManager",

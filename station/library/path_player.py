@@ -10,7 +10,8 @@ from station.core.errors import PathRefusedError, StationError
 from station.core.facade.motion_commands import MotionCommands
 from station.core.loop.control_loop import ControlLoop
 from station.core.ports.goal import Goal, GoalStatus
-from station.library.path_plan import plan_path
+from station.core.ports.receipt import Receipt
+from station.library.path_plan import PathPlan, plan_path
 from station.library.waypoint_paths import WaypointPaths
 from station.reports import Playback, PlaybackState, WaypointPath
 
@@ -99,12 +100,41 @@ class PathPlayer:
             self._look()
             return self._playback
 
-    def play(self, name: str, options: PlayOptions | None = None) -> Playback:
+    def plan_goal(self, name: str, options: PlayOptions) -> dict[str, object]:
+        """Return the goal with which a path would begin, without giving it.
+
+        Args:
+            name: The path.
+            options: How it would be played.
+
+        Returns:
+            The goal as an input of the station.
+
+        Raises:
+            WaypointPathNotFoundError: There is no path of that name.
+            WaypointPathError: Its file cannot be read or is malformed.
+            PathRefusedError: No trajectory controller that runs moves its joints, or
+                it has no such waypoint.
+            InvalidTrajectoryError: The path is too fast for a joint, or leaves its
+                range.
+        """
+        path = self._chosen(name, options)
+        controller = options.controller or self._find_controller(path)
+        plan = self._plan(path, controller, options.first, options.speed)
+        return {"kind": "goal", "name": controller, "request": plan.goal()}
+
+    def play(
+        self,
+        name: str,
+        options: PlayOptions | None = None,
+        receipt: Receipt | None = None,
+    ) -> Playback:
         """Begin a path at its first waypoint; one that plays is replaced.
 
         Args:
             name: The path.
             options: How it is played.
+            receipt: Where the cycle is noted that takes its first goal up.
 
         Raises:
             WaypointPathNotFoundError: There is no path of that name.
@@ -116,15 +146,7 @@ class PathPlayer:
             StationError: The controller refuses the goal; nothing moves.
         """
         options = options or PlayOptions()
-        path = self._paths.get(name)
-        last = len(path.waypoints) - 1 if options.last is None else options.last
-        if not 0 <= options.first <= last < len(path.waypoints):
-            raise PathRefusedError(
-                f"The path '{name}' has {len(path.waypoints)} waypoints; asked for "
-                f"were those from {options.first} to {last}, counted from 0.",
-                remedy="Capture waypoints first, or name those there are.",
-            )
-        path = replace(path, waypoints=path.waypoints[: last + 1])
+        path = self._chosen(name, options)
         with self._lock:
             controller = options.controller or self._find_controller(path)
             self._epoch = self._loop.epoch
@@ -141,13 +163,29 @@ class PathPlayer:
                 remaining=0.0,
                 message="",
             )
-            self._begin(path, playback, options.first)
+            self._begin(path, playback, options.first, receipt=receipt)
             self._first = options.first
             self._play += 1
             play = self._play
             found = self._playback or playback
         self._watch(lambda: self._goes_on(play))
         return found
+
+    def _chosen(self, name: str, options: PlayOptions) -> WaypointPath:
+        """Return a path without the waypoints after the last one that is played.
+
+        Raises:
+            PathRefusedError: It has no such waypoint.
+        """
+        path = self._paths.get(name)
+        last = len(path.waypoints) - 1 if options.last is None else options.last
+        if not 0 <= options.first <= last < len(path.waypoints):
+            raise PathRefusedError(
+                f"The path '{name}' has {len(path.waypoints)} waypoints; asked for "
+                f"were those from {options.first} to {last}, counted from 0.",
+                remedy="Capture waypoints first, or name those there are.",
+            )
+        return replace(path, waypoints=path.waypoints[: last + 1])
 
     def pause(self) -> Playback:
         """Let the robot hold where it is, on its way to a waypoint.
@@ -297,18 +335,18 @@ class PathPlayer:
         playback: Playback,
         first: int,
         since: Mapping[str, float] | None = None,
+        receipt: Receipt | None = None,
     ) -> None:
         """Give the goal that leads from here through the waypoints from `first` on."""
-        joints = self._manager.get_controller(playback.controller).joint_names
-        start = self._motion.query_state(playback.controller).position
-        plan = plan_path(path, first, joints, start, playback.speed, since)
-        plan.check({each.joint: each.limits for each in self._loop.hw.joint_limits()})
+        plan = self._plan(path, playback.controller, first, playback.speed, since)
         goal = self._motion.submit_goal(
             playback.controller,
             plan.goal(),
             self._epoch,
+            receipt=receipt,
         )
-        began = dict(zip(joints, start, strict=True)) if since is None else since
+        here = zip(plan.joints, plan.start, strict=True)
+        began = dict(here) if since is None else since
         self._path, self._round = path, _Round(goal, first, plan.times, began)
         self._playback = replace(
             playback,
@@ -316,6 +354,20 @@ class PathPlayer:
             waypoints=len(path.waypoints),
             remaining=plan.times[-1],
         )
+
+    def _plan(
+        self,
+        path: WaypointPath,
+        controller: str,
+        first: int,
+        speed: float,
+        since: Mapping[str, float] | None = None,
+    ) -> PathPlan:
+        joints = self._manager.get_controller(controller).joint_names
+        start = self._motion.query_state(controller).position
+        plan = plan_path(path, first, joints, start, speed, since)
+        plan.check({each.joint: each.limits for each in self._loop.hw.joint_limits()})
+        return plan
 
     def _find_controller(self, path: WaypointPath) -> str:
         joints = {joint for each in path.waypoints for joint in each.positions}

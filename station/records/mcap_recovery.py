@@ -129,7 +129,7 @@ def recover_file(path: Path, pause: Callable[[], None] = lambda: None) -> Recove
     """
     try:
         with os.fdopen(open_regular(path, os.O_RDWR), "r+b") as file:
-            _lock(path, file)
+            lock(path, file)
             # Before the scan: a file that is no recording must not be changed.
             has_magic = _check_magic(path, file)
             content = McapScan(file, pause).run()
@@ -151,7 +151,7 @@ def recover_file(path: Path, pause: Callable[[], None] = lambda: None) -> Recove
         ) from error
 
 
-def _lock(path: Path, file: BinaryIO) -> None:
+def lock(path: Path, file: BinaryIO) -> None:
     """Refuse a file that is being written.
 
     Raises:
@@ -197,10 +197,10 @@ def _mend(file: BinaryIO, content: Content) -> None:
     for place, (begin, end) in content.missing_indexes.items():
         chunk = content.chunks[place]
         if begin == content.end:
-            tail = _indexes(chunk, begin)
+            tail = indexes(chunk, begin)
         else:
             room = end - begin
-            data = _indexes(chunk, begin)
+            data = indexes(chunk, begin)
             _fill(file, begin, end, [data])
             if not (len(data) == room or len(data) <= room - HEAD.size):
                 chunk.index.message_index_offsets.clear()
@@ -209,7 +209,7 @@ def _mend(file: BinaryIO, content: Content) -> None:
     file.truncate(content.end)
     file.seek(0, io.SEEK_END)
     file.write(tail)
-    file.write(_ending(content, content.end + len(tail)))
+    file.write(ending(content, content.end + len(tail)))
 
 
 def _fill(file: BinaryIO, begin: int, end: int, wanted: list[bytes]) -> None:
@@ -230,7 +230,7 @@ def _fill(file: BinaryIO, begin: int, end: int, wanted: list[bytes]) -> None:
 def _header() -> bytes:
     builder = RecordBuilder()
     Header(profile=_PROFILE, library="").write(builder)
-    return _bytes(builder)
+    return built(builder)
 
 
 def _descriptions(content: Content) -> list[bytes]:
@@ -239,7 +239,7 @@ def _descriptions(content: Content) -> list[bytes]:
     for record in (*content.schemas.values(), *content.channels.values()):
         builder = RecordBuilder()
         record.write(builder)
-        found.append(_bytes(builder))
+        found.append(built(builder))
     return found
 
 
@@ -257,23 +257,23 @@ def _name_channels(content: Content) -> None:
             )
 
 
-def _indexes(chunk: Chunk, begin: int) -> bytes:
+def indexes(chunk: Chunk, begin: int) -> bytes:
     """Return the indexes that follow a chunk, and note where they will be."""
     data = b""
     for channel, entries in chunk.entries.items():
         builder = RecordBuilder()
         MessageIndex(channel_id=channel, records=entries).write(builder)
         chunk.index.message_index_offsets[channel] = begin + len(data)
-        data += _bytes(builder)
+        data += built(builder)
     chunk.index.message_index_length = len(data)
     return data
 
 
-def _ending(content: Content, begin: int) -> bytes:
+def ending(content: Content, begin: int) -> bytes:
     """Return the end of the data, the index of the file, and the footer."""
     builder = RecordBuilder()
     DataEnd(0).write(builder)
-    data_end = _bytes(builder)
+    data_end = built(builder)
     summary = begin + len(data_end)
     builder = RecordBuilder()
     for record in (*content.schemas.values(), *content.channels.values()):
@@ -292,11 +292,11 @@ def _ending(content: Content, begin: int) -> bytes:
         metadata_count=len(content.metadata),
         schema_count=len(content.schemas),
     ).write(builder)
-    body = _bytes(builder)
+    body = built(builder)
     builder = RecordBuilder()
     Footer(summary_crc=0, summary_offset_start=0, summary_start=summary).write(builder)
     # The checksum covers the footer up to itself.
-    footer = _bytes(builder)[:-4]
+    footer = built(builder)[:-4]
     checksum = zlib.crc32(body + footer).to_bytes(4, "little")
     return data_end + body + footer + checksum + MAGIC
 
@@ -358,6 +358,7 @@ def _lost_messages(content: Content, spans: list[Span]) -> int | None:
     return max(missing, sum(span.count for span in spans)) or None
 
 
-def _bytes(builder: RecordBuilder) -> bytes:
-    built: bytes = builder.end()  # type: ignore[no-untyped-call]  # mcap has no type here
-    return built
+def built(builder: RecordBuilder) -> bytes:
+    """Return the records that were written, and begin anew."""
+    data: bytes = builder.end()  # type: ignore[no-untyped-call]  # mcap has no type here
+    return data

@@ -12,6 +12,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from station.core.errors import (
     ControllerNotFoundError,
@@ -28,12 +29,17 @@ from station.records.record_store import FAILED, RecordingInfo, RecordStore
 from station.records.recorded_inputs import RecordedInputs
 from station.records.recording import GAINS, INPUTS, Recording
 
+if TYPE_CHECKING:
+    from station.records.recording_events import RecordedEvent
+
 WAKE = 0.01
 """How often the thread looks at the ring [s]."""
 FLUSH = 0.1
 """How often an unfinished chunk is written to the disk [s]."""
 BEFORE, AFTER = 10.0, 2.0
 """How much of an incident is kept [s station time]."""
+INCIDENT = "incident"
+"""Kind of the events that say why an incident was kept, and name of its recording."""
 
 
 class Recorder:
@@ -85,7 +91,7 @@ class Recorder:
         rows = round((BEFORE + AFTER + 1.0) / loop.period)
         self._rows: deque[bytes] = deque(maxlen=rows)
         self._watch = IncidentWatch(station)
-        self._causes: list[str] = []
+        self._causes: dict[str, float] = {}
         self._incident_end = 0.0
         self._recording: Recording | None = None
         self._inputs = RecordedInputs(station.inputs, self._write_input)
@@ -229,6 +235,42 @@ class Recorder:
             for one in self.store.infos()
         ]
 
+    def add_note(
+        self,
+        store: RecordStore,
+        identifier: str,
+        text: str,
+        begin: float,
+        *,
+        until: float | None = None,
+        who: str = "",
+    ) -> "RecordedEvent":
+        """Add a note to a recording or an incident that has ended.
+
+        Args:
+            store: The store of the recordings, or of the incidents.
+            identifier: Which one.
+            text: The note.
+            begin: Station time of the moment, or of the begin of the range [s].
+            until: Station time of the end of the range [s]; None for a moment.
+            who: Author of the note.
+
+        Raises:
+            RecordingNotFoundError: There is no such recording.
+            RecordingRefusedError: The recording still runs, or the note lies outside.
+            RecordingFileError: The file is no whole recording, or cannot be written.
+        """
+        # Imported late: most runs of a station add no note.
+        from station.records.recording_events import add_note
+
+        path = store.file(identifier)
+        note = add_note(path, text, begin, until, who)
+        info = replace(store.info(identifier), size=path.stat().st_size)
+        store.keep(info)
+        if self.last is not None and self.last.identifier == identifier:
+            self.last = info
+        return note
+
     def drain(self) -> None:
         """Take the cycles since the last call."""
         with self._lock:
@@ -287,7 +329,8 @@ class Recorder:
             return
         if not self._causes:
             self._incident_end = time_of_cycle + AFTER
-        self._causes += [one for one in causes if one not in self._causes]
+        for cause in causes:
+            self._causes.setdefault(cause, time_of_cycle)
 
     def _write_input(self, text: str) -> None:
         if self._recording is not None:
@@ -343,14 +386,14 @@ class Recorder:
 
     def _keep_incident(self) -> None:
         """Write the cycles in memory to a file of their own."""
-        causes, self._causes = tuple(self._causes), []
+        causes, self._causes = self._causes, {}
         store = self.incidents
         if not causes or store is None:
             return
         begin = self._incident_end - AFTER - BEFORE
         store.drop_oldest(store.quota.count - 1)
         try:
-            incident = self._begin(store, "incident", "", causes)
+            incident = self._begin(store, INCIDENT, "", tuple(causes))
         except RecordingFileError as error:
             self.failure = f"An incident could not be kept: {error.message}"
             return
@@ -358,6 +401,8 @@ class Recorder:
             row = self._packer.unpack(packed)
             if begin <= row.time <= self._incident_end:
                 incident.add_row(row)
+        for cause, time_of_cycle in causes.items():
+            incident.add_event(time_of_cycle, INCIDENT, "warning", cause, "{}")
         ended = incident.finish()
         self.tell(ended)
         if ended.error:

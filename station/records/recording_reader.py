@@ -97,13 +97,14 @@ def reading(path: Path) -> Iterator[BinaryIO]:
 
 
 def read_messages(
-    path: Path, topics: Iterable[str] | None = None
+    path: Path, topics: Iterable[str] | None = None, *, is_reverse: bool = False
 ) -> Iterator[tuple[str, Values]]:
     """Yield topic and content of the messages of a recording, in their order of time.
 
     Args:
         path: The file.
         topics: Which channels; all when None.
+        is_reverse: Begin with the newest.
 
     Raises:
         RecordingFileError: The file is no whole recording.
@@ -111,7 +112,9 @@ def read_messages(
     chosen = None if topics is None else list(topics)
     with reading(path) as file:
         reader: McapReader = make_reader(file, validate_crcs=True)
-        for schema, channel, message in reader.iter_messages(topics=chosen):
+        for schema, channel, message in reader.iter_messages(
+            topics=chosen, reverse=is_reverse
+        ):
             kind = None if schema is None else TYPES.get(schema.name)
             if kind is not None:
                 yield channel.topic, kind.decode(message.data)

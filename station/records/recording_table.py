@@ -171,14 +171,22 @@ class RecordingTable:
                 f"{self._path} lacks its index.",
                 remedy="`station recover-file` writes it again.",
             )
-        self._chunks = sorted(
-            summary.chunk_indexes, key=lambda one: one.chunk_start_offset
-        )
         for number, channel in summary.channels.items():
             schema = summary.schemas.get(channel.schema_id)
             kind = None if schema is None else TYPES.get(schema.name)
             if kind is not None and kind.name not in _WITHOUT_NUMBERS:
                 self._take_channel(number, channel, kind)
+        # The chunk of a note is the last of the file and may be of any time, so that
+        # all rows since that time would wait for it.
+        self._chunks = sorted(
+            (
+                one
+                for one in summary.chunk_indexes
+                if not one.message_index_offsets
+                or not self._kinds.keys().isdisjoint(one.message_index_offsets)
+            ),
+            key=lambda one: one.chunk_start_offset,
+        )
         for chunk in self._chunks:
             self._pause()
             for number, _, data in _messages(file, chunk):

@@ -4,8 +4,13 @@ Imports the reports and nothing else of the station, as the client does.
 """
 
 from station.reports import (
+    AgentRequest as AgentRequest,
     ArmRecord as ArmRecord,
+    AsyncStatistics as AsyncStatistics,
+    ChainedController as ChainedController,
+    ControllerChains as ControllerChains,
     Event as Event,
+    ExportedValue as ExportedValue,
     GainsChange as GainsChange,
     HardwareInterface as HardwareInterface,
     HardwareResource as HardwareResource,
@@ -13,11 +18,16 @@ from station.reports import (
     LoopReport as LoopReport,
     Percentiles as Percentiles,
     Playback as Playback,
+    PlotLayout as PlotLayout,
+    PlotSettings as PlotSettings,
+    Rehearsal as Rehearsal,
     Simulation as Simulation,
     Waypoint as Waypoint,
     WaypointPath as WaypointPath,
 )
 from station.wire.access import (
+    AgentAnswer as AgentAnswer,
+    AgentRequests as AgentRequests,
     ControlPatch as ControlPatch,
     ControlRequest as ControlRequest,
     ControlState as ControlState,
@@ -80,6 +90,11 @@ from station.wire.hardware import (
     HardwareRepair as HardwareRepair,
     SoftLimits as SoftLimits,
 )
+from station.wire.plot_layouts import (
+    PlotLayoutRequest as PlotLayoutRequest,
+    PlotLayouts as PlotLayouts,
+    PlotRequest as PlotRequest,
+)
 from station.wire.protocol import (
     CLOSE_BAD_REQUEST as CLOSE_BAD_REQUEST,
     CLOSE_CONTROL_HELD as CLOSE_CONTROL_HELD,
@@ -97,6 +112,9 @@ from station.wire.protocol import (
     StreamFrame as StreamFrame,
 )
 from station.wire.recordings import (
+    NoteRequest as NoteRequest,
+    RecordedEvent as RecordedEvent,
+    RecordedEvents as RecordedEvents,
     Recording as Recording,
     RecordingRequest as RecordingRequest,
     Recordings as Recordings,

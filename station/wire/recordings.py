@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, JsonValue
 
 from station.wire.base import Items, Measurements, Reason, RequestModel, ResponseModel
 
@@ -97,3 +97,55 @@ class Trajectory(ResponseModel):
     cycle: Items[int]
     time: Items[float]
     position: Items[Measurements]
+
+
+class RecordedEvent(ResponseModel):
+    """An event in a recording: what happened, or the note of a person.
+
+    Attributes:
+        time: Station time [s].
+        kind: Kind of the event, such as `switch`; `incident` of the cause of an
+            incident, `note` of a note.
+        severity: `info`, `warning` or `error`.
+        text: A sentence for people.
+        until: Station time of the end of a note on a range [s]; null of a moment.
+        details: More facts, by kind; `who` of a note is its author.
+
+    Example:
+        {"time": 12.5, "kind": "note", "severity": "info", "text": "The cube slipped.",
+         "until": 13.25, "details": {"who": "ada", "until": 13.25}}
+    """
+
+    time: float
+    kind: str
+    severity: str
+    text: str
+    until: float | None
+    details: dict[str, JsonValue]
+
+
+class RecordedEvents(ResponseModel):
+    """The events of a recording, in the order of their times.
+
+    Attributes:
+        events: The events.
+    """
+
+    events: Items[RecordedEvent]
+
+
+class NoteRequest(RequestModel):
+    """Add a note to a recording.
+
+    Attributes:
+        text: The note.
+        time: Station time of the moment, or of the begin of the range [s].
+        until: Station time of the end of the range [s]; null for a moment.
+
+    Example:
+        {"text": "The cube slipped.", "time": 12.5, "until": 13.25}
+    """
+
+    text: str = Field(min_length=1, max_length=500)
+    time: float
+    until: float | None = None

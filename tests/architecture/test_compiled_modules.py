@@ -18,7 +18,7 @@ REFUSED = {"asyncio", "logging", "multiprocessing", "socket", "subprocess"}
 WITH_REPORTS = {
     "station.controllers.cartesian_motion.cartesian_motion_controller",
     "station.controllers.cartesian_motion.joint_lookahead",
-    "station.controllers.franka_example_controllers.cartesian_spring",
+    "station.controllers.franka_arm.cartesian_spring",
     "station.controllers.joint_trajectory_controller.execution",
     "station.controllers.set_point_controller",
     "station.core.control.command_gate",
@@ -28,6 +28,7 @@ WITH_REPORTS = {
     "station.core.loop.snapshot",
     "station.core.numerics.pid",
     "station.core.ports.set_point",
+    "station.hw.franka.simulated.accelerometers",
     "station.hw.franka.simulated.arm_step",
     "station.hw.franka.simulated.joint_watch",
     "station.hw.franka.simulated.motion_check",

@@ -35,6 +35,8 @@ LINES = {
     "gripper": "gripper panda grasp 0.03 20 --inner 0.01 --no-wait",
     "control": "control take --owner ada --force",
     "token": "token create ada --role viewer",
+    "agents": "agents allow 5f0c81e09ab3",
+    "mcp": "mcp --name tuner --journal calls.jsonl",
     "events": "events --follow --kind stop",
     "sweep": "sweep arm load=0:3",
     "robustness": "robustness arm --trials 5",

@@ -31,6 +31,12 @@ MINIMAL = {
     },
     "foxglove": {"enabled": False, "host": "127.0.0.1", "port": 0},
     "rosbridge": {"enabled": False, "host": "127.0.0.1", "port": 0},
+    "rehearsal": {
+        "operator": "off",
+        "agent": "required",
+        "pose_tolerance": 0.01,
+        "tube": 0.03,
+    },
     "fci": {"enabled": False, "host": "127.0.0.1"},
 }
 

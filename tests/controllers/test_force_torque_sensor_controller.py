@@ -3,6 +3,7 @@
 import pytest
 
 from station.controllers.force_torque_sensor_controller import (
+    ForceTorqueSensorBroadcaster,
     ForceTorqueSensorController,
 )
 from station.core.errors import ParameterError
@@ -71,3 +72,27 @@ def test_its_messages_can_be_asked_for_by_sensor(sensing_robot):
     message = controller.published()["wrist"]
     assert message["force"] == [1.0, 2.0, 3.0]
     assert set(message) == {"stamp", "frame_id", "force", "torque"}
+
+
+def test_one_sensor_is_published_corrected_and_filtered(sensing_robot, force):
+    smooth = {
+        "type": "control_filters/ExponentialFilterDouble",
+        "params": {"alpha": 0.5},
+    }
+    controller = sensing_robot.start(
+        ForceTorqueSensorBroadcaster,
+        sensor_name="wrist",
+        frame_id="tool",
+        sensor_filter_chain={"filter1": smooth},
+        offset={"force": {"x": 1.0}},
+        multiplier={"force": {"x": 2.0}, "torque": {"z": -1.0}},
+    )
+    sensing_robot.step(controller)
+    force[0] = 3.0
+    sensing_robot.step(controller)
+
+    published = controller.published()
+    assert published["wrench"]["frame_id"] == "tool"
+    assert published["wrench"]["force"] == [8.0, 2.0, 3.0]
+    assert published["wrench"]["torque"] == [4.0, 5.0, -6.0]
+    assert published["wrench_filtered"]["force"] == [6.0, 2.0, 3.0]

@@ -16,6 +16,7 @@ from station.records.mcap_file import DiskFile
 from station.records.record_store import FAILED, Quota, RecordStore
 from station.records.recorder import Recorder
 from station.records.recording import Recording
+from station.records.recording_events import read_events
 from station.records.recording_reader import (
     read_inputs,
     read_messages,
@@ -218,6 +219,9 @@ def test_a_stop_is_kept_with_what_was_before_and_after(station, recorder, incide
     (incident,) = incidents.infos()
     assert incident.causes == ("The station was stopped: somebody shouted.",)
     found = read_trajectory(incidents.file(incident.identifier))
+    (cause,) = read_events(incidents.file(incident.identifier))
+    assert (cause.kind, cause.text) == ("incident", incident.causes[0])
+    assert cause.time == pytest.approx(found.time[-1] - 2.0, abs=1e-3)
     assert found.time[0] == pytest.approx(1.0, abs=0.002)
     assert found.time[-1] == pytest.approx(13.0, abs=0.002)
     assert np.all(np.diff(found.cycle) == 1)

@@ -6,12 +6,14 @@ from fastapi import APIRouter, Request, Response
 
 from station.api import answers
 from station.api.audit import note_preview
+from station.api.by_rehearsal import ByRehearsalDep
 from station.api.dependencies import Operator, ServicesDep, StationDep, Viewer
 from station.api.idempotency import Idempotent, IdempotentRoute
 from station.api.routes.problems import problems
 from station.core.control import switching
 from station.core.facade.station import Station
 from station.wire import (
+    ControllerChains,
     Controllers,
     ControllerState,
     ControllerType,
@@ -76,6 +78,7 @@ def switch_controllers(
     connection: Request,
     station: StationDep,
     services: ServicesDep,
+    by_rehearsal: ByRehearsalDep,
 ) -> SwitchResult:
     """Start and stop controllers, all of them in one cycle.
 
@@ -87,20 +90,27 @@ def switch_controllers(
     if request.strictness == "strict":
         for name in (*request.start, *request.stop):
             station.controller(name)  # an unknown name is a 404, not a conflict
-    result = station.switch_controllers(
-        switching.SwitchRequest(
-            start=tuple(request.start),
-            stop=tuple(request.stop),
-            strictness=switching.Strictness[request.strictness.upper()],
-            start_asap=request.start_asap,
-            timeout=request.timeout,
-            bound=request.bound,
-            dry_run=request.dry_run,
+    with by_rehearsal.giving("switch", start=request.start, stop=request.stop):
+        result = station.switch_controllers(
+            switching.SwitchRequest(
+                start=tuple(request.start),
+                stop=tuple(request.stop),
+                strictness=switching.Strictness[request.strictness.upper()],
+                start_asap=request.start_asap,
+                timeout=request.timeout,
+                bound=request.bound,
+                dry_run=request.dry_run,
+            )
         )
-    )
     if not request.dry_run:
         services.event_recorder.switch(connection, result)
     return answers.switch_result(result)
+
+
+@router.get("/controllers/chains", responses=problems())
+def list_chains(station: StationDep) -> ControllerChains:
+    """Return the loaded controllers with who commands whose references."""
+    return station.manager.chains()
 
 
 @router.get("/controllers/{name}", responses=problems(404))

@@ -6,6 +6,7 @@ from typing import Annotated
 from fastapi import APIRouter, Query
 
 from station.api import answers
+from station.api.by_rehearsal import ByRehearsalDep
 from station.api.dependencies import (
     AccessDep,
     LeaseKey,
@@ -32,7 +33,7 @@ router = APIRouter(tags=["goals"], dependencies=[Viewer], route_class=JsonRoute)
     "/controllers/{name}/goals",
     status_code=201,
     dependencies=[Operator],
-    responses=problems(404, 409, 413, 422, 423),
+    responses=problems(404, 409, 412, 413, 422, 423, 428),
 )
 def submit_goal(
     name: str,
@@ -40,6 +41,7 @@ def submit_goal(
     station: StationDep,
     services: ServicesDep,
     access: AccessDep,
+    by_rehearsal: ByRehearsalDep,
     key: LeaseKey = None,
 ) -> Goal:
     """Give a running controller a goal; it replaces the one before.
@@ -48,9 +50,11 @@ def submit_goal(
     force; nothing resumes it.
     """
     admit = partial(services.control.admit, access, key, name)
-    return answers.goal(
-        station.motion.submit_goal(name, request.goal, request.epoch, admit)
-    )
+    with by_rehearsal.giving("goal", name=name, request=request.goal) as receipt:
+        found = station.motion.submit_goal(
+            name, request.goal, request.epoch, admit, receipt
+        )
+    return answers.goal(found)
 
 
 @router.get("/controllers/{name}/goals", responses=problems(404, 422))
@@ -81,7 +85,7 @@ def cancel_goal(name: str, goal_id: str, station: StationDep) -> Goal:
 @router.post(
     "/controllers/{name}/trajectory",
     dependencies=[Operator],
-    responses=problems(404, 409, 413, 422, 423),
+    responses=problems(404, 409, 412, 413, 422, 423, 428),
 )
 def follow_trajectory(
     name: str,
@@ -89,6 +93,7 @@ def follow_trajectory(
     station: StationDep,
     services: ServicesDep,
     access: AccessDep,
+    by_rehearsal: ByRehearsalDep,
     key: LeaseKey = None,
 ) -> CommandAccepted:
     """Let a running controller follow a trajectory without a goal.
@@ -96,14 +101,16 @@ def follow_trajectory(
     This is the topic `command` of a joint trajectory controller. Without points the
     joints stop and hold.
     """
-    receipt = station.motion.receipt()
-    epoch = station.motion.follow_trajectory(
-        name,
-        request.trajectory,
-        request.epoch,
-        receipt,
-        partial(services.control.admit, access, key, name),
-    )
+    trajectory = request.trajectory
+    with by_rehearsal.giving("trajectory", name=name, request=trajectory) as certified:
+        receipt = certified or station.motion.receipt()
+        epoch = station.motion.follow_trajectory(
+            name,
+            trajectory,
+            request.epoch,
+            receipt,
+            partial(services.control.admit, access, key, name),
+        )
     return CommandAccepted(epoch=epoch, cycle=station.motion.wait_for(receipt))
 
 

@@ -7,13 +7,14 @@ MEANINGS = {
     403: "The role does not suffice, or the request comes from the wrong place.",
     404: "There is no such thing; the detail lists what there is.",
     409: "Not possible in the present state; the detail names what is in the way.",
-    412: "The gains are not the ones of If-Match.",
+    412: "Something has changed: the gains, or what was rehearsed.",
     413: "The body is too large.",
     415: "The body is not JSON.",
     422: "Malformed; 'errors' names every field.",
     423: "The station is stopped, or somebody else holds control.",
     426: "This is a WebSocket.",
-    503: "The control loop does not run.",
+    428: "The motion has to be rehearsed first.",
+    503: "The control loop does not run, or the station cannot be copied.",
     504: "The switch missed its deadline and was withdrawn.",
 }
 

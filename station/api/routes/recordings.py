@@ -3,15 +3,25 @@
 from typing import TYPE_CHECKING, Annotated, Any
 
 from fastapi import APIRouter, Depends, Path, Query
+from starlette.requests import Request
 from starlette.responses import FileResponse, StreamingResponse
 
+from station.api.audit import origin_of
 from station.api.dependencies import Operator, ServicesDep, StationDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
 from station.core.errors import RecordingRefusedError
 from station.core.facade.station import Station
 from station.records.record_store import RECORDING, RecordingInfo, RecordStore
-from station.wire import Recording, RecordingRequest, Recordings, Trajectory
+from station.wire import (
+    NoteRequest,
+    RecordedEvent,
+    RecordedEvents,
+    Recording,
+    RecordingRequest,
+    Recordings,
+    Trajectory,
+)
 from station.wire.recordings import RecordingId
 
 if TYPE_CHECKING:
@@ -200,6 +210,25 @@ def get_recording_trajectory(
     return _trajectory(recorder.store, identifier, rate)
 
 
+@router.get("/recordings/{identifier}/events", responses=problems(404, 409, 422))
+def get_recording_events(identifier: Id, recorder: RecorderDep) -> RecordedEvents:
+    """Return the events of a recording that has ended, with the notes on it."""
+    return _events(recorder.store, identifier)
+
+
+@router.post(
+    "/recordings/{identifier}/notes",
+    status_code=201,
+    dependencies=[Operator],
+    responses=problems(404, 409, 413, 422),
+)
+def add_note_to_recording(
+    identifier: Id, note: NoteRequest, request: Request, recorder: RecorderDep
+) -> RecordedEvent:
+    """Write a note into a recording that has ended; it becomes an event of the file."""
+    return _add_note(recorder, recorder.store, identifier, note, request)
+
+
 @router.get("/incidents", responses=problems(409))
 def list_incidents(store: IncidentsDep) -> Recordings:
     """List the incidents, the oldest first.
@@ -251,6 +280,29 @@ def get_incident_trajectory(
     return _trajectory(store, identifier, rate)
 
 
+@router.get("/incidents/{identifier}/events", responses=problems(404, 409, 422))
+def get_incident_events(identifier: Id, store: IncidentsDep) -> RecordedEvents:
+    """Return the events of an incident that has ended, with the notes on it."""
+    return _events(store, identifier)
+
+
+@router.post(
+    "/incidents/{identifier}/notes",
+    status_code=201,
+    dependencies=[Operator],
+    responses=problems(404, 409, 413, 422),
+)
+def add_note_to_incident(
+    identifier: Id,
+    note: NoteRequest,
+    request: Request,
+    recorder: RecorderDep,
+    store: IncidentsDep,
+) -> RecordedEvent:
+    """Write a note into an incident that has ended; it becomes an event of the file."""
+    return _add_note(recorder, store, identifier, note, request)
+
+
 def _file(store: RecordStore, identifier: str) -> FileResponse:
     info = ended(store, identifier)
     return FileResponse(
@@ -294,6 +346,32 @@ def _trajectory(store: RecordStore, identifier: str, rate: float) -> Trajectory:
         "time": found.time.tolist(),
         "position": found.position.tolist(),
     })
+
+
+def _events(store: RecordStore, identifier: str) -> RecordedEvents:
+    # Imported late, as in `_trajectory`.
+    from station.records.recording_events import read_events
+
+    found = read_events(store.file(ended(store, identifier).identifier))
+    return RecordedEvents.model_validate({"events": found})
+
+
+def _add_note(
+    recorder: "Recorder",
+    store: RecordStore,
+    identifier: str,
+    note: NoteRequest,
+    request: Request,
+) -> RecordedEvent:
+    found = recorder.add_note(
+        store,
+        ended(store, identifier).identifier,
+        note.text,
+        note.time,
+        until=note.until,
+        who=origin_of(request).who,
+    )
+    return RecordedEvent.model_validate(found)
 
 
 def ended(store: RecordStore, identifier: str) -> RecordingInfo:

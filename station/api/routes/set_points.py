@@ -3,6 +3,7 @@
 from fastapi import APIRouter
 
 from station.api import answers
+from station.api.by_rehearsal import ByRehearsalDep
 from station.api.dependencies import (
     AccessDep,
     LeaseKey,
@@ -29,7 +30,7 @@ def get_command(name: str, station: StationDep) -> CommandInfo:
 @router.put(
     "/controllers/{name}/command",
     dependencies=[Operator],
-    responses=problems(404, 409, 413, 422, 423),
+    responses=problems(404, 409, 412, 413, 422, 423, 428),
 )
 def put_command(
     name: str,
@@ -37,21 +38,27 @@ def put_command(
     station: StationDep,
     services: ServicesDep,
     access: AccessDep,
+    by_rehearsal: ByRehearsalDep,
     key: LeaseKey = None,
 ) -> CommandAccepted:
     """Give a running controller a set-point; the newest wins.
 
     The answer says which cycle was the first with the set-point.
     """
-    receipt = station.motion.receipt()
-    # Control may have changed hands since the request's access was checked.
-    with services.control.commanding(access, key, name):
+    values, timeout, rates = request.command, request.timeout, request.rates
+    command = {"name": name, "values": values, "timeout": timeout, "rates": rates}
+    with (
+        by_rehearsal.giving("set_point", **command) as certified,
+        # Control may have changed hands since the request's access was checked.
+        services.control.commanding(access, key, name),
+    ):
+        receipt = certified or station.motion.receipt()
         epoch = station.motion.set_command(
             name,
-            request.command,
+            values,
             request.epoch,
-            request.timeout,
-            request.rates,
+            timeout,
+            rates,
             receipt,
         )
     return CommandAccepted(epoch=epoch, cycle=station.motion.wait_for(receipt))

@@ -4,6 +4,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Path
 
+from station.api.by_rehearsal import ByRehearsalDep
 from station.api.dependencies import Operator, ServicesDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
@@ -80,10 +81,13 @@ def capture_waypoint(
 @router.post(
     "/waypoint-paths/{name}/play",
     dependencies=[Operator],
-    responses=problems(404, 409, 413, 422, 423, 503),
+    responses=problems(404, 409, 412, 413, 422, 423, 428, 503),
 )
 def play_waypoint_path(
-    name: Name, services: ServicesDep, request: PlayRequest | None = None
+    name: Name,
+    services: ServicesDep,
+    by_rehearsal: ByRehearsalDep,
+    request: PlayRequest | None = None,
 ) -> Playback:
     """Move along a path; a path that plays is replaced.
 
@@ -92,8 +96,9 @@ def play_waypoint_path(
     Joints that go on in the same direction do not stand still at a waypoint.
     """
     wanted = request or PlayRequest()
-    options = PlayOptions(**wanted.model_dump())
-    return services.path_player.play(name, options)
+    options = wanted.model_dump()
+    with by_rehearsal.giving("path", path=name, options=options) as receipt:
+        return services.path_player.play(name, PlayOptions(**options), receipt)
 
 
 @router.get("/playback", responses=problems())

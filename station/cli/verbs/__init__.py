@@ -48,6 +48,11 @@ VERBS = (
     Verb("controllers", "list_controllers", "list the loaded controllers", ("list",)),
     Verb(
         "controllers",
+        "view_controller_chains",
+        "print who commands whose references, as text or for Graphviz",
+    ),
+    Verb(
+        "controllers",
         "list_controller_types",
         "list what can be loaded, or the parameters of one type",
         ("list_types",),
@@ -107,6 +112,12 @@ VERBS = (
     Verb("motion", "command", "send a controller a set-point"),
     Verb("motion", "goto", "move to a pose, or a controller's joints, and wait"),
     Verb(
+        "rehearsal",
+        "rehearse",
+        "tell how a motion would end, without moving anything; exit code 1 when it "
+        "fails",
+    ),
+    Verb(
         "motion",
         "stop",
         "stop the robot and let nothing move until released. With the names of loaded "
@@ -146,6 +157,8 @@ VERBS = (
     Verb("streams", "events", "print what happened: who did what, with what result"),
     Verb("access", "control", "show who holds control, take it, or give it back"),
     Verb("access", "token", "make, list or revoke named tokens"),
+    Verb("agents", "agents", "list what agents ask for; allow or refuse it"),
+    Verb("agents", "mcp", "serve an agent that speaks the Model Context Protocol"),
     Verb("experiments", "sweep", "run a trial for each of many values of parameters"),
     Verb(
         "experiments",

@@ -19,11 +19,11 @@ from station.controllers.franka_arm import (
     read_arm_id,
     read_arm_joints,
 )
-from station.controllers.franka_example_controllers.cartesian_spring import (
+from station.controllers.franka_arm.cartesian_spring import (
     CartesianSpring,
     SpringUpdate,
 )
-from station.controllers.franka_example_controllers.pose_target import PoseTarget
+from station.controllers.franka_arm.pose_target import PoseTarget
 from station.core.control.controller import MultiInterfaceController
 from station.core.control.tunables import Tunable, Tunables
 from station.core.declared_parameter import DeclaredParameter

@@ -5,6 +5,7 @@ gripper_action_controller.h, gripper_action_controller_impl.h,
 hardware_interface_adapter.h.
 """
 
+from dataclasses import replace
 from math import inf, isfinite
 from typing import ClassVar, TypeVar
 
@@ -13,6 +14,7 @@ from typing_extensions import override
 from station.controllers.gripper_action_controller.gripper_goal_port import (
     GripperGoalPort,
     GripperTarget,
+    ParallelGripperGoalPort,
 )
 from station.controllers.set_point_controller import (
     JOINT,
@@ -92,6 +94,7 @@ class GripperActionController(Controller[CommandInterfaceT]):
 
     Attributes:
         joint: Description of the joint.
+        port_type: Class of the port that checks the goals.
 
     Source:
         GripperActionController; differs: `max_effort` is the joint's effort limit by
@@ -100,7 +103,9 @@ class GripperActionController(Controller[CommandInterfaceT]):
     """
 
     accepted_parameters: ClassVar[tuple[str, ...]] = ("action_monitor_rate",)
+    port_type: ClassVar[type[GripperGoalPort]] = GripperGoalPort
     joint: JointDescription
+    _allows_stalling = False
     _handle: JointHandle
     _port: GripperGoalPort
 
@@ -133,7 +138,7 @@ class GripperActionController(Controller[CommandInterfaceT]):
         self._max_effort = self._read_max_effort(params)
         self._stall_velocity = _STALL_VELOCITY.read_float(params)
         self._stall_timeout = _STALL_TIMEOUT.read_float(params)
-        self._port = GripperGoalPort(
+        self._port = self.port_type(
             self.joint, self._max_effort, self.is_running, self._feedback
         )
         self.goals = self._port
@@ -212,7 +217,9 @@ class GripperActionController(Controller[CommandInterfaceT]):
         elif abs(handle.get_velocity()) > self._stall_velocity:
             self._last_movement = time
         elif time - self._last_movement > self._stall_timeout:
-            goal.finish(GoalStatus.ABORTED, self._result(handle, error))
+            succeeds = self._allows_stalling
+            status = GoalStatus.SUCCEEDED if succeeds else GoalStatus.ABORTED
+            goal.finish(status, self._result(handle, error))
             self._goal = None
 
     def _result(self, handle: JointHandle, error: float) -> GoalResult:
@@ -225,12 +232,7 @@ class GripperActionController(Controller[CommandInterfaceT]):
             f"{abs(error):.6g} {unit} from its goal; allowed are "
             f"{self._tolerance:.6g} {unit}."
         )
-        details: dict[str, object] = {
-            "position": position,
-            "effort": handle.get_effort(),
-            "stalled": stalled,
-            "reached_goal": not stalled,
-        }
+        details = self._details(handle, stalled=stalled, reached=not stalled)
         if stalled:
             details |= {
                 "joint": self.joint.name,
@@ -241,12 +243,16 @@ class GripperActionController(Controller[CommandInterfaceT]):
 
     def _feedback(self) -> dict[str, object]:
         """Return the feedback of the active goal. Any thread."""
-        handle = self._handle
+        return self._details(self._handle, stalled=False, reached=False)
+
+    def _details(
+        self, handle: JointHandle, *, stalled: bool, reached: bool
+    ) -> dict[str, object]:
         return {
             "position": handle.get_position(),
             "effort": handle.get_effort(),
-            "stalled": False,
-            "reached_goal": False,
+            "stalled": stalled,
+            "reached_goal": reached,
         }
 
     def _hold(self) -> None:
@@ -305,7 +311,8 @@ class PositionGripperActionController(GripperActionController[PositionJointInter
         if target is not self._reach_of:
             self._reach, self._reach_of = inf, target
         position, effort = handle.get_position(), handle.get_effort()
-        way = target.position - position
+        wanted = self.next_position(target, period)
+        way = wanted - position
         pressing = abs(effort) if effort * way > 0.0 else 0.0
         if pressing > target.max_effort:
             share = max(target.max_effort / pressing, _LARGEST_YIELD)
@@ -314,11 +321,106 @@ class PositionGripperActionController(GripperActionController[PositionJointInter
             # It grows slowly: the effort may follow the command with a delay.
             self._reach *= 1.0 + _REACH_GROWTH * period
         if abs(way) <= self._reach:
-            command = target.position
+            command = wanted
         else:
             command = position + (self._reach if way > 0.0 else -self._reach)
         handle.set_command(command)
         return command
+
+    def next_position(self, target: GripperTarget, period: float) -> float:  # noqa: ARG002 - a subclass's
+        """Return the position on the way to the target.
+
+        Args:
+            target: The target.
+            period: Time since the last cycle [s], >= 0.
+        """
+        return target.position
+
+
+_PARALLEL_EFFORT = replace(_MAX_EFFORT, default_text="", default=10.0, minimum=0.0)
+_MAX_VELOCITY = DeclaredParameter(
+    name="max_velocity",
+    type=ParameterType.NUMBER,
+    unit="m/s or rad/s",
+    default=0.1,
+    minimum=0.0,
+    excludes_minimum=True,
+    description="velocity of goals that do not state one",
+)
+_ALLOW_STALLING = DeclaredParameter(
+    name="allow_stalling",
+    type=ParameterType.BOOLEAN,
+    default=False,
+    description="whether a goal succeeds when the joint stands still elsewhere",
+)
+
+
+class ParallelGripperActionController(PositionGripperActionController):
+    """Moves a gripper to the position of a goal with its velocity and its effort.
+
+    Source:
+        ros2_controllers@4.x parallel_gripper_controller; differs: velocity and effort
+        of a goal are kept here and need no interfaces of the hardware, so that
+        `max_velocity_interface` and `max_effort_interface` have no effect; a position
+        beyond the joint's limits is refused.
+    """
+
+    accepted_parameters: ClassVar[tuple[str, ...]] = (
+        "action_monitor_rate",
+        "state_interfaces",
+        "max_effort_interface",
+        "max_velocity_interface",
+    )
+    port_type: ClassVar[type[GripperGoalPort]] = ParallelGripperGoalPort
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._way_of: GripperTarget | None = None
+        self._on_the_way = 0.0
+
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        inherited = super().declared_parameters()
+        return (
+            *(each for each in inherited if each.name != _MAX_EFFORT.name),
+            _PARALLEL_EFFORT,
+            _MAX_VELOCITY,
+            _ALLOW_STALLING,
+        )
+
+    @override
+    def init(self, interface: PositionJointInterface, params: Parameters) -> None:
+        super().init(interface, params)
+        self._allows_stalling = _ALLOW_STALLING.read_bool(params)
+        if isinstance(self._port, ParallelGripperGoalPort):
+            self._port.max_velocity = _MAX_VELOCITY.read_float(params)
+
+    @override
+    def next_position(self, target: GripperTarget, period: float) -> float:
+        if target is not self._way_of:
+            self._way_of, self._on_the_way = target, self._handle.get_position()
+        step = target.max_velocity * period
+        left = target.position - self._on_the_way
+        # A velocity without a bound makes an infinite step, or none in a pause.
+        self._on_the_way += max(-step, min(step, left)) if period > 0.0 else 0.0
+        return self._on_the_way
+
+    @override
+    def _read_max_effort(self, params: Parameters) -> float:
+        return _PARALLEL_EFFORT.read_float(params)
+
+    @override
+    def _details(
+        self, handle: JointHandle, *, stalled: bool, reached: bool
+    ) -> dict[str, object]:
+        state = {
+            "name": [self.joint.name],
+            "position": [handle.get_position()],
+            "velocity": [handle.get_velocity()],
+            "effort": [handle.get_effort()],
+        }
+        return {"state": state, "stalled": stalled, "reached_goal": reached}
 
 
 class EffortGripperActionController(GripperActionController[EffortJointInterface]):

@@ -60,6 +60,11 @@ class CommandGuard:
             elif not _is_finite_float(storage[index]):
                 storage[index] = self._last[position]
 
+    def write_last(self) -> None:
+        """Write the commands of the moment of `remember`."""
+        for (storage, index), value in zip(self.slots, self._last, strict=True):
+            storage[index] = value
+
     def remember(self) -> bool:
         """Take the present rest, motion and commands as the origin of a jump.
 

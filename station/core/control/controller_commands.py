@@ -83,6 +83,16 @@ class ControllerCommands:
         for guard in self.guards:
             guard.write_rest()
 
+    def put_back_claims(self, claims: set[tuple[str, str]]) -> None:
+        """Write what some claims had when the commands were prepared for a start.
+
+        Args:
+            claims: (hardware interface, resource) of each.
+        """
+        for guard in self.guards:
+            if guard.claim in claims:
+                guard.write_last()
+
     def prepare(self, taken_over: set[tuple[str, str]]) -> str | None:
         """Make the commands ready for a start; return why that is impossible.
 

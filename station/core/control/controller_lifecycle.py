@@ -7,8 +7,10 @@ jump; what a controller writes while it does not own its resources is put back.
 """
 
 from collections.abc import Callable, Sequence
-from math import inf
+from math import inf, isfinite
 
+from station.core.control.chainable_controller import ChainableController
+from station.core.control.chains import REFERENCES, find_conflicts
 from station.core.control.command_gate import CommandGate
 from station.core.control.controller import ControllerState
 from station.core.control.loaded_controller import LoadedController
@@ -45,6 +47,11 @@ class ControllerLifecycle:
         self.gate = CommandGate(hw)
         self.loaded: tuple[LoadedController, ...] = ()
         self.start_gate: Callable[[], None] | None = None
+
+    @property
+    def has_chains(self) -> bool:
+        """Whether a loaded controller commands another one."""
+        return any(one.following for one in self.loaded)
 
     def find(self, name: str) -> LoadedController:
         """Return the controller loaded as `name`. Any thread.
@@ -93,18 +100,29 @@ class ControllerLifecycle:
         controller = one.controller
         if controller.state is ControllerState.CONSTRUCTED:
             return "it was never initialised"
+        missing = one.missing_following()
+        if missing is not None:
+            reason = f"its following controller '{missing.info.name}' does not run"
+            self.fail(one, time, reason, None)
+            return reason
         # A restart takes over its own commands.
         own = (one.info,) if controller.state is _RUNNING else ()
-        unknown = one.commands.prepare({
-            claim for info in (*stopped, *own) for claim in _claims(info)
-        })
+        # Those that it commands run already: it goes on from their references.
+        references = {(REFERENCES, name) for name in one.info.references}
+        unknown = one.commands.prepare(
+            {claim for info in (*stopped, *own) for claim in _claims(info)} | references
+        )
         if unknown is not None:
             self.fail(one, time, unknown, None)
             return unknown
         problem, trace = self._call_starting(one, time, jump)
+        if problem is None and one.following:
+            problem = self._chain(one, time)
         if problem is not None:
             one.commands.write_rest()  # what `starting` wrote must not reach the robot
             self.fail(one, time, problem, trace)
+            # Those that it would have commanded go on from where they were.
+            one.commands.put_back_claims(references)
             return problem
         one.fault = one.traceback = None
         # The robot has just entered the mode of this controller.
@@ -243,6 +261,85 @@ class ControllerLifecycle:
         if written is not None:
             one.add_fault(f"aborting wrote the command {written}, which was put back")
 
+    def _chain(self, one: LoadedController, time: float) -> str | None:
+        """Bring the controllers that `one` commands into chained mode.
+
+        Returns:
+            Why one of them refuses the mode; None if all accept it.
+        """
+        for each in one.following:
+            problem = self._set_chained_mode(each, time, chained_mode=True)
+            if problem is not None:
+                return f"'{each.info.name}' refuses chained mode: {problem}"
+        return None
+
+    def _set_chained_mode(
+        self, one: LoadedController, time: float, *, chained_mode: bool
+    ) -> str | None:
+        """Change the mode of a controller if need be; return why it refuses."""
+        target = one.controller
+        # All that export references are chainable; this is for the type checker.
+        if not isinstance(target, ChainableController):
+            return None
+        if target.is_in_chained_mode == chained_mode:
+            return None
+        accepted: list[bool] = []
+
+        def change(_: float) -> None:
+            accepted.append(target.set_chained_mode(chained_mode=chained_mode))
+
+        problem, _ = self._call(one, "on_set_chained_mode", change, time)
+        if problem is None and not accepted[0]:
+            problem = "its on_set_chained_mode returned False"
+        return problem
+
+    def settle_chains(self, time: float) -> None:
+        """End chains that have lost a part, and chained mode where nobody commands.
+
+        Called at the end of a cycle in which somebody has started or stopped, so that
+        no preceding controller runs without the one that it commands when the commands
+        are written. A preceding controller that replaces another one in the same cycle
+        goes on from its references.
+        """
+        broken: list[LoadedController] = []
+        # From the hardware upwards: the end of one controller may break the next chain.
+        for one in reversed(self.loaded):
+            missing = one.missing_following()
+            if missing is not None and one.controller.state is _RUNNING:
+                name, fault = missing.info.name, missing.fault or "it was stopped"
+                problem = f"its following controller '{name}' does not run: {fault}"
+                self.fail(one, time, problem, None)
+                broken.append(one)
+        for one in broken:
+            self.fall_back(one, time)
+        commanded = {
+            each.info.name
+            for one in self.loaded
+            if one.controller.state is _RUNNING
+            for each in one.following
+        }
+        for one in self.loaded:
+            if one.references and one.info.name not in commanded:
+                self._end_chained_mode(one, time)
+
+    def _end_chained_mode(self, one: LoadedController, time: float) -> None:
+        """Let the references of a controller rest that nobody commands any more."""
+        target = one.controller
+        if not isinstance(target, ChainableController) or not target.is_in_chained_mode:
+            return
+        for reference in one.references:
+            rest = reference.rest()
+            # A robot that cannot read its state has no rest; the last one is kept.
+            if isfinite(rest):
+                reference.storage[reference.index] = rest
+        problem = self._set_chained_mode(one, time, chained_mode=False)
+        if problem is not None:
+            # It cannot stay in a mode in which nobody commands it.
+            target.is_in_chained_mode = False
+            if target.state is _RUNNING:
+                self.fail(one, time, problem, None)
+                self.fall_back(one, time)
+
     def reset(self, one: LoadedController, time: float) -> None:
         """Stop and start one controller if it runs (CM-78)."""
         if one.controller.state is _RUNNING:
@@ -295,10 +392,9 @@ class ControllerLifecycle:
         try:
             if self.start_gate is not None:
                 self.start_gate()
-            conflicts = self.hw.check_for_conflict([
-                *running,
-                *(one.info for one in start),
-            ])
+            conflicts = find_conflicts(
+                self.hw, [*running, *(one.info for one in start)]
+            )
             if conflicts:
                 reason = conflicts[0].reason
         except StationError as error:

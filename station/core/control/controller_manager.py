@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 
 from station.core.clock import Clock
+from station.core.control.chains import chains_report, insert_in_order
 from station.core.control.controller import (
     ControllerBase,
     ControllerSample,
@@ -38,9 +39,14 @@ from station.core.control.switching import (
     SwitchRequest,
     SwitchResult,
 )
-from station.core.errors import ControllerExistsError, ControllerStateError
+from station.core.errors import (
+    ControllerExistsError,
+    ControllerLoadError,
+    ControllerStateError,
+)
 from station.core.hardware.robot_hw import ControllerInfo, RobotHW
 from station.core.parameters import Parameters
+from station.reports import ControllerChains
 
 __all__ = ["ControllerManager", "ControllerStatus"]
 
@@ -84,6 +90,18 @@ class ControllerManager:
         self._switches = SwitchCaller(hw, self.controller_update, clock, self._lock)
         self._loading: dict[str, Loading] = {}
         self._listed: dict[str, ControllerStatus] = {}
+        self._period = 0.0
+
+    @property
+    def period(self) -> float:
+        """Nominal period of the loop [s]; 0 while no loop has been made."""
+        return self._period
+
+    @period.setter
+    def period(self, period: float) -> None:
+        self._period = period
+        for one in self.lifecycle.loaded:
+            one.set_loop_period(period)
 
     @property
     def pump(self) -> Callable[[], None] | None:
@@ -183,7 +201,10 @@ class ControllerManager:
             ControllerExistsError: That name is loaded already (CM-22), or being loaded.
         """
         self._refuse_control_thread("load")
-        loading = Loading(name, lambda: self._factory.build(name, strict=strict))
+        loading = Loading(
+            name,
+            lambda: self._factory.build(name, self.lifecycle.loaded, strict=strict),
+        )
         with self._lock:
             is_loading = name in self._loading
             if is_loading or self._is_loaded(name):
@@ -210,7 +231,12 @@ class ControllerManager:
         if loaded.controller.set_points is not None:
             loaded.controller.set_points.clock = self._clock
         with self._lock:
-            self.lifecycle.loaded = (*self.lifecycle.loaded, loaded)
+            self._refuse_lost_exports(loaded)
+            if loaded.beside is not None:
+                loaded.beside.is_stepped = lambda: self.pump is not None
+            if self._period > 0.0:
+                loaded.set_loop_period(self._period)
+            self.lifecycle.loaded = insert_in_order(self.lifecycle.loaded, loaded)
             del self._loading[loading.name]
 
     def is_loading(self, name: str) -> bool:
@@ -345,10 +371,23 @@ class ControllerManager:
             self._factory.reload()
             return names
 
+    def chains(self) -> ControllerChains:
+        """Return the loaded controllers with who commands whom."""
+        return chains_report(self.lifecycle.loaded)
+
     def controller_statistics(self) -> list[ControllerStatistics]:
         """Return the times of all loaded controllers, in load order."""
         time = self.controller_update.time
         return [loaded.statistics(time) for loaded in self.lifecycle.loaded]
+
+    def end_async_threads(self) -> None:
+        """End the threads of asynchronous controllers; while no thread runs the loop.
+
+        The controllers run on: a loop that runs again makes new threads.
+        """
+        for one in self.lifecycle.loaded:
+            if one.beside is not None:
+                one.beside.end_thread()
 
     def reset_statistics(self) -> None:
         """Start the statistics of all controllers anew."""
@@ -392,8 +431,35 @@ class ControllerManager:
                 remedy="Do it in another thread; a loop of your own can set `pump`.",
             )
 
+    def _refuse_lost_exports(self, loaded: LoadedController) -> None:
+        """Refuse a controller that claims what was unloaded while it was loading.
+
+        Raises:
+            ControllerLoadError: It does.
+        """
+        for one in (*loaded.following, *loaded.read):
+            if one not in self.lifecycle.loaded:
+                raise ControllerLoadError(
+                    f"Controller '{loaded.info.name}' claims references or states of "
+                    f"'{one.info.name}', which was unloaded meanwhile.",
+                    remedy=f"Load '{one.info.name}' again, then this controller.",
+                    details={"controller": loaded.info.name},
+                )
+
     def _unload(self, loaded: LoadedController) -> None:
         name = loaded.info.name
+        users = [
+            one.info.name
+            for one in self.lifecycle.loaded
+            if loaded in one.following or loaded in one.read
+        ]
+        if users:
+            raise ControllerStateError(
+                f"Controller '{name}' cannot be unloaded: its references or states are "
+                f"claimed by {', '.join(users)}.",
+                remedy=f"Unload {', '.join(users)} first.",
+                details={"controller": name, "claimed_by": users},
+            )
         if loaded.is_unreleased:
             raise ControllerStateError(
                 f"Controller '{name}' cannot be unloaded: the robot could not be told "

@@ -157,7 +157,7 @@ class ControllerUpdate:
             if pending is not None:
                 self._advance(pending, time, period, stands_still=stands_still)
             if gate.is_stale:
-                gate.note_owners(self.lifecycle.loaded)
+                self._note_owners(time)
             else:
                 gate.keep_commands()
         finally:
@@ -180,11 +180,22 @@ class ControllerUpdate:
     def update_controller(
         self, one: LoadedController, time: float, period: float
     ) -> None:
-        """Update one controller, and check its commands."""
+        """Update one controller if it is its turn, and check its commands."""
+        if one.every > 1:
+            elapsed = one.take_turn(period)
+            if elapsed >= 0.0:
+                self.update_now(one, time, period, elapsed)
+        else:
+            self.update_now(one, time, period, period)
+
+    def update_now(
+        self, one: LoadedController, time: float, period: float, elapsed: float
+    ) -> None:
+        """Update one controller, `elapsed` [s] after the last time."""
         stopwatch = self.stopwatch
         begin = wall_time() if stopwatch is None else stopwatch()
         try:
-            one.controller.update(time, period)
+            one.controller.update(time, elapsed)
         except CONTAINED as error:
             self._fail(one, time, reason_of("update", error), trace_of_fault())
             if self.gate.traced_cycles:
@@ -220,6 +231,13 @@ class ControllerUpdate:
                 gate.forget_rest()
                 for one in lifecycle.loaded:
                     lifecycle.reset(one, time)
+
+    def _note_owners(self, time: float) -> None:
+        lifecycle = self.lifecycle
+        if lifecycle.has_chains:
+            with self.changes:
+                lifecycle.settle_chains(time)
+        self.gate.note_owners(lifecycle.loaded)
 
     def _update_all(
         self, loaded: tuple[LoadedController, ...], time: float, period: float

@@ -8,13 +8,16 @@ listing controllers do not wait for it.
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from math import inf
 
 from station.core.clock import Clock
+from station.core.control.chains import depth_of, find_conflicts
 from station.core.control.controller_update import ControllerUpdate
 from station.core.control.pending_switch import PendingSwitch, SwitchProgress
 from station.core.control.switching import (
     Candidate,
+    Strictness,
     SwitchPlan,
     SwitchRequest,
     SwitchResult,
@@ -125,6 +128,10 @@ class SwitchCaller:
             # From here on nobody unloads what this switch is about.
             start = [update.lifecycle.find(name) for name in plan.start_requests]
             stop = [update.lifecycle.find(name) for name in plan.stop_requests]
+            # A following controller starts first and stops last; without chains the
+            # order of the request stays.
+            start.sort(key=depth_of)
+            stop.sort(key=lambda one: -depth_of(one))
             self.planned.update(plan.start_requests, plan.stop_requests)
         try:
             with _foreign("prepare_switch"):
@@ -150,19 +157,32 @@ class SwitchCaller:
                 "stands still.",
                 remedy="Let the control loop run; then look at the controllers.",
             )
-        plan = plan_switch(
-            [
-                Candidate(one.info, one.controller.state, one.is_unreleased)
-                for one in loaded
-            ],
-            request,
-        )
-        with _foreign("check_for_conflict"):
-            conflicts = self._hw.check_for_conflict(plan.running)
-        if conflicts:
-            running = [o.info.name for o in loaded if o.controller.is_running()]
-            raise conflict_error(conflicts, running)
-        return plan
+        candidates = [
+            Candidate(
+                one.info,
+                one.controller.state,
+                one.is_unreleased,
+                tuple(each.info.name for each in one.following),
+            )
+            for one in loaded
+        ]
+        running = [one.info.name for one in loaded if one.controller.is_running()]
+        while True:
+            plan = plan_switch(candidates, request)
+            with _foreign("check_for_conflict"):
+                conflicts = find_conflicts(self._hw, plan.running)
+            if not conflicts:
+                return plan
+            held = {
+                name
+                for conflict in conflicts
+                for name, _ in conflict.holders
+                if name in running and name not in plan.start_requests
+            } - set(plan.stop_requests)
+            if request.strictness is not Strictness.FORCE_AUTO or not held:
+                raise conflict_error(conflicts, running)
+            # Each round stops one controller more, so the loop ends.
+            request = replace(request, stop=(*request.stop, *sorted(held)))
 
     def _wait_for(self, pending: PendingSwitch) -> None:
         """Wait until the control thread has finished `pending`.

@@ -31,6 +31,7 @@ startControllers, startControllersAsap; differs: see
 
 from collections.abc import Callable, Sequence
 
+from station.core.control.chains import depth_of
 from station.core.control.controller import ControllerState
 from station.core.control.controller_lifecycle import ControllerLifecycle
 from station.core.control.loaded_controller import LoadedController
@@ -186,6 +187,10 @@ class SwitchTransaction:
         done, problem = self._ask(
             lambda: self._hw.switch_result_for(one.info), "switch_result_for"
         )
+        following = one.missing_following()
+        if done and following is not None:
+            # It waits for the controller that it commands, as for the hardware.
+            done = following.controller.state is not ControllerState.WAITING
         if done:
             failure = self._lifecycle.start(one, time, pending.plan.stop, pending.jump)
             pending.note_start(name, failure)
@@ -276,7 +281,8 @@ class SwitchTransaction:
     def _roll_back(self, begun: list[LoadedController], time: float) -> bool:
         """Stop the started controllers, and begin to restart the stopped ones."""
         plan = self._pending.plan
-        for one in begun:
+        # Preceding controllers stop before those that they command.
+        for one in reversed(begun) if self._lifecycle.has_chains else begun:
             if one.controller.state is _RUNNING:
                 self._lifecycle.stop(one, time)
                 one.commands.write_rest()
@@ -301,7 +307,8 @@ class SwitchTransaction:
     def _start_again(self, time: float) -> bool:
         pending = self._pending
         self._end_rolled_back()
-        for one in self._was_running:
+        # Following controllers start before those that command them.
+        for one in sorted(self._was_running, key=depth_of):
             if one.controller.state is _RUNNING:
                 continue
             problem = self._lifecycle.start(one, time, pending.plan.start, {})
@@ -334,7 +341,7 @@ class SwitchTransaction:
 
     @property
     def _is_strict(self) -> bool:
-        return self._pending.request.strictness is Strictness.STRICT
+        return self._pending.request.strictness is not Strictness.BEST_EFFORT
 
     def _ask(
         self, question: Callable[[], SwitchState], name: str

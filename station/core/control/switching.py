@@ -25,11 +25,25 @@ class Strictness(Enum):
     """Do what is possible, leave out the rest."""
     STRICT = 2
     """Do all of it, or refuse."""
+    AUTO = 3
+    """As strict, and also start the following controllers that a start needs, and stop
+    the preceding controllers that cannot run on after a stop."""
+    FORCE_AUTO = 4
+    """As auto, and also stop who holds resources that a start needs."""
 
     @classmethod
     def from_value(cls, value: int) -> "Strictness":
-        """Return the strictness of a number in a ROS message: 2 is strict (CM-39)."""
-        return cls.STRICT if value == cls.STRICT.value else cls.BEST_EFFORT
+        """Return the strictness of a number in a ROS message (CM-39).
+
+        2 is strict; 3 and 4 are those of ros2_control; all else is best effort.
+        """
+        known = {one.value: one for one in cls}
+        return known.get(value, cls.BEST_EFFORT)
+
+    @property
+    def follows_chains(self) -> bool:
+        """Whether controllers are added to a request that its chains need."""
+        return self in {Strictness.AUTO, Strictness.FORCE_AUTO}
 
 
 SWITCH_BOUND = 5.0
@@ -89,8 +103,9 @@ class SwitchPlan:
         stop_requests: Names to stop in the order of the request.
         start: Controllers that are not running and will be, in load order.
         stop: Controllers that are running and will not be, in load order.
-        running: Controllers that run after the switch, in load order.
+        running: Controllers that run after the switch, in the order of their updates.
         ignored: Why parts of the request were left out; best effort only.
+        chained: Names of those that are in chained mode after the switch.
     """
 
     start_requests: tuple[str, ...]
@@ -99,6 +114,7 @@ class SwitchPlan:
     stop: tuple[ControllerInfo, ...]
     running: tuple[ControllerInfo, ...]
     ignored: tuple[str, ...]
+    chained: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,6 +154,8 @@ class Candidate(NamedTuple):
     state: ControllerState
     is_unreleased: bool = False
     """Whether the robot has not confirmed that it has stopped."""
+    following: tuple[str, ...] = ()
+    """Names of the controllers whose references it commands."""
 
 
 class _Draft:
@@ -150,17 +168,26 @@ class _Draft:
         self.running: list[ControllerInfo] = []
         self.ignored: list[str] = []
 
-    def object_to(self, name: str, problem: str, remedy: str) -> None:
+    def object_to(
+        self, name: str, problem: str, remedy: str, add: Sequence[str] = ()
+    ) -> None:
         """Refuse when strict, else note that this part is left out.
+
+        Args:
+            name: The controller.
+            problem: What is impossible.
+            remedy: What the caller can do.
+            add: Names that would make it possible.
 
         Raises:
             SwitchRefusedError: Strict.
         """
         message = f"Controller '{name}' {problem}."
         if self.strict:
-            raise SwitchRefusedError(
-                message, remedy=remedy, details={"controller": name}
-            )
+            details: dict[str, object] = {"controller": name}
+            if add:
+                details["add"] = list(add)
+            raise SwitchRefusedError(message, remedy=remedy, details=details)
         self.ignored.append(message)
 
 
@@ -175,12 +202,17 @@ def plan_switch(loaded: Sequence[Candidate], request: SwitchRequest) -> SwitchPl
         SwitchRefusedError: Strict, and a part is impossible (CM-40 … CM-43, CM-50); or
             a running controller is to be stopped and started at once (CM-49).
     """
-    draft = _Draft(strict=request.strictness is Strictness.STRICT)
+    draft = _Draft(strict=request.strictness is not Strictness.BEST_EFFORT)
     names = [candidate.info.name for candidate in loaded]
     stop = _known(draft, request.stop, names, "stop")
     start = _known(draft, request.start, names, "start")
+    if request.strictness.follows_chains:
+        _add_to_chains(loaded, start, stop)
+    _check_chains(draft, loaded, start, stop)
     for one in loaded:
         _plan_controller(draft, one, one.info.name in start, one.info.name in stop)
+    running = {info.name for info in draft.running}
+    commanded = {n for one in loaded if one.info.name in running for n in one.following}
     return SwitchPlan(
         tuple(start),
         tuple(stop),
@@ -188,7 +220,127 @@ def plan_switch(loaded: Sequence[Candidate], request: SwitchRequest) -> SwitchPl
         tuple(draft.stop),
         tuple(draft.running),
         tuple(draft.ignored),
+        tuple(info.name for info in draft.running if info.name in commanded),
     )
+
+
+def _runs_after(one: Candidate, start: Sequence[str], stop: Sequence[str]) -> bool:
+    name = one.info.name
+    runs = one.state is ControllerState.RUNNING and name not in stop
+    return runs or name in start
+
+
+def _add_to_chains(
+    loaded: Sequence[Candidate], start: list[str], stop: list[str]
+) -> None:
+    """Add following controllers to `start`, and preceding ones to `stop`.
+
+    A controller that the request names in both is left for the caller to see.
+    """
+    # Preceding controllers come first in the list, so one pass in each direction
+    # follows a chain to its end.
+    for one in loaded:
+        if one.info.name in start:
+            start += [
+                each.info.name
+                for each in loaded
+                if each.info.name in one.following
+                and not _runs_after(each, start, stop)
+                and each.info.name not in stop
+            ]
+    for one in reversed(loaded):
+        name = one.info.name
+        needs_stopped = not set(one.following).isdisjoint(stop)
+        runs = one.state is ControllerState.RUNNING and name not in stop
+        if needs_stopped and runs and name not in start:
+            stop.append(name)
+
+
+def _check_chains(
+    draft: _Draft, loaded: Sequence[Candidate], start: list[str], stop: list[str]
+) -> None:
+    """Leave out what would run without the controller that it commands.
+
+    Raises:
+        SwitchRefusedError: Strict, and there is one.
+    """
+    by_name = {one.info.name: one for one in loaded}
+    # From the hardware upwards: what is left out may leave out more.
+    for one in reversed(loaded):
+        name = one.info.name
+        missing = [
+            each
+            for each in one.following
+            if not _runs_after(by_name[each], start, stop)
+        ]
+        if not missing or not _runs_after(one, start, stop):
+            continue
+        if name in start:
+            add = _followers(by_name, one, start, stop)
+            draft.object_to(
+                name,
+                f"cannot start: it commands {_quoted(missing)}, which would not run",
+                f"Add {_quoted(add)} to 'start'.",
+                add=add,
+            )
+            start[:] = [each for each in start if each != name]
+    for one in loaded:
+        name = one.info.name
+        runs = one.state is ControllerState.RUNNING and name not in stop
+        missing = [each for each in one.following if each in stop]
+        if not runs or not missing:
+            continue
+        add = _preceding(loaded, missing, stop)
+        draft.object_to(
+            missing[0],
+            f"cannot stop: it is commanded by {_quoted([name])}, which runs",
+            f"Add {_quoted(add)} to 'stop'.",
+            add=add,
+        )
+        _keep_running(by_name, one, stop)
+
+
+def _followers(
+    by_name: dict[str, Candidate],
+    one: Candidate,
+    start: Sequence[str],
+    stop: Sequence[str],
+) -> list[str]:
+    """Return all controllers down the chain that would not run, each once."""
+    found: dict[str, None] = {}
+    for name in one.following:
+        each = by_name[name]
+        if not _runs_after(each, start, stop):
+            found[name] = None
+        found.update(dict.fromkeys(_followers(by_name, each, start, stop)))
+    return list(found)
+
+
+def _preceding(
+    loaded: Sequence[Candidate], names: Sequence[str], stop: Sequence[str]
+) -> list[str]:
+    """Return all controllers up the chain that would run on, preceding ones first."""
+    above = set(names)
+    found: list[str] = []
+    for one in reversed(loaded):
+        if not above.isdisjoint(one.following):
+            above.add(one.info.name)
+            if one.state is ControllerState.RUNNING and one.info.name not in stop:
+                found.insert(0, one.info.name)
+    return found
+
+
+def _keep_running(
+    by_name: dict[str, Candidate], one: Candidate, stop: list[str]
+) -> None:
+    """Take everything down the chain out of `stop`."""
+    for name in one.following:
+        stop[:] = [each for each in stop if each != name]
+        _keep_running(by_name, by_name[name], stop)
+
+
+def _quoted(names: Iterable[str]) -> str:
+    return ", ".join(f"'{name}'" for name in names)
 
 
 def _known(

@@ -14,6 +14,9 @@ from station.reports import LoopState
 
 CAPACITY = 10_000
 """Most inputs that wait to be taken; without a recorder nobody takes them."""
+_MOTIONS = frozenset({
+    "set_point", "goal", "trajectory", "cancel_goal", "hold_trajectory", "expire"
+})  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,10 +45,16 @@ class InputLog:
 
     Attributes:
         is_complete: Whether no input was dropped before it was taken.
+        changes: How many inputs have changed more than what is moving where.
+        last_change: Kind of the last of these; empty before the first.
+        commands: How many inputs each controller got, by its name.
     """
 
     def __init__(self, loop: ControlLoop) -> None:
         self.is_complete = True
+        self.changes = 0
+        self.last_change = ""
+        self.commands: dict[str, int] = {}
         self._loop = loop
         # Appending and popping are atomic: no lock.
         self._inputs: deque[Input] = deque(maxlen=CAPACITY)
@@ -105,6 +114,11 @@ class InputLog:
         after: Callable[[], int | None],
         until: Callable[[], int | None] = lambda: None,
     ) -> None:
+        if kind not in _MOTIONS:
+            self.last_change = str(arguments.get("service", kind))
+            self.changes += 1
+        name = str(arguments.get("name", ""))
+        self.commands[name] = self.commands.get(name, 0) + 1
         # The oldest input drops out: a recording must not claim that it can be re-run.
         if len(self._inputs) >= CAPACITY:
             self.is_complete = False

@@ -441,6 +441,11 @@ class Station:
         if self.loop.state is not LoopState.RUNNING:
             self.loop.control_cycle.carry_out_stop(self.loop.failure_summary())
 
+    def stop_from_cycle(self, reason: str) -> None:
+        """Stop every controller in the next cycle; control thread only."""
+        self.loop.stop_latch.engage(reason)
+        self.inputs.note_stop(reason)
+
     def release_stop(self, *, arm: bool) -> StopState:
         """Release the latched stop, or with `arm` allow motion again.
 

@@ -96,11 +96,14 @@ class ControllerInfo:
         name: Name under which it is loaded.
         type: Its type, `package/Class`.
         claimed_resources: One entry per hardware interface it uses.
+        references: References of other controllers that it claims, by their full names;
+            not the robot's business.
     """
 
     name: str
     type: str
     claimed_resources: tuple[InterfaceResources, ...]
+    references: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -124,6 +124,7 @@ class ControlLoop:
         self._scheduler = ""
         manager.pump = self.step
         # A switch posted before a stop must not start anything after it.
+        manager.period = period
         manager.lifecycle.start_gate = self.stop_latch.check
 
     @property
@@ -194,6 +195,7 @@ class ControlLoop:
                 remedy="A cycle hangs in the hardware or in a controller.",
             )
         self._thread = None
+        self.manager.end_async_threads()
         self.manager.pump = self.step
         self.manager.controller_update.update_budget = (
             inf  # steps do not follow the wall clock
@@ -228,6 +230,24 @@ class ControlLoop:
             self._meter.woke(late * self.period / self.pace.real_time_factor, late)
             # A test's late cycle has the period that a late thread would have given it.
             control_cycle.run_cycle((1 + late) * self.period)
+
+    def wait_between_cycles(self) -> None:
+        """Wait until a cycle has just ended; at once when no thread makes cycles."""
+        if self._thread is not None:
+            self.right_of_way.wait_for_begun_cycle()
+
+    def go_on_without_thread(self) -> bool:
+        """Be stepped from now on, in a copy of the process that lacks the thread.
+
+        Returns:
+            Whether no cycle was under way, so that the next one can follow.
+        """
+        is_whole = self.snapshots.newest == self.cycle
+        self._thread = None
+        self._state = LoopState.STOPPED
+        self.manager.pump = self.step
+        self.manager.controller_update.update_budget = inf
+        return is_whole
 
     def run_in_cycle(
         self, action: Callable[[], T], timeout: float = 1.0, *, moves: bool = False

@@ -19,6 +19,9 @@ HEAD_START = 1.5e-4
 OVERDUE = 5e-4
 """A cycle that is late by more than this is waited for no longer [s]."""
 
+_LONGEST_WAIT = 0.02
+"""A cycle that begins later than this is not waited for [s]."""
+
 
 class RightOfWay:
     """Tells other threads when to wait for the control thread. Any thread but that one.
@@ -52,3 +55,13 @@ class RightOfWay:
             # Until the cycle has the interpreter: it needs a moment to wake up and take
             # it.
             self._clock.sleep_until(max(begins, now) + HEAD_START)
+
+    def wait_for_begun_cycle(self) -> None:
+        """Wait until the next cycle has begun, so that its period is still to come.
+
+        For what takes most of a period, whenever it is done: it then makes the next
+        cycle as little late as possible.
+        """
+        begins = self._beats[0] + self._period / self._pace.real_time_factor
+        if begins - self._clock.now() < _LONGEST_WAIT:
+            self._clock.sleep_until(begins + HEAD_START)

@@ -13,6 +13,7 @@ from typing_extensions import override
 from station.core.description.robot_description import ROBOT_DESCRIPTION
 from station.core.errors import ParameterError, SwitchRefusedError
 from station.core.franka.franka_robot_state import RobotMode
+from station.core.geometry.scene import read_scene
 from station.core.hardware.combined_robot_hw import CombinedRobotHW
 from station.core.hardware.interfaces import JointCommandInterface, JointStateInterface
 from station.core.hardware.robot_hw import ControllerInfo, ResourceConflict
@@ -31,7 +32,6 @@ from station.hw.franka.simulated.franka_world import (
     placement_of,
     simulate,
 )
-from station.hw.mujoco.scene import read_scene
 from station.hw.robot_loader import create_robot
 
 _EFFORT = "hardware_interface::EffortJointInterface"

@@ -67,7 +67,7 @@ from station.hw.franka.commands.joint_commands import JointCommands
 from station.hw.franka.commands.motion_start import MotionStart
 from station.hw.franka.commands.rate_limiter import (
     make_joint_rates,
-    make_range_update,
+    make_velocity_curves,
     rate_limits_of,
 )
 from station.hw.franka.franka_parameters import (
@@ -161,7 +161,7 @@ class FrankaHW(RobotHW):
             self.commands,
             self.cartesian,
             rates,
-            make_range_update(limits, state, rates),
+            make_velocity_curves(limits),
         )
         self._motion = MotionStart(self.arm, self._sender)
         self._watch = ArmWatch(self._mode, _MODE_NAMES, self._sender)

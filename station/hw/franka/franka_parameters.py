@@ -304,11 +304,14 @@ def _thresholds(params: Parameters) -> SupervisorLimits:
         cartesian_lower=_walls(params, "cartesian_lower", default.cartesian_lower),
         cartesian_upper=_walls(params, "cartesian_upper", default.cartesian_upper),
         path_deviation=_floats(params, "path_deviation", default.path_deviation),
+        singular_start=params.get_float("singular_start", default.singular_start),
     )
     for key in ("velocity_factor", "torque_factor", "debounce", "power"):
         # Written so that NaN is refused.
         if not getattr(read, key) > 0.0:
             _refuse(params, key, getattr(read, key), "above 0")
+    if not read.singular_start >= 0.0:
+        _refuse(params, "singular_start", read.singular_start, "at least 0")
     if not min(read.path_deviation) > 0.0:
         _refuse(params, "path_deviation", read.path_deviation, "above 0")
     if any(

@@ -6,14 +6,12 @@ import mujoco
 
 from station.core.description.urdf import Shape
 from station.core.errors import RobotDescriptionError
+from station.core.geometry.mesh_files import check_mesh_file
 
 _BINARY_STL_HEADER = 84
 _BINARY_STL_TRIANGLE = 50
-_MAX_BYTES = 200_000_000
 _MAX_REASON = 200
 _LEAST_CORNERS = 4
-# How a checkout without its large files begins each of them.
-_PLACEHOLDER = b"version https://git-lfs"
 
 
 def add_mesh(spec: mujoco.MjSpec, name: str, shape: Shape) -> None:
@@ -50,44 +48,6 @@ def add_mesh(spec: mujoco.MjSpec, name: str, shape: Shape) -> None:
     vertices, faces = _load_with_trimesh(path)
     mesh.uservert = vertices
     mesh.userface = faces
-
-
-def check_mesh_file(path: Path) -> None:
-    """Refuse a file that cannot be a mesh, before it is read.
-
-    Args:
-        path: The file.
-
-    Raises:
-        RobotDescriptionError: The file has no extension, is missing, too large, or only
-            the placeholder of a large file.
-    """
-    # The extension alone says which format the readers expect.
-    if not path.suffix:
-        raise RobotDescriptionError(
-            f"The mesh file {path} has no extension, so that its format is not known.",
-            remedy="Give the file the extension of its format, such as .stl or .obj.",
-        )
-    try:
-        size = path.stat().st_size
-        with path.open("rb") as file:
-            begin = file.read(len(_PLACEHOLDER))
-    except OSError as exc:
-        raise RobotDescriptionError(
-            f"The mesh file {path} cannot be read: {exc.strerror}.",
-            remedy="Check the path and its permissions.",
-        ) from exc
-    # A larger mesh would take all memory, or minutes, before MuJoCo refuses it.
-    if size > _MAX_BYTES:
-        raise RobotDescriptionError(
-            f"The mesh file {path} has {size} bytes; a mesh may have {_MAX_BYTES}.",
-            remedy="Use a mesh of fewer triangles; only its convex hull collides.",
-        )
-    if begin == _PLACEHOLDER:
-        raise RobotDescriptionError(
-            f"The mesh file {path} is the placeholder of a large file.",
-            remedy="Run 'git lfs pull' where it was checked out.",
-        )
 
 
 def _check_obj(path: Path) -> None:

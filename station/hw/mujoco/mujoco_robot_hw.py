@@ -26,6 +26,7 @@ from station.core.errors import (
     RobotDescriptionError,
     SwitchRefusedError,
 )
+from station.core.geometry.scene import read_scene
 from station.core.hardware.interfaces import JointHandle, JointStateInterface
 from station.core.hardware.limits import LimitMode, joint_limits_from_parameters
 from station.core.hardware.robot_hw import ControllerInfo, RobotHW
@@ -50,7 +51,6 @@ from station.hw.mujoco.joint_drives import JointDrives
 from station.hw.mujoco.mujoco_robot_parameters import read_parameters
 from station.hw.mujoco.mujoco_simulation import simulate_robot
 from station.hw.mujoco.robot_transmissions import read_transmissions
-from station.hw.mujoco.scene import read_scene
 from station.hw.mujoco.sensors import WorldSensors
 from station.hw.mujoco.shared_world import SharedWorld
 from station.hw.mujoco.simulated_motors import SimulatedMotors

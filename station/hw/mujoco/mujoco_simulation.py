@@ -12,6 +12,7 @@ from station.core.description.robot_files import RobotFiles
 from station.core.description.srdf import disabled_collisions
 from station.core.description.urdf import Joint, JointType, Pose, Urdf
 from station.core.errors import ParameterError, RobotDescriptionError
+from station.core.geometry.scene import SceneObject
 from station.hw.mujoco.joint_drives import VELOCITY_GAIN
 from station.hw.mujoco.model_builder import (
     RobotOptions,
@@ -21,7 +22,7 @@ from station.hw.mujoco.model_builder import (
 )
 from station.hw.mujoco.mujoco_robot_parameters import MujocoRobotParameters
 from station.hw.mujoco.robot_transmissions import driven_joints
-from station.hw.mujoco.scene import SceneObject, add_object
+from station.hw.mujoco.scene import add_object
 from station.hw.mujoco.self_collision import (
     Pair,
     rigid_neighbours,

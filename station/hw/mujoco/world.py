@@ -6,10 +6,10 @@ from typing import Protocol
 
 import mujoco
 
+from station.core.geometry.scene import SceneObject
 from station.core.hardware.robot_report import SceneObjectReport
 from station.hw.mujoco.overspeed_brakes import MAX_SQUARED_VELOCITY, OverspeedBrakes
 from station.hw.mujoco.push import AppliedPush, Push
-from station.hw.mujoco.scene import SceneObject
 from station.hw.mujoco.stepper import make_stepper
 from station.hw.mujoco.world_joints import (
     WorldJoints,
@@ -59,7 +59,7 @@ class World:
         self, model: mujoco.MjModel, objects: Sequence[SceneObject] = ()
     ) -> None:
         self.model = model
-        self._objects = tuple(objects)
+        self._objects = tuple(one for one in objects if one.solid)
         self.data = mujoco.MjData(model)
         self.timestep: float = float(model.opt.timestep)
         stepper = make_stepper(model, self.data)

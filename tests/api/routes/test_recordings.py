@@ -162,3 +162,28 @@ def test_a_station_without_recorder_says_so(station, authenticator):
             with pytest.raises(ApiError, match="records nothing"):
                 ask()
         assert client.status().recording is None
+
+
+def test_notes_become_events_of_recordings_and_incidents(client, station, recorder):
+    client.recordings.start("pick")
+    _run(station, recorder, 400)
+    stopped = client.recordings.stop()
+    note = client.recordings.add_note("pick", "it slipped", 0.1, 0.2)
+    assert (note.time, note.until, note.kind) == (0.1, 0.2, "note")
+    assert note.details["who"] == "operator"
+    (found,) = client.recordings.events("pick")
+    assert (found.text, found.time) == ("it slipped", pytest.approx(0.1))
+    (listed,) = client.recordings.list()
+    size = recorder.store.file(stopped.identifier).stat().st_size
+    assert (listed.size, listed.cycles) == (size, 400)
+    with pytest.raises(ApiError, match="cannot lie at 9 s") as caught:
+        client.recordings.add_note("pick", "nowhere", 9.0)
+    assert caught.value.status == 409
+
+    client.stop("a test")
+    _run(station, recorder, 2600)
+    (incident,) = client.incidents.list()
+    (cause,) = client.incidents.events(incident.identifier)
+    client.incidents.add_note(incident.identifier, "the cable", cause.time)
+    texts = [event.text for event in client.incidents.events(incident.identifier)]
+    assert sorted(texts) == sorted([incident.causes[0], "the cable"])

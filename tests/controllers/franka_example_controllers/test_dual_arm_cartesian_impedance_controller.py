@@ -9,7 +9,7 @@ from station.core.control.switching import SwitchRequest
 from station.core.errors import ControllerLoadError
 from station.core.franka import Frame
 from station.core.franka.arms import Arms
-from tests.controllers.franka_example_controllers.test_cartesian_spring import torques
+from tests.controllers.franka_arm.test_cartesian_spring import torques
 from tests.controllers.franka_example_controllers.two_arm_station import (
     joints_of,
     start_two_armed_example,

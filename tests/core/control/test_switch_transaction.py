@@ -46,6 +46,8 @@ ANSWERS = [
 PREPARES = ("yes", "no", "raise")
 # Answers of do_switch to its first, second and third call.
 DOES = list(itertools.product((True, False), repeat=3))
+STRICTNESS = (Strictness.BEST_EFFORT, Strictness.STRICT)
+# The others of ros2_control are strict once the request is planned.
 REQUESTS = {
     "start": (["new"], []),
     "stop": ([], ["old"]),
@@ -142,7 +144,7 @@ class Bench:
 
 def cases() -> Iterator[tuple[object, ...]]:
     for combined, request, strictness, asap in itertools.product(
-        (False, True), REQUESTS, Strictness, (False, True)
+        (False, True), REQUESTS, STRICTNESS, (False, True)
     ):
         if request == "hand over and more" and not combined:
             continue

@@ -9,6 +9,7 @@ from station.core.errors import ArmCommandError
 from station.core.franka import FaultKind, RobotMode
 from station.core.franka.franka_errors import error_names
 from station.core.franka.franka_services import SimulatedFault
+from station.core.geometry.scene import SceneObject
 from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.franka_parameters import INITIAL_POSITIONS
@@ -18,7 +19,6 @@ from station.hw.franka.simulated.franka_world import (
     simulate,
 )
 from station.hw.franka.simulated.simulated_arm import SimulatedArm
-from station.hw.mujoco.scene import SceneObject
 
 IMPEDANCE = ControllerMode.JOINT_IMPEDANCE
 EXTERNAL = ControllerMode.EXTERNAL_CONTROLLER

@@ -4,9 +4,10 @@ import mujoco
 import pytest
 
 from station.core.errors import ParameterError
+from station.core.geometry.scene import read_object, read_scene
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.mujoco.model_builder import compile_world, new_world
-from station.hw.mujoco.scene import add_object, read_object, read_scene
+from station.hw.mujoco.scene import add_object
 
 TABLE = {
     "name": "table",
@@ -41,7 +42,12 @@ def test_ball_falls_onto_the_table_and_stays_there():
         ({"size": [0.1, 0.1]}, "size' is .* it must be 1 finite"),
         ({"size": [-0.1]}, "it must be above 0"),
         ({"mass": -1.0}, "it must be 0 or more"),
-        ({"colour": "red"}, "with keys of"),
+        ({"texture": "wood"}, "with keys of"),
+        ({"colour": "red"}, "must be 3 finite"),
+        ({"role": "wall"}, "one of .*keep_out"),
+        ({"role": "fence", "mass": 1.0}, "a fence stays where it is"),
+        ({"margin": -0.01}, "0 or more"),
+        ({"links": "hand"}, "a list of names"),
         ({"name": ""}, "name' is ''"),
         ({"type": "mesh", "size": []}, "path of a mesh file"),
     ],

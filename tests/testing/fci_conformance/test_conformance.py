@@ -10,9 +10,6 @@ from station.hw.franka.simulated.franka_world import simulate_one
 from tests.hw.franka.scripted_arm import ScriptedArm
 from tests.testing.fci_conformance.pumped_endpoint import run_checks
 
-KNOWN = {"cartesian motion at a singular pose is refused"}
-"""Checks that the server does not pass; docs/fci.md says why."""
-
 
 def library(_architecture, _system):
     return b"\x7fELF"
@@ -41,7 +38,7 @@ def test_simulated_arm_passes(protocol, tmp_path, monkeypatch, capsys):
         arguments=["--fci-move"],
     )
     failed = {check: row for check, row in rows.items() if row["result"] == "failed"}
-    assert {*failed} <= KNOWN, capsys.readouterr().out
+    assert not failed, capsys.readouterr().out
     passed = [row for row in rows.values() if row["result"] == "passed"]
     assert len(passed) > 60, capsys.readouterr().out
     assert report["version"] == protocol.version

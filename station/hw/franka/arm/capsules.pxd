@@ -1,17 +1,14 @@
 cimport cython
 
-from station.memory.functions cimport square_root
-
-cdef double _PARALLEL
+from station.core.geometry.distances cimport nearest_points
 
 cpdef void place_segments(
     double[::1] capsules, long[::1] owners, double[::1] links, double[::1] segments
 ) noexcept
-@cython.locals(best=double)
+@cython.locals(best=double, point=double[::1], normal=double[::1])
 cpdef long nearest_pair(
     double[::1] capsules, double[::1] segments, long[::1] pairs, double[::1] found
 ) noexcept
-cpdef double segment_distance(double[::1] first, double[::1] second) noexcept
 
 cdef class LinkDistances:
     cdef double[::1] capsules, segments, found

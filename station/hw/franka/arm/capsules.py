@@ -4,11 +4,8 @@ A capsule is a segment with a radius. It has 7 numbers, the ends of its segment 
 frame of its link [m] and the radius [m].
 """
 
+from station.core.geometry.distances import nearest_points
 from station.memory.doubles import Doubles, Indices, Storage, zeros
-from station.memory.functions import square_root
-
-# Below it the nearest points of two lines are lost in rounding: they count as parallel.
-_PARALLEL = 1e-12
 
 
 class LinkDistances:
@@ -29,7 +26,7 @@ class LinkDistances:
         self.owners = owners
         self.pairs = pairs
         self.segments = zeros(6 * len(owners))
-        self.found = zeros(1)
+        self.found = zeros(7)
         self.closest = -1
 
     def measure(self, links: Storage) -> float:
@@ -83,53 +80,18 @@ def nearest_pair(
         capsules: The capsules, 7 numbers each.
         segments: Their segments in the base frame, 6 numbers each.
         pairs: Indices of both capsules of each pair to compare.
-        found: Where the distance of the surfaces goes, one number [m]; negative when
-            the capsules overlap, and infinite when there is no pair.
+        found: Where the distance of the surfaces goes [m], the first of 7 numbers;
+            negative when the capsules overlap, and infinite when there is no pair.
     """
     best, number = float("inf"), -1
+    point, normal = found[1:4], found[4:7]
     for pair in range(len(pairs) // 2):
         i, j = pairs[2 * pair], pairs[2 * pair + 1]
-        gap = segment_distance(segments[6 * i : 6 * i + 6], segments[6 * j : 6 * j + 6])
+        gap = nearest_points(
+            segments[6 * i : 6 * i + 6], segments[6 * j : 6 * j + 6], point, normal
+        )
         gap = gap - capsules[7 * i + 6] - capsules[7 * j + 6]
         if gap < best:
             best, number = gap, pair
     found[0] = best
     return number
-
-
-def segment_distance(first: Doubles, second: Doubles) -> float:
-    """Return the distance between two segments, each of some length [m].
-
-    Args:
-        first: Ends of one segment, 6 numbers.
-        second: Ends of the other segment, 6 numbers.
-    """
-    px, py, pz, qx, qy, qz = (
-        first[0],
-        first[1],
-        first[2],
-        second[0],
-        second[1],
-        second[2],
-    )
-    ux, uy, uz = first[3] - px, first[4] - py, first[5] - pz
-    vx, vy, vz = second[3] - qx, second[4] - qy, second[5] - qz
-    wx, wy, wz = px - qx, py - qy, pz - qz
-    uu, vv = ux * ux + uy * uy + uz * uz, vx * vx + vy * vy + vz * vz
-    uv = ux * vx + uy * vy + uz * vz
-    uw, vw = ux * wx + uy * wy + uz * wz, vx * wx + vy * wy + vz * wz
-    square = uu * vv - uv * uv
-    # Nearest points of the lines, then back onto the segments; parallel ones: any.
-    s, t = 0.0, 0.0
-    if square > _PARALLEL:
-        s = (uv * vw - uw * vv) / square
-        s = 0.0 if s < 0.0 else 1.0 if s > 1.0 else s
-    if vv > 0.0:
-        t = (uv * s + vw) / vv
-    if t < 0.0 or t > 1.0:
-        t = 0.0 if t < 0.0 else 1.0
-        if uu > 0.0:
-            s = (uv * t - uw) / uu
-            s = 0.0 if s < 0.0 else 1.0 if s > 1.0 else s
-    x, y, z = wx + s * ux - t * vx, wy + s * uy - t * vy, wz + s * uz - t * vz
-    return square_root(x * x + y * y + z * z)

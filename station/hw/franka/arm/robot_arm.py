@@ -32,6 +32,10 @@ MOST_LOST_PACKETS = 20
 """Commands lost in a row that end a motion."""
 
 
+class SingularStartError(ArmCommandError):
+    """A Cartesian motion would begin at a singular pose."""
+
+
 class ControllerMode(Enum):
     """The controller that makes the torques during a motion."""
 
@@ -121,6 +125,7 @@ class RobotArm(ABC):
                 external controller, for torques alone.
 
         Raises:
+            SingularStartError: The motion is Cartesian and the pose is singular.
             ArmCommandError: A motion runs already, the modes do not go together, or
                 the arm cannot move now.
         """

@@ -23,6 +23,9 @@ class SupervisorLimits:
         path_deviation: How far the end effector may be from where the motion wants it:
             translation [m], rotation [rad], elbow [rad]. Source: libfranka@0.9.2
             src/robot_impl.h, kDefaultDeviation: 10 m, 3.12 rad, 2 pi.
+        singular_start: Least singular value of the Jacobian [m, rad] at which a
+            Cartesian motion starts; joint 3, whose position the elbow gives, is left
+            out. 0 lets every motion start.
     """
 
     position_tolerance: float = 0.003
@@ -34,3 +37,4 @@ class SupervisorLimits:
     cartesian_lower: tuple[float, ...] = (-inf, -inf, -inf)
     cartesian_upper: tuple[float, ...] = (inf, inf, inf)
     path_deviation: tuple[float, ...] = (10.0, 3.12, 2.0 * pi)
+    singular_start: float = 0.01

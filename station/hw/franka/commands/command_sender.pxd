@@ -2,13 +2,15 @@ cimport cython
 from station.core.franka.command_rates cimport CommandRates
 from station.core.hardware.limits.enforced_limits cimport EnforcedLimits
 from station.hw.franka.arm.receiver cimport Receiver
+from station.hw.franka.arm.velocity_curves cimport VelocityCurves
 from station.hw.franka.commands.cartesian_sender cimport CartesianSender
 from station.memory.finite_check cimport FiniteCheck
 
 cdef int _MOVE
 
 cdef class CommandSender:
-    cdef object arm, joints, cartesian, update_ranges
+    cdef object arm, joints, cartesian
+    cdef VelocityCurves curves
     cdef Receiver receiver
     cdef double[::1] mode
     cdef CartesianSender cartesian_sender

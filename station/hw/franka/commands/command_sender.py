@@ -1,6 +1,5 @@
 """Send the commands of controllers to an arm, limited and filtered."""
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from station.core.errors import InvalidCommandError
@@ -12,6 +11,7 @@ if TYPE_CHECKING:
     from station.core.hardware.limits.enforced_limits import EnforcedLimits
     from station.hw.franka.arm.control_mode import ControlMode
     from station.hw.franka.arm.robot_arm import RobotArm
+    from station.hw.franka.arm.velocity_curves import VelocityCurves
     from station.hw.franka.commands.cartesian_commands import CartesianCommands
     from station.hw.franka.commands.command_settings import CommandSettings
     from station.hw.franka.commands.joint_commands import JointCommands
@@ -29,8 +29,8 @@ class CommandSender:
         joints: Joint commands and their limits.
         cartesian: Cartesian commands.
         rates: Filter and rate limits of the joint commands.
-        update_ranges: Tells `rates` the velocities that the present positions allow;
-            None where limits do not depend on the position.
+        curves: The velocities that positions allow; None where limits do not depend on
+            the position.
 
     Attributes:
         is_active: Whether controllers give any command.
@@ -45,7 +45,7 @@ class CommandSender:
         joints: "JointCommands",
         cartesian: "CartesianCommands",
         rates: CommandRates,
-        update_ranges: Callable[[], None] | None = None,
+        curves: "VelocityCurves | None" = None,
     ) -> None:
         self.arm = arm
         self.receiver = arm.receiver()
@@ -54,7 +54,7 @@ class CommandSender:
         self.cartesian = cartesian
         self.cartesian_sender = cartesian.sender
         self.rates = rates
-        self.update_ranges = update_ranges
+        self.curves = curves
         self.checks: list[FiniteCheck] = []
         self.limits: list[EnforcedLimits] = []
         self.is_active = self.is_waiting = False
@@ -153,8 +153,8 @@ class CommandSender:
     def send_positions(self) -> None:
         """Filter and send the commanded positions."""
         rates = self.rates
-        if self.update_ranges is not None:
-            self.update_ranges()
+        if self.curves is not None:
+            self.curves.put(rates.q_d, rates.lowest, rates.highest)
         rates.filter_positions()
         # The receiver takes the usual command without a call of Python; the method of
         # the arm takes any other, or refuses it with a reason.
@@ -164,8 +164,8 @@ class CommandSender:
     def send_velocities(self) -> None:
         """Filter and send the commanded velocities."""
         rates = self.rates
-        if self.update_ranges is not None:
-            self.update_ranges()
+        if self.curves is not None:
+            self.curves.put(rates.q_d, rates.lowest, rates.highest)
         rates.filter_velocities()
         if not self.receiver.receive_velocities(rates.result):
             self.arm.command_joint_velocities(rates.result)

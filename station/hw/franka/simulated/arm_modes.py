@@ -37,6 +37,7 @@ from station.hw.franka.arm.robot_arm import (
     REST_VELOCITY,
     ControllerMode,
     MotionGeneratorMode,
+    SingularStartError,
 )
 from station.hw.franka.simulated.arm_parts import ArmParts
 from station.hw.franka.simulated.arm_step import LONGEST_SETTLING
@@ -141,7 +142,7 @@ class ArmModes:
         is_external = controller is ControllerMode.EXTERNAL_CONTROLLER
         if generator is MotionGeneratorMode.NONE and not is_external:
             return "the internal controller needs a motion generator"
-        return None
+        return self._singular_start(generator)
 
     def begin_motion(
         self, controller: ControllerMode, generator: MotionGeneratorMode
@@ -155,7 +156,9 @@ class ArmModes:
         if self._state.robot_mode is RobotMode.MOVE:
             reason = "a motion runs already"
         if reason is not None:
-            raise ArmCommandError(
+            is_singular = reason == self._singular_start(generator)
+            kind = SingularStartError if is_singular else ArmCommandError
+            raise kind(
                 f"The arm cannot start a motion: {reason}.",
                 remedy="Stop the running motion, recover, or ask for other modes.",
             )
@@ -167,6 +170,11 @@ class ArmModes:
             self._motors.engage_cartesian_impedance()
         self._state.robot_mode = RobotMode.MOVE
         self._state.control_command_success_rate = 1.0
+
+    def _singular_start(self, generator: MotionGeneratorMode) -> str | None:
+        if _CODES[generator] != CARTESIAN:
+            return None
+        return self._supervisor.singular_start()
 
     def expect_command(self) -> None:
         """Wait for the first command of the running motion, if one runs."""

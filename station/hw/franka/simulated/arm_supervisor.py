@@ -8,8 +8,12 @@ include/franka/errors.h; differs: thresholds that Franka does not publish are in
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from station.core.franka.franka_errors import ERROR_INDEX, ArmError
+from station.core.franka.franka_model import Frame
 from station.core.franka.franka_robot_state import RobotState
+from station.hw.franka.arm.franka_kinematics import zero_jacobian
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.simulated.cycle_log import CycleLog
 from station.hw.franka.simulated.joint_watch import JointWatch
@@ -20,6 +24,7 @@ from station.reports import ArmRecord
 # for other units a share of the limit.
 _WORSE = 0.005
 _WORSE_SHARE = 0.1
+_ELBOW_JOINT = 2
 
 
 class ArmSupervisor(AlertFlag):
@@ -61,6 +66,24 @@ class ArmSupervisor(AlertFlag):
         self.errors: list[ArmError] = []
         self.last_motion_errors: list[ArmError] = []
         self.log: list[ArmRecord] = []
+
+    def singular_start(self) -> str | None:
+        """Return the reason why no Cartesian motion can start at the present pose.
+
+        None where one can.
+        """
+        state, least = self._state, self._thresholds.singular_start
+        frames = state.q_d, state.F_T_EE, state.EE_T_K
+        jacobian = np.reshape(zero_jacobian(Frame.END_EFFECTOR, *frames), (-1, 6))
+        # Six joints follow the pose; joint 3 has the position that the elbow tells.
+        others = np.delete(jacobian, _ELBOW_JOINT, 0)
+        value = float(np.linalg.svd(others, compute_uv=False)[-1])
+        if value >= least:
+            return None
+        return (
+            f"the pose is singular (the least singular value of the Jacobian is "
+            f"{value:.2g}, below {least:g}); move the arm by its joints first"
+        )
 
     def examine(
         self, *, is_quiet: bool, is_following: bool, is_recovering: bool

@@ -10,6 +10,7 @@ from station.core.description.robot_files import RobotFiles, replace_prefix
 from station.core.description.srdf import disabled_collisions, group_states
 from station.core.description.urdf import Pose, Urdf
 from station.core.franka.franka_model import GRAVITY_EARTH
+from station.core.geometry.scene import SceneObject, read_scene
 from station.core.parameters import Parameters
 from station.hw.franka.arm.arm_description import (
     find_prefix,
@@ -36,7 +37,7 @@ from station.hw.mujoco.model_builder import (
     compile_world,
     new_world,
 )
-from station.hw.mujoco.scene import SceneObject, add_object, read_scene
+from station.hw.mujoco.scene import add_object
 from station.hw.mujoco.shared_world import SharedWorld
 from station.hw.mujoco.world import World
 from station.hw.urdf_loader import load_urdf

@@ -2,7 +2,7 @@
 import "./bench.js";
 import "./gain_sets.js";
 import "./tune_search.js";
-import { h, show } from "../lib/dom.js";
+import { h, offer, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { refusals } from "../lib/refusals.js";
 import { act, api, Refusal } from "../lib/station.js";
@@ -11,20 +11,20 @@ import { sharedPrefix, typed } from "../lib/text.js";
 
 class Tuning extends Panel {
   build() {
-    this.choice = h("select", { title: "Controller whose gains are shown." });
-    this.choice.setAttribute("aria-label", "Controller to tune");
-    this.choice.addEventListener("change", () => this.read());
-    this.joint = h("select", { title: "Joint whose gains are shown." });
-    this.joint.setAttribute("aria-label", "Joint to tune");
-    this.joint.addEventListener("change", () => this.drawGains());
+    this.choice = h("select", { title: "Controller whose gains are shown.", ariaLabel: "Controller to tune", onchange: () => this.read() });
+    this.joint = h("select", { title: "Joint of tests and of the search.", ariaLabel: "Joint to tune" });
+    this.joint.addEventListener("change", () => {
+      this.markJoint();
+      this.bench.choose();
+      this.bench.drawProposals();
+    });
     this.undo = h("button", { class: "s", type: "button", title: "Take the last change of gains back." }, "Undo");
     this.undo.addEventListener("click", async () => {
       await act("POST", "/gain-sets/undo");
       this.reread();
     });
-    this.apply = h("button", { class: "s primary", type: "button", title: "All changed values take effect in the same cycle." }, "Apply");
-    this.apply.addEventListener("click", () => this.patch());
-    this.fields = h("div", { class: "fields gains" });
+    this.apply = h("button", { class: "s primary", type: "button", title: "All changed values take effect in the same cycle.", onclick: () => this.patch() }, "Apply");
+    this.fields = h("div", { class: "gains", oninput: () => this.showApply() });
     this.state = h("p", { class: "hint state" }, "");
     this.sets = h("st-gain-sets");
     this.bench = h("st-bench", { class: "bench" });
@@ -76,9 +76,7 @@ class Tuning extends Panel {
     if (this.isOld && store.docks.link === "live") this.read();
     if (names.join() === this.names) return this.follow();
     this.names = names.join();
-    const chosen = this.choice.value;
-    this.choice.replaceChildren(...names.map((name) => h("option", {}, name)));
-    if (names.includes(chosen)) this.choice.value = chosen;
+    offer(this.choice, names, "none loaded");
     this.follow();
     this.read();
     this.sets.list();
@@ -106,16 +104,14 @@ class Tuning extends Panel {
     this.gains = gains;
     const joints = [...new Set(Object.keys(this.gains.values).map((key) => key.split("/")).filter((parts) => parts.length > 1).map((parts) => parts[0]))];
     const prefix = sharedPrefix(joints);
-    const chosen = this.joint.value;
-    this.joint.replaceChildren(...joints.map((joint) => h("option", { value: joint }, joint.slice(prefix.length))));
+    this.joints = new Map(joints.map((joint) => [joint, joint.slice(prefix.length)]));
+    offer(this.joint, [...this.joints], "no joint");
     this.joint.hidden = joints.length === 0;
-    if (joints.includes(chosen)) this.joint.value = chosen;
     this.drawGains();
   }
 
   drawGains() {
-    const joint = this.joint.value;
-    const keys = Object.keys(this.gains.values).filter((key) => !key.includes("/") || key.startsWith(`${joint}/`));
+    const keys = Object.keys(this.gains.values);
     const drawnFor = `${this.choice.value} ${keys.join()}`;
     if (drawnFor === this.drawnFor) {
       // The fields stay: somebody may be typing into one of them. What was typed and not applied outlives the answer.
@@ -127,11 +123,14 @@ class Tuning extends Panel {
     } else {
       this.drawnFor = drawnFor;
       this.inputs = new Map();
-      this.fields.replaceChildren(...keys.map((key) => this.field(key)));
+      const single = keys.filter((key) => !key.includes("/"));
+      const fields = single.map((key) => h("label", { title: this.titleOf(key) }, h("span", {}, key), this.input(key), h("small", {}, this.gains.schema[key].unit)));
+      this.fields.replaceChildren(h("div", { class: "fields" }, ...fields), ...(keys.length > single.length ? [this.gainTable(keys)] : []));
+      this.markJoint();
       this.showHint(keys);
     }
     this.undo.disabled = !store.isOperator;
-    this.apply.disabled = this.undo.disabled || !keys.length;
+    this.showApply();
     this.search.hidden = !keys.length && !this.search.name;
     this.bench.choose();
     this.bench.refresh();
@@ -142,20 +141,45 @@ class Tuning extends Panel {
     show(this.state, keys.length ? "Change values, then Apply: they take effect together, and Undo takes them back." : "This controller has no gains that can be changed while it runs.");
   }
 
-  field(key) {
+  /** Gains as a table: a row for each joint, a column for each gain. */
+  gainTable(keys) {
+    const gains = [...new Set(keys.filter((key) => key.includes("/")).map((key) => key.slice(key.indexOf("/") + 1)))];
+    const has = (joint, gain) => `${joint}/${gain}` in this.gains.values;
+    const unitOf = (gain) => this.gains.schema[keys.find((key) => key.endsWith(`/${gain}`))].unit;
+    const head = gains.map((gain) => h("th", { title: this.titleOf(keys.find((key) => key.endsWith(`/${gain}`))) }, gain, h("small", {}, unitOf(gain))));
+    const rows = [...this.joints].map(([joint, label]) =>
+      h("tr", { data: { joint } }, h("th", { scope: "row" }, label), ...gains.map((gain) => h("td", {}, has(joint, gain) ? this.input(`${joint}/${gain}`) : "–"))),
+    );
+    return h("div", { class: "scroll" }, h("table", {}, h("thead", {}, h("tr", {}, h("th", {}, "joint"), ...head)), h("tbody", {}, ...rows)));
+  }
+
+  /** Show which joint tests and the search move. */
+  markJoint() {
+    for (const row of this.fields.querySelectorAll("tr[data-joint]")) row.classList.toggle("chosen", row.dataset.joint === this.joint.value);
+  }
+
+  showApply() {
+    this.apply.disabled = !store.isOperator || !this.isTyped;
+  }
+
+  titleOf(key) {
     const schema = this.gains.schema[key];
-    const value = this.gains.values[key];
-    const choices = choicesOf(schema);
+    const range = schema.minimum != null || schema.maximum != null ? `, ${schema.minimum ?? "−∞"} to ${schema.maximum ?? "∞"}` : "";
+    return `${schema.description} [${schema.unit || "no unit"}]${range}`;
+  }
+
+  input(key) {
+    const choices = choicesOf(this.gains.schema[key]);
     const input = choices
       ? h("select", {}, ...choices.map(([number, text]) => h("option", { value: number }, text)))
       : h("input", { class: "value", inputMode: "decimal", autocomplete: "off" });
-    input.value = input.dataset.was = String(value);
-    const short = key.split("/").at(-1);
-    input.setAttribute("aria-label", `${short} of ${key.includes("/") ? key.split("/")[0] : this.choice.value}`);
+    input.value = input.dataset.was = String(this.gains.values[key]);
+    const parts = key.split("/");
+    input.setAttribute("aria-label", `${parts.at(-1)} of ${parts.length > 1 ? parts[0] : this.choice.value}`);
+    input.title = this.titleOf(key);
     input.addEventListener("keydown", (event) => event.key === "Enter" && this.patch());
-    const range = schema.minimum != null || schema.maximum != null ? `, ${schema.minimum ?? "−∞"} to ${schema.maximum ?? "∞"}` : "";
     this.inputs.set(key, input);
-    return h("label", { title: `${schema.description} [${schema.unit || "no unit"}]${range}` }, h("span", {}, short), input, h("small", {}, schema.unit));
+    return input;
   }
 
   async patch() {
@@ -174,7 +198,7 @@ class Tuning extends Panel {
       const done = await api("PATCH", path, { values }, { "If-Match": this.gains.etag });
       const what = Object.entries(values).map(([key, value]) => `${key} ${done.previous[key]} → ${value}`);
       store.explain(`PATCH ${path}`, `gains ${what.join(", ")}`);
-      this.drawnFor = null;
+      for (const key of Object.keys(values)) this.inputs.get(key).value = this.inputs.get(key).dataset.was; // shows what the station has
       await this.read();
       show(this.state, `Applied in cycle ${done.cycle}: ${what.join(", ")}.`);
     } catch (error) {

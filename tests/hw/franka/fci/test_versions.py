@@ -28,11 +28,7 @@ JOINTS = ControllerMode.JOINT_IMPEDANCE, MotionGeneratorMode.JOINT_POSITION
 TORQUES = ControllerMode.EXTERNAL_CONTROLLER, MotionGeneratorMode.NONE
 
 
-# The driver reads states in double precision.
-DRIVEN = FR3[:-1]
-
-
-@pytest.fixture(params=DRIVEN, ids=lambda p: f"version {p.version}")
+@pytest.fixture(params=FR3, ids=lambda p: f"version {p.version}")
 def network(request):
     return SteppedNetwork(ScriptedArm(), request.param)
 

@@ -89,7 +89,8 @@ class ArmLink:
                     remedy="Let UDP datagrams of the arm through the firewall.",
                 )
         except StationError:
-            self._network.close()
+            # Nobody owns a link that has never connected: its thread ends here.
+            self.close()
             raise
         self._counted = self.reader.message_id
 

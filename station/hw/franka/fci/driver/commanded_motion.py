@@ -15,7 +15,6 @@ from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
 from station.hw.franka.arm.transform_check import transform_problem
 from station.hw.franka.fci.driver.state_reader import StateReader
 from station.hw.franka.fci.wire.robot_protocol import (
-    PANDA,
     MoveController,
     MoveGenerator,
     RobotProtocol,
@@ -170,9 +169,7 @@ class MotionLog:
 _DEVIATIONS = (10.0, 3.12, 2.0 * pi)
 """Source: libfranka@0.9.2 src/control_loop.h, kDefaultDeviation."""
 _CONTROLLERS = dict(zip(ControllerMode, MoveController, strict=True))
-_GENERATORS = {MotionGeneratorMode[g.name]: g for g in PANDA.generators}
-# Torques alone are a motion with joint velocities that are zero, as in libfranka.
-_GENERATORS[MotionGeneratorMode.NONE] = MoveGenerator.JOINT_VELOCITY
+_GENERATORS = {MotionGeneratorMode[g.name]: g for g in MoveGenerator}
 _FIELDS = {
     MotionGeneratorMode.NONE: "tau_J_d",
     MotionGeneratorMode.JOINT_POSITION: "q_c",
@@ -226,6 +223,10 @@ class CommandedMotion:
             generator: Which motion is commanded.
         """
         kind, motion = _CONTROLLERS[controller], _GENERATORS[generator]
+        # Without a generator of their own, torques alone are a motion with joint
+        # velocities that are zero, as in libfranka.
+        if motion not in self._protocol.generators:
+            motion = MoveGenerator.JOINT_VELOCITY
         self._controller, self._generator = controller, generator
         self._modes = (1 + motion, kind)
         needs_torques = controller is ControllerMode.EXTERNAL_CONTROLLER

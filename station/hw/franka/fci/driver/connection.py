@@ -1,6 +1,6 @@
 """Connect to the arm that the parameters of FrankaHW name, and to its hand."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 
 from station.core.errors import StationError
@@ -8,11 +8,15 @@ from station.core.franka import GripperServicesInterface
 from station.core.franka.franka_model import FrankaModel
 from station.hw.franka.arm.arm_description import load_arm_description
 from station.hw.franka.fci.driver.fci_arm import FciArm
+from station.hw.franka.fci.driver.fci_client import IncompatibleVersionError
 from station.hw.franka.fci.driver.hand_link import HandLink
 from station.hw.franka.fci.driver.network import FciNetwork
 from station.hw.franka.fci.driver.real_hand import RealHand
 from station.hw.franka.fci.wire.gripper_protocol import HAND
-from station.hw.franka.fci.wire.robot_protocol import PANDA
+from station.hw.franka.fci.wire.robot_protocol import (
+    RobotProtocol,
+    versions_of_arm,
+)
 from station.hw.franka.franka_parameters import FrankaParameters
 
 
@@ -44,12 +48,7 @@ class RealRobot:
 
             return ArmModel(description)
 
-        self.arm = FciArm(
-            self._open(PANDA.port),
-            make_model,
-            is_enforced=not parameters.waits_for_late_loop,
-            reopen=partial(self._open, PANDA.port),
-        )
+        self.arm = self._connect(make_model)
         try:
             self.arm.set_collision_behavior(parameters.collision_behavior)
         except StationError:
@@ -80,6 +79,38 @@ class RealRobot:
         if self._hand is not None:
             self._hand.close()
         self.arm.close()
+
+    def _connect(self, make_model: Callable[[], FrankaModel]) -> FciArm:
+        """Connect with the newest version of this kind of arm, or with the arm's own.
+
+        The system of a real arm speaks one version, and names it when a client asks for
+        another one.
+
+        Raises:
+            FciNetworkError: The arm does not answer.
+            FciProtocolError: What the arm answers is no protocol.
+            IncompatibleVersionError: The arm speaks no version of this kind of arm.
+        """
+        spoken = versions_of_arm(self._parameters.arm)
+        by_version = {protocol.version: protocol for protocol in spoken}
+        try:
+            return self._connect_with(spoken[-1], make_model)
+        except IncompatibleVersionError as error:
+            named = by_version.get(error.server_version)
+            if named is None:
+                raise
+        return self._connect_with(named, make_model)
+
+    def _connect_with(
+        self, protocol: RobotProtocol, make_model: Callable[[], FrankaModel]
+    ) -> FciArm:
+        return FciArm(
+            self._open(protocol.port),
+            make_model,
+            is_enforced=not self._parameters.waits_for_late_loop,
+            protocol=protocol,
+            reopen=partial(self._open, protocol.port),
+        )
 
     def _open(self, port: int) -> FciNetwork:
         return FciNetwork(self._parameters.robot_ip or "", port)

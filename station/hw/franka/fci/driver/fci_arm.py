@@ -38,7 +38,7 @@ from station.hw.franka.fci.wire.robot_protocol import (
     MoveStatus,
     RobotProtocol,
 )
-from station.memory.doubles import Storage
+from station.memory.doubles import Doubles, Storage
 from station.reports import ArmRecord
 
 
@@ -340,6 +340,10 @@ class FciArm(RobotArm):
     @override
     def refresh_state(self) -> None:
         """Do nothing: the arm sends every field in every cycle."""
+
+    @override
+    def accelerometers(self) -> tuple[Doubles, Doubles] | None:
+        return self._reader.accelerometers()
 
     @override
     def set_joint_impedance(self, stiffness: Sequence[float]) -> None:

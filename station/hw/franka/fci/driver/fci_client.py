@@ -35,9 +35,23 @@ _NOTHING: Mapping[str, Any] = MappingProxyType({})
 
 
 class IncompatibleVersionError(FciProtocolError):
-    """The other side speaks another version of the protocol."""
+    """The other side speaks another version of the protocol.
+
+    Args:
+        own: The version of this side.
+        server_version: The version of the other side.
+    """
 
     code = "fci_version"
+
+    def __init__(self, own: int, server_version: int) -> None:
+        super().__init__(
+            "libfranka: Incompatible library version (server version: "
+            f"{server_version}, library version: {own}).",
+            remedy="Set robot.arm to the kind of the arm at robot.robot_ip: panda for "
+            "a system with libfranka 0.9, fr3 for a newer one.",
+        )
+        self.server_version = server_version
 
 
 class _Version(Protocol[_Command]):
@@ -87,12 +101,7 @@ class FciClient(Generic[_Command]):
         own, port = self._version, self._network.udp_port
         answer = self.ask(self._connect, {"version": own, "udp_port": port})
         if answer.status == ConnectStatus.INCOMPATIBLE_LIBRARY_VERSION:
-            raise IncompatibleVersionError(
-                "libfranka: Incompatible library version (server version: "
-                f"{answer.values['version']}, library version: {own}).",
-                remedy="This driver is for a Panda with a system whose libfranka is "
-                "0.9; others speak another version.",
-            )
+            raise IncompatibleVersionError(own, answer.values["version"])
         if answer.status != ConnectStatus.SUCCESS:
             raise FciProtocolError(
                 "libfranka: Protocol error during connection attempt"

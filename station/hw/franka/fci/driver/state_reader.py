@@ -1,21 +1,18 @@
 """Read the message that an arm sends every cycle into the state of the seam."""
 
 import struct
-from typing import TYPE_CHECKING
+
+import numpy as np
 
 from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.hw.franka.arm.load import Load, combine_loads
 from station.hw.franka.fci.wire.robot_protocol import RobotProtocol
+from station.hw.franka.fci.wire.state_numbers import StateNumbers
+from station.memory.doubles import Doubles, put, zeros
 
-if TYPE_CHECKING:
-    from station.memory.doubles import Doubles
-
-_FIRST_DOUBLE = "O_T_EE"
-_BEHIND_DOUBLES = "motion_generator_mode"
-_MASSES = ("m_ee", "m_load")
 _FIRST_OF_LOADS, _BEHIND_LOADS = "m_ee", "elbow"
+_READINGS = 18  # of the accelerometers on one side of the boards
 _ID = struct.Struct("<Q")
-_RATE = struct.Struct("<d")
 _MODES = {mode.value: mode for mode in RobotMode}
 
 
@@ -44,14 +41,8 @@ class StateReader:
         self._places = places = layout.offsets
         # A byte more than a message has, so that one that is too long shows as such.
         self.message = bytearray(layout.size + 1)
-        first, behind = places[_FIRST_DOUBLE], places[_BEHIND_DOUBLES]
-        numbers = memoryview(self.message)[first:behind].cast("d")
-        self._arrays: list[tuple[Doubles, Doubles]] = []
-        for name, offset in places.items():
-            if first <= offset < behind and name not in _MASSES:
-                place = (offset - first) // 8
-                part = numbers[place : place + layout.counts[name]]
-                self._arrays.append((state.doubles(name), part))
+        self._numbers = StateNumbers(layout, self.message, state)
+        self._readings = zeros(_READINGS), zeros(_READINGS)
         self._loads = slice(places[_FIRST_OF_LOADS], places[_BEHIND_LOADS])
         self._known_loads = b""
         self._flags = [
@@ -91,12 +82,9 @@ class StateReader:
     def read(self) -> None:
         """Bring the state up to date with `message`, all but its `robot_mode`."""
         message, state, places = self.message, self._state, self._places
-        for target, source in self._arrays:
-            target[:] = source
+        self._numbers.read()
         self.message_id = _ID.unpack_from(message, 0)[0]
         state.time = self.message_id * self._cycle_time
-        rate = places["control_command_success_rate"]
-        state.control_command_success_rate = _RATE.unpack_from(message, rate)[0]
         for i, (flags, part) in enumerate(self._flags):
             raised = bytes(message[part])
             if raised != self._known_flags[i]:
@@ -106,16 +94,28 @@ class StateReader:
         if loads != self._known_loads:
             self._known_loads = loads
             self._read_loads()
-        behind = places[_BEHIND_DOUBLES]
-        self.modes = (message[behind], message[behind + 1])
+        self.modes = (
+            message[places["motion_generator_mode"]],
+            message[places["controller_mode"]],
+        )
         mode = message[places["robot_mode"]]
         self.robot_mode = _MODES.get(mode, RobotMode.OTHER)
 
+    def accelerometers(self) -> tuple[Doubles, Doubles] | None:
+        """Return the readings on top and bottom of the boards [m/s^2], each 6 x 3.
+
+        None in a version without them. The memory is the same at every call.
+        """
+        readings = self._numbers.accelerations
+        if not readings.size:
+            return None
+        for target, source in zip(self._readings, np.split(readings, 2), strict=True):
+            put(target, source.astype(float))
+        return self._readings
+
     def _read_loads(self) -> None:
         """Combine end effector and load, as libfranka does when it converts a state."""
-        state, message, places = self._state, self.message, self._places
-        for name in _MASSES:
-            setattr(state, name, _RATE.unpack_from(message, places[name])[0])
+        state = self._state
         total = combine_loads(
             Load(state.m_ee, (*state.F_x_Cee,), (*state.I_ee,)),
             Load(state.m_load, (*state.F_x_Cload,), (*state.I_load,)),

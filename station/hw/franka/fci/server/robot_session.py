@@ -26,16 +26,15 @@ from math import isfinite
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
-import numpy as np
-
 from station.core.errors import ArmCommandError, InvalidCommandError
 from station.core.franka.franka_errors import ERROR_INDEX
-from station.core.franka.franka_robot_state import RobotMode, array_places
+from station.core.franka.franka_robot_state import RobotMode
 from station.hw.franka.arm.franka_kinematics import IDENTITY
 from station.hw.franka.arm.robot_arm import (
     ControllerMode,
     MotionGeneratorMode,
     RobotArm,
+    SingularStartError,
 )
 from station.hw.franka.fci.server.arm_settings import SETTERS
 from station.hw.franka.fci.server.message_reader import (
@@ -61,12 +60,8 @@ from station.hw.franka.fci.wire.robot_protocol import (
     SetterStatus,
     StopMoveStatus,
 )
+from station.hw.franka.fci.wire.state_numbers import StateNumbers
 
-_FIRST_NUMBER = "O_T_EE"
-_BEHIND_NUMBERS = "motion_generator_mode"
-_LAST_NUMBER = "control_command_success_rate"
-_MASSES = ("m_ee", "m_load")
-_SINGLE = 4  # bytes of a number in single precision
 _READINGS = 18  # of the accelerometers on one side of the boards
 _ID = struct.Struct("<Q")
 
@@ -87,30 +82,11 @@ class StateWriter:
     """
 
     def __init__(self, arm: RobotArm, protocol: RobotProtocol) -> None:
-        self._arm, self._state = arm, arm.state
-        layout, places = protocol.state, array_places()
+        self._arm, self._state, layout = arm, arm.state, protocol.state
         self.message = bytearray(layout.size)
         self._places = layout.offsets
-        first, behind = layout.offsets[_FIRST_NUMBER], layout.offsets[_BEHIND_NUMBERS]
-        size = layout.size - layout.offsets[_LAST_NUMBER]
-        self._number = struct.Struct("<f" if size == _SINGLE else "<d")
-        # Which double of the state's block each number of the message is.
-        indices: list[int] = []
-        self._masses: list[tuple[str, int]] = []
-        for name, offset in layout.offsets.items():
-            if name in _MASSES:
-                self._masses.append((name, len(indices)))
-                indices.append(0)
-            elif first <= offset < behind and name in places:
-                start = places[name].start // 8
-                indices += range(start, start + layout.counts[name])
-        self._indices = np.array(indices)
-        self._block = np.asarray(arm.state.arrays())
-        self._doubles = np.empty(len(indices))
-        # All numbers but the last follow each other: first those of the state's arrays.
-        message = memoryview(self.message)[first:behind]
-        numbers = np.frombuffer(message, f"<f{size}")
-        self._numbers, self._accelerations = np.split(numbers, [len(indices)])
+        self._numbers = StateNumbers(layout, self.message, arm.state)
+        self._accelerations = self._numbers.accelerations
         self._merged = [ERROR_INDEX[name] for name in protocol.merged_errors]
 
     def write(self, message_id: int, generator: int, controller: int) -> bytearray:
@@ -123,11 +99,7 @@ class StateWriter:
         """
         state, message, places = self._state, self.message, self._places
         _ID.pack_into(message, 0, message_id)
-        # Two steps without new memory: numbers of the block, then their precision.
-        self._block.take(self._indices, out=self._doubles, mode="clip")
-        for name, place in self._masses:
-            self._doubles[place] = getattr(state, name)
-        self._numbers[:] = self._doubles
+        self._numbers.write()
         if self._accelerations.size and (readings := self._arm.accelerometers()):
             self._accelerations[:_READINGS], self._accelerations[_READINGS:] = readings
         message[places["motion_generator_mode"]] = generator
@@ -143,11 +115,6 @@ class StateWriter:
                     message[place + merged] = 0
                     message[place + ERROR_INDEX[MERGED_INTO]] = 1
         message[places["robot_mode"]] = state.robot_mode.value
-        self._number.pack_into(
-            message,
-            places[_LAST_NUMBER],
-            state.control_command_success_rate,
-        )
         return message
 
 
@@ -169,6 +136,7 @@ _RECOVERIES = {
     RobotMode.OTHER: RecoveryStatus.ABORTED,
 }
 _NOTHING: Mapping[str, Any] = MappingProxyType({})
+_TAKEN = "The controllers of the station command the arm, or the station is stopped."
 
 
 def _no_library(_architecture: int, _system: int) -> None:
@@ -212,6 +180,7 @@ class RobotSession:
         self._command: Mapping[str, Any] | None = None
         self._answered = 0  # message_id of the newest command
         self._is_finishing = False
+        self._reason = ""
         # Largest velocities of a motion that the arm plans itself; None in others.
         self._fastest: Sequence[float] | None = None
         self.udp_port: int | None = None
@@ -234,6 +203,11 @@ class RobotSession:
         """
         is_begun = self._motion is not None and self._answered > 0
         return is_begun and self._fastest is None
+
+    def take_reason(self) -> str:
+        """Return the reason for the last refusal once; empty if there is none."""
+        reason, self._reason = self._reason, ""
+        return reason
 
     def receive(self, data: bytes) -> bytes:
         """Take bytes of the TCP stream; return the answers that are due at once.
@@ -353,37 +327,59 @@ class RobotSession:
 
     def _start_motion(self, request: Request[Command]) -> bytes:
         values = request.values
-        try:
-            controller = MoveController(values["controller_mode"])
-            generator = MoveGenerator(values["motion_generator_mode"])
-        except ValueError:
-            return self._say(request, MoveStatus.INVALID_ARGUMENT_REJECTED)
-        if generator not in self._protocol.generators:
-            return self._say(request, MoveStatus.INVALID_ARGUMENT_REJECTED)
-        fastest = None
-        if values.get("use_async_motion_generator"):
-            fastest = values["maximum_velocity"]
-            is_possible = (
-                generator is MoveGenerator.JOINT_POSITION
-                and controller is not MoveController.EXTERNAL_CONTROLLER
-                and all(isfinite(value) and value > 0.0 for value in fastest)
-            )
-            if not is_possible:
-                return self._say(request, MoveStatus.INVALID_ARGUMENT_REJECTED)
-        allowed = (*values["maximum_path_deviation"],)
-        allowed += (*values["maximum_goal_pose_deviation"],)
-        if not all(isfinite(value) and value >= 0.0 for value in allowed):
-            return self._say(request, MoveStatus.INVALID_ARGUMENT_REJECTED)
+        problem = self._problem_of(values)
+        if problem is not None:
+            return self._refuse(request, MoveStatus.INVALID_ARGUMENT_REJECTED, problem)
+        controller = MoveController(values["controller_mode"])
+        generator = MoveGenerator(values["motion_generator_mode"])
+        is_planned = values.get("use_async_motion_generator")
+        fastest = values["maximum_velocity"] if is_planned else None
+        status = MoveStatus.COMMAND_NOT_POSSIBLE_REJECTED
         if not self._is_free():
-            return self._say(request, MoveStatus.COMMAND_NOT_POSSIBLE_REJECTED)
+            return self._refuse(request, status, _TAKEN)
         try:
             self._arm.start_motion(_CONTROLLERS[controller], _GENERATORS[generator])
-        except ArmCommandError:
-            return self._say(request, MoveStatus.COMMAND_NOT_POSSIBLE_REJECTED)
+        except SingularStartError as error:
+            status = MoveStatus.START_AT_SINGULAR_POSE_REJECTED
+            return self._refuse(request, status, error.message)
+        except ArmCommandError as error:
+            return self._refuse(request, status, error.message)
         self._motion, self._command, self._fastest = request, None, fastest
         self._answered, self._is_finishing = 0, False
         self._generator, self._controller = 1 + generator, controller
         return self._say(request, MoveStatus.MOTION_STARTED)
+
+    def _problem_of(self, values: Mapping[str, Any]) -> str | None:
+        """Return the reason why no arm makes such a motion; None if one can."""
+        controller, generator = (
+            values["controller_mode"],
+            values["motion_generator_mode"],
+        )
+        if controller not in list(MoveController):
+            return f"There is no controller mode {controller}."
+        if generator not in self._protocol.generators:
+            version = self._protocol.version
+            return f"Version {version} has no motion generator mode {generator}."
+        deviations = (
+            *values["maximum_path_deviation"],
+            *values["maximum_goal_pose_deviation"],
+        )
+        if not all(isfinite(value) and value >= 0.0 for value in deviations):
+            return "A deviation is negative or not finite."
+        if not values.get("use_async_motion_generator"):
+            return None
+        if (
+            generator != MoveGenerator.JOINT_POSITION
+            or controller == MoveController.EXTERNAL_CONTROLLER
+        ):
+            return "The arm plans joint positions with a controller of its own alone."
+        if not all(isfinite(one) and one > 0.0 for one in values["maximum_velocity"]):
+            return "A maximum velocity is not above 0 or not finite."
+        return None
+
+    def _refuse(self, request: Request[Command], status: int, reason: str) -> bytes:
+        self._reason = f"{request.command.name} is refused: {reason}"
+        return self._say(request, status)
 
     def _stop_motion(self, request: Request[Command]) -> bytes:
         answers = b""
@@ -399,13 +395,16 @@ class RobotSession:
     def _change_setting(self, request: Request[Command]) -> bytes:
         status = SetterStatus.SUCCESS
         if self._arm.state.robot_mode is RobotMode.MOVE:
-            return self._say(request, SetterStatus.COMMAND_NOT_POSSIBLE_REJECTED)
+            status = SetterStatus.COMMAND_NOT_POSSIBLE_REJECTED
+            return self._refuse(request, status, "The arm moves.")
         try:
             SETTERS[request.command](self._arm, request.values)
-        except InvalidCommandError:
+        except InvalidCommandError as error:
             status = SetterStatus.INVALID_ARGUMENT_REJECTED
-        except ArmCommandError:
+            return self._refuse(request, status, error.message)
+        except ArmCommandError as error:
             status = SetterStatus.COMMAND_NOT_POSSIBLE_REJECTED
+            return self._refuse(request, status, error.message)
         return self._say(request, status)
 
     def _cartesian_limit(self, request: Request[Command]) -> bytes:
@@ -420,8 +419,8 @@ class RobotSession:
             return self._say(request, rejected)
         try:
             arm.automatic_error_recovery()
-        except ArmCommandError:
-            return self._say(request, rejected)
+        except ArmCommandError as error:
+            return self._refuse(request, rejected, error.message)
         self._recovery = request
         return self._advance_recovery()
 

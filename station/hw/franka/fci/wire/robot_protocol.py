@@ -415,3 +415,12 @@ PANDA = PROTOCOLS[5]
 FR3 = tuple(protocol for version, protocol in PROTOCOLS.items() if version > 5)
 """The versions of the FR3: 6 since libfranka 0.10, 7 since 0.13.3, 8 since 0.14, 9
 since 0.15, 10 since 0.18."""
+
+
+def versions_of_arm(arm: str) -> Sequence[RobotProtocol]:
+    """Return the versions of a kind of arm, oldest first.
+
+    Args:
+        arm: `panda` or `fr3`.
+    """
+    return FR3 if arm == "fr3" else (PANDA,)

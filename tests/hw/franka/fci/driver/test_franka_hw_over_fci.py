@@ -9,14 +9,19 @@ from station.core.errors import (
     SwitchRefusedError,
 )
 from station.core.franka import GripperServicesInterface
-from station.core.hardware.interfaces import JointStateInterface, PositionJointInterface
+from station.core.hardware.interfaces import (
+    EffortJointInterface,
+    JointStateInterface,
+    PositionJointInterface,
+)
 from station.core.hardware.robot_hw import SwitchState
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.fci.driver import connection
 from station.hw.franka.fci.driver.fci_arm import FciArm
+from station.hw.franka.fci.driver.fci_client import IncompatibleVersionError
 from station.hw.franka.fci.driver.network import FciNetworkError
 from station.hw.franka.fci.wire.gripper_protocol import HAND
-from station.hw.franka.fci.wire.robot_protocol import Command, MoveStatus
+from station.hw.franka.fci.wire.robot_protocol import PROTOCOLS, Command, MoveStatus
 from station.hw.franka.franka_combined_hw import FrankaCombinedHW
 from station.hw.franka.franka_hw import FrankaHW
 from station.hw.franka.simulated.arm_model import ArmModel
@@ -76,6 +81,48 @@ def test_robot_ip_selects_the_driver_with_nothing_of_a_simulation(network, make)
     assert behavior.lower_torque_thresholds_nominal == (11.0,) * 7
     hw.close()
     assert network.is_closed
+
+
+@pytest.fixture
+def asked(monkeypatch):
+    """Put an arm that speaks one version at every address; note the connections."""
+
+    def serve(version):
+        opened = []
+
+        def open_network(host, port):
+            if port == HAND.port:
+                raise FciNetworkError(f"libfranka: There is no hand at {host}.")
+            opened.append(SteppedNetwork(ScriptedArm(), PROTOCOLS[version]))
+            return opened[-1]
+
+        monkeypatch.setattr(connection, "FciNetwork", open_network)
+        return opened
+
+    return serve
+
+
+@pytest.mark.parametrize("version", [6, 7, 8, 9, 10])
+def test_fr3_is_spoken_to_in_the_version_of_its_system(asked, make, version):
+    opened = asked(version)
+    hw = make(arm="fr3")
+    # The first one asked for the newest version.
+    refused = [True] if version < 10 else []
+    assert [network.is_closed for network in opened] == [*refused, False]
+    switch(hw, "jt")
+    drive(hw, EffortJointInterface, [0.5] * 7, 2)
+    assert hw.mode() == "move"
+    state = PROTOCOLS[version].state.unpack(opened[-1].session.state(99))
+    assert state["motion_generator_mode"] == (5 if version > 6 else 2)
+
+
+@pytest.mark.parametrize(("arm", "version"), [("panda", 10), ("fr3", 5)])
+def test_arm_of_another_kind_is_refused(asked, make, arm, version):
+    asked(version)
+    with pytest.raises(IncompatibleVersionError) as refused:
+        make(arm=arm)
+    assert f"server version: {version}" in refused.value.message
+    assert "robot.arm" in refused.value.remedy
 
 
 @pytest.mark.usefixtures("network")

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from station.controllers.franka_example_controllers.cartesian_spring import (
+from station.controllers.franka_arm.cartesian_spring import (
     CartesianSpring,
     SpringUpdate,
 )

@@ -9,8 +9,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from station.controllers.franka_arm import LARGEST_STEP
-from station.controllers.franka_example_controllers.pose_spring import PoseSpring
+from station.controllers.franka_arm.arm_handles import LARGEST_STEP
+from station.controllers.franka_arm.pose_spring import PoseSpring
 from station.core.franka import Frame, FrankaModelHandle, FrankaStateHandle
 from station.core.hardware.interfaces import JointGroup
 from station.core.ports.set_point import SetPointPort
@@ -28,7 +28,10 @@ class CartesianSpring:
         model: The arm's model.
         is_angle: Whether the rotation error is a rotation vector, as with two arms;
             otherwise it is the vector part of a quaternion.
+        law: Class of the spring.
 
+    Attributes:
+        spring: Computes the torques.
     """
 
     def __init__(
@@ -38,12 +41,13 @@ class CartesianSpring:
         model: FrankaModelHandle,
         *,
         is_angle: bool,
+        law: type[PoseSpring] = PoseSpring,
     ) -> None:
         self._pose = state.pose_source()
         self._jacobian = model.zero_jacobian_source(Frame.END_EFFECTOR)
         self._coriolis = model.coriolis_source()
         arm = state.get_robot_state()
-        self._spring = PoseSpring(
+        self.spring = law(
             arm.doubles("q"),
             arm.doubles("dq"),
             arm.doubles("tau_J_d"),
@@ -53,20 +57,20 @@ class CartesianSpring:
         # Joints that the robot does not keep side by side in doubles take a list.
         self._copies = joints if joints.commands is None else None
         commands = joints.commands
-        self._commands = self._spring.torques if commands is None else commands
+        self._commands = self.spring.torques if commands is None else commands
 
     def pose(self) -> list[float]:
         """Return the measured pose O_T_EE, 16 numbers, column-major."""
-        self._pose.write(self._spring.pose)
+        self._pose.write(self.spring.pose)
         return self.measured_pose()
 
     def measured_pose(self) -> list[float]:
         """Return the pose that was measured in the last cycle, 16 numbers."""
-        return list(self._spring.pose)
+        return list(self.spring.pose)
 
     def equilibrium(self) -> list[float]:
         """Return the equilibrium: position [m], then quaternion w x y z, shape (7,)."""
-        px, py, pz, x, y, z, w = self._spring.equilibrium
+        px, py, pz, x, y, z, w = self.spring.equilibrium
         return [px, py, pz, w, x, y, z]
 
     def start_at_rest(self, nullspace: float) -> None:
@@ -75,8 +79,8 @@ class CartesianSpring:
         Args:
             nullspace: Stiffness of the null space from the start on [Nm/rad], >= 0.
         """
-        self._pose.write(self._spring.pose)
-        self._spring.start_at_rest(nullspace)
+        self._pose.write(self.spring.pose)
+        self.spring.start_at_rest(nullspace)
 
     def set_target(
         self, position: NDArray[np.float64], rotation: NDArray[np.float64]
@@ -88,7 +92,7 @@ class CartesianSpring:
             rotation: Unit quaternion w x y z, shape (4,).
         """
         w, x, y, z = rotation.tolist()
-        put(self._spring.target, [*position.tolist(), x, y, z, w])
+        put(self.spring.target, [*position.tolist(), x, y, z, w])
 
     def set_stiffness(
         self, translational: float, rotational: float, nullspace: float
@@ -100,11 +104,11 @@ class CartesianSpring:
             rotational: Stiffness against rotations [Nm/rad], >= 0.
             nullspace: Stiffness of the joints in the null space [Nm/rad], >= 0.
         """
-        put(self._spring.wanted, (translational, rotational, nullspace))
+        put(self.spring.wanted, (translational, rotational, nullspace))
 
     def command_torques(self) -> None:
         """Command the torques of this cycle, then move on towards the targets."""
-        spring = self._spring
+        spring = self.spring
         self._pose.write(spring.pose)
         self._jacobian.write(spring.jacobian)
         self._coriolis.write(spring.coriolis)

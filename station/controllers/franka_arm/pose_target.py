@@ -6,7 +6,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from station.controllers.franka_arm import PosePort
+from station.controllers.franka_arm.pose_port import PosePort
 from station.core.parameters import Parameters
 from station.core.ports.set_point import ActiveSetPoint, read_command_timeout
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.controllers.franka_example_controllers.pose_target import PoseTarget
+from station.controllers.franka_arm.pose_target import PoseTarget
 from station.core.clock import ManualClock
 from station.core.errors import CommandTimeoutError, InvalidCommandError
 from station.core.parameters import Parameters, ParameterTree

@@ -1,0 +1,16 @@
+"""The rules of rehearsals as the configuration has them."""
+
+from station.config import StationConfig
+from station.rehearsal.certificates import Tolerances
+from station.rehearsal.rehearsals import Policy, Rules
+
+
+def rules_of(config: StationConfig) -> Rules:
+    """Return the rules of a station."""
+    section = config.rehearsal
+    return Rules(
+        operator=Policy(section.operator),
+        agent=Policy(section.agent),
+        agents=frozenset(section.agents),
+        tolerances=Tolerances(section.pose_tolerance, section.tube),
+    )

@@ -1,0 +1,163 @@
+"""The verb that tries a motion in a copy of the station."""
+
+import json
+import sys
+from argparse import Namespace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from station.cli.connection import open_client
+from station.cli.errors import UsageError
+from station.cli.output import say, say_model
+
+if TYPE_CHECKING:
+    from pydantic import JsonValue
+
+    from station.cli.parser import Parser
+    from station.client import StationClient
+    from station.wire import Rehearsal
+
+_TRAJECTORY = "/JointTrajectoryController"
+
+
+def add_rehearse(parser: "Parser") -> None:
+    """Add the arguments of `rehearse`."""
+    parser.add_argument("controller", nargs="?", help="a running controller")
+    parser.add_argument(
+        "values",
+        nargs="*",
+        metavar="V",
+        help="a set-point; for a trajectory controller a pose, or positions [rad or m]",
+    )
+    parser.add_argument(
+        "--duration", type=float, metavar="S", help="of a trajectory; without: calm"
+    )
+    parser.add_argument("--path", metavar="NAME", help="one round of a waypoint path")
+    parser.add_argument(
+        "--file", metavar="FILE", help="a JSON list of steps; - for standard input"
+    )
+    parser.add_argument(
+        "--seconds", type=float, metavar="S", help="how long; without: until all rests"
+    )
+    parser.add_argument(
+        "--certificate",
+        action="store_true",
+        help="ask for a certificate, to give the command with",
+    )
+
+
+def rehearse(options: Namespace) -> int:
+    """Tell how a motion would end; 1 when it would not be completed."""
+    with open_client(options) as client:
+        told = client.rehearse(
+            _steps(client, options),
+            seconds=options.seconds,
+            certificate=options.certificate,
+        )
+    if options.json:
+        say_model(told)
+    else:
+        _tell(told)
+    return 0 if told.outcome == "completed" else 1
+
+
+def _steps(client: "StationClient", options: Namespace) -> "list[dict[str, JsonValue]]":
+    """Return the steps that the arguments ask for.
+
+    Raises:
+        UsageError: They do not say what to rehearse, or the file holds no steps.
+    """
+    if options.file is not None:
+        return _steps_of_file(options.file)
+    if options.path is not None:
+        return [{"kind": "path", "path": options.path}]
+    name, values = options.controller, options.values
+    if name is None or not values:
+        raise UsageError(
+            "Nothing to rehearse was named.",
+            remedy="Name a running controller and a set-point, or give --path or "
+            "--file.",
+        )
+    if client.controller(name).type.endswith(_TRAJECTORY):
+        return [_goal(client, name, values, options.duration)]
+    numbers: list[JsonValue] = [*_numbers(values)]
+    return [{"kind": "set_point", "name": name, "values": numbers}]
+
+
+def _steps_of_file(file: str) -> "list[dict[str, JsonValue]]":
+    try:
+        text = sys.stdin.read() if file == "-" else Path(file).read_text("utf-8")
+        steps = json.loads(text)
+    except (OSError, ValueError) as error:
+        raise UsageError(
+            f"{file} cannot be read: {error}.", remedy="Give a JSON list of steps."
+        ) from error
+    if not isinstance(steps, list) or not all(isinstance(one, dict) for one in steps):
+        raise UsageError(
+            f"{file} holds no list of steps.",
+            remedy='A step is such as {"kind": "path", "path": "wave"}.',
+        )
+    return steps
+
+
+def _goal(
+    client: "StationClient", name: str, values: list[str], duration: float | None
+) -> "dict[str, JsonValue]":
+    from station.client.poses import check_name, joint_positions, trajectory_goal
+
+    target: str | list[float]
+    if len(values) == 1 and not _is_number(values[0]):
+        target = values[0]
+        check_name(target)
+    else:
+        target = _numbers(values)
+    here = client.query_state(name)
+    wanted = joint_positions(target, here.name, here.position)
+    goal = trajectory_goal(here.name, here.position, wanted, duration)
+    return {"kind": "goal", "name": name, "request": dict(goal)}
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _numbers(values: list[str]) -> list[float]:
+    """Return the numbers of some texts.
+
+    Raises:
+        UsageError: One is no number.
+    """
+    for value in values:
+        if not _is_number(value):
+            raise UsageError(f"{value!r} is no number.", remedy="Give numbers alone.")
+    return [float(value) for value in values]
+
+
+def _tell(told: "Rehearsal") -> None:
+    say(
+        f"{told.outcome} after {told.duration:.3f} s ({told.cycles} cycles, rehearsed "
+        f"in {1e3 * told.wall_time:.0f} ms)."
+    )
+    if told.error is not None:
+        where = f" at {told.error.where}" if told.error.where else ""
+        say(f"{told.error.cause}{where} in cycle {told.error.cycle}: {told.error.text}")
+        for pair in told.error.touching:
+            say(f"Touching: {' and '.join(pair)}.")
+    near = [one for one in told.joints if one.position_margin is not None]
+    if near:
+        least = min(near, key=lambda one: one.position_margin or 0.0)
+        say(f"Nearest to a limit: {least.joint}, {least.position_margin:.3f} left.")
+    for contact in told.contacts:
+        say(f"{' and '.join(contact.bodies)} touch with {contact.force:.1f} N.")
+    cut = [one.joint for one in told.joints if one.cut_off]
+    if cut:
+        say(f"Limits cut off commands of: {', '.join(cut)}.")
+    if told.certificate is not None:
+        say(
+            f"Certificate: {told.certificate.name} (valid for "
+            f"{told.certificate.valid_for:g} s)"
+        )

@@ -1,0 +1,124 @@
+"""Inputs of a station as data, carried out: those of a recording, or of a rehearsal.
+
+An input has a `kind` and the arguments that `InputLog` notes with it.
+"""
+
+from collections.abc import Callable, Mapping
+from typing import Any, TypeAlias
+
+from station.core.control.switching import Strictness, SwitchRequest
+from station.core.facade.station import Station
+from station.core.ports.receipt import Receipt
+
+Arguments: TypeAlias = Mapping[str, Any]
+"""The arguments of an input, as JSON has them."""
+
+
+def carry_out(station: Station, kind: str, one: Arguments) -> bool:
+    """Carry out an input that takes effect before the next cycle.
+
+    Args:
+        station: The station.
+        kind: Kind of the input.
+        one: Its arguments.
+
+    Returns:
+        Whether inputs of this kind can be carried out.
+
+    Raises:
+        StationError: The station refuses it; nothing changed.
+    """
+    act = _ACT.get(kind)
+    if act is None:
+        return False
+    act(station, one)
+    return True
+
+
+def carry_out_plan(
+    station: Station, kind: str, one: Arguments, receipt: Receipt | None = None
+) -> bool:
+    """Carry out an input that is planned first and taken up by a later cycle.
+
+    Args:
+        station: The station.
+        kind: Kind of the input.
+        one: Its arguments.
+        receipt: Where the cycle is noted that takes it up.
+
+    Returns:
+        Whether inputs of this kind are planned.
+
+    Raises:
+        StationError: The station refuses it; nothing changed.
+    """
+    if kind == "goal":
+        station.motion.submit_goal(one["name"], one["request"], receipt=receipt)
+    elif kind == "trajectory":
+        station.motion.follow_trajectory(one["name"], one["request"], receipt=receipt)
+    else:
+        return False
+    return True
+
+
+def _switch(station: Station, one: Arguments) -> None:
+    station.switch_controllers(
+        SwitchRequest(
+            one["start"],
+            one["stop"],
+            Strictness(one.get("strictness", Strictness.STRICT.value)),
+            start_asap=one.get("start_asap", False),
+            timeout=one.get("timeout", 0.0),
+            zero_period=one.get("zero_period", False),
+        )
+    )
+
+
+def _set_point(station: Station, one: Arguments) -> None:
+    station.motion.set_command(
+        one["name"], one["values"], timeout=one["timeout"], rates=one["rates"]
+    )
+
+
+def _expire(station: Station, one: Arguments) -> None:
+    port = station.manager.get_controller(one["name"]).set_points
+    if port is not None:
+        port.expire()
+
+
+def _cancel_goal(station: Station, one: Arguments) -> None:
+    goals = station.motion.goals(one["name"])
+    station.motion.cancel_goal(one["name"], goals[-1 - one["behind"]].identifier)
+
+
+def _service(station: Station, one: Arguments) -> None:
+    declared, method = station.robots.find_service(one["robot"], one["service"])
+    station.loop.run_in_cycle(lambda: method(**one["arguments"]), moves=declared.moves)
+
+
+def _recover(station: Station, one: Arguments) -> None:
+    for name in one["robots"]:
+        station.robots.recover(name)
+
+
+_ACT: dict[str, Callable[[Station, Arguments], object]] = {
+    "switch": _switch,
+    "set_point": _set_point,
+    "expire": _expire,
+    "cancel_goal": _cancel_goal,
+    "hold_trajectory": lambda station, one: station.motion.hold(one["name"]),
+    "gains": lambda station, one: station.tuning.set_many(one["changes"]),
+    "stop": lambda station, one: station.stop(one["reason"]),
+    "release": lambda station, one: station.release_stop(arm=one["arm"]),
+    "reset": lambda station, one: station.simulation.reset(one["positions"]),
+    "load": lambda station, one: station.load_controller(
+        one["name"], params=one["params"]
+    ),
+    "unload": lambda station, one: station.unload_controller(one["name"]),
+    "service": _service,
+    "recover": _recover,
+    "late": lambda station, one: station.loop.delay_next_cycle(one["periods"] - 1),
+}
+"""How each kind of input is carried out."""
+PLANNED = frozenset({"goal", "trajectory"})
+"""The kinds that are planned first and handed over later."""

@@ -1,0 +1,38 @@
+cimport cython
+
+from station.memory.functions cimport square_root
+
+cdef int _ROW, _MARGIN, _SPHERE, _CAPSULE, _CYLINDER, _BOX, _HALF_SPACE
+cdef double _PARALLEL, _EXACT
+
+cdef class Nearness:
+    cdef readonly double distance
+    cdef readonly double[::1] point, normal
+    @cython.locals(low=double, high=double, share=double, distance=double)
+    cpdef double to_solid(
+        self, double[::1] ends, double radius, double[::1] solid, double[::1] triangles
+    ) noexcept
+    @cython.locals(
+        kind=int, distance=double, x=double, y=double, z=double, sx=double, sy=double,
+        sz=double,
+    )
+    cpdef double of_point(
+        self, double px, double py, double pz, double[::1] solid,
+        double[::1] triangles,
+    ) noexcept
+    @cython.locals(
+        begin=long, count=long, k=long, inside=double, best=double, s=double, t=double,
+        e=double, f=double, least=double,
+    )
+    cpdef double of_mesh(
+        self, double x, double y, double z, double[::1] solid, double[::1] triangles
+    ) noexcept
+    cpdef double to_capsule(
+        self, double[::1] ends, double radius, double[::1] other, double other_radius
+    ) noexcept
+
+cdef double _clipped(double value) noexcept
+@cython.locals(s=double, t=double)
+cpdef double nearest_points(
+    double[::1] first, double[::1] second, double[::1] point, double[::1] normal
+) noexcept

@@ -1,0 +1,300 @@
+"""Signed distances of capsules to convex solids, to fences and to each other.
+
+A capsule is a segment with a radius. A solid is a row of 20 numbers: its kind, the x, y
+and z axes and the origin of its frame, three sizes, the margin [m], +1 to keep out of
+it or -1 to stay inside, and where its triangles begin and how many there are. The frame
+of a solid is its middle; a half-space fills what is below its own z = 0.
+
+The signed distance of a point to a convex solid is convex along a line, so a segment is
+nearest where the slope changes its sign, and it is farthest at an end.
+"""
+
+from station.memory.doubles import Doubles, zeros
+from station.memory.functions import square_root
+
+ROW = 20
+"""Numbers of a solid."""
+MARGIN = 16
+"""Where the margin is in the row of a solid."""
+SPHERE, CAPSULE, CYLINDER, BOX, HALF_SPACE, MESH = range(6)
+"""Kinds of a solid. The sizes are the radius; the radius and half the length of the
+axis, which for a capsule ends in the middles of its caps; half the edges of a box; how
+far a mesh reaches beyond its triangles."""
+
+_ROW, _MARGIN = ROW, MARGIN  # as C numbers, by the .pxd, as the next ones
+_SPHERE, _CAPSULE, _CYLINDER, _BOX = SPHERE, CAPSULE, CYLINDER, BOX
+_HALF_SPACE = HALF_SPACE
+# Below it the nearest points of two lines are lost in rounding: they count as parallel.
+_PARALLEL = 1e-12
+# Length of the part of a segment in which the nearest point is [m]. The distance there
+# differs by less than the square of it over the size of the solid.
+_EXACT = 1e-7
+
+
+class Nearness:
+    """Measures one capsule against one solid or another capsule; keeps the result.
+
+    Attributes:
+        distance: Distance of the surfaces at the last measurement [m]; negative when
+            they overlap.
+        point: Nearest point of the capsule's axis [m], shape (3,).
+        normal: Direction in which the distance grows, unit length, shape (3,).
+    """
+
+    def __init__(self) -> None:
+        self.distance = 0.0
+        self.point = zeros(3)
+        self.normal = zeros(3)
+
+    def to_solid(
+        self, ends: Doubles, radius: float, solid: Doubles, triangles: Doubles
+    ) -> float:
+        """Return the distance of a capsule to a solid, without its margin [m].
+
+        Args:
+            ends: Both ends of the capsule's axis [m], shape (6,).
+            radius: The capsule's radius [m].
+            solid: The solid, 20 numbers.
+            triangles: Corners of the triangles of all meshes, in the frame of their
+                solid [m], 9 numbers each; the outside is where they turn left.
+        """
+        ux, uy, uz = ends[3] - ends[0], ends[4] - ends[1], ends[5] - ends[2]
+        length = square_root(ux * ux + uy * uy + uz * uz)
+        low, high = 0.0, 1.0
+        if solid[17] < 0.0:
+            first = self.of_point(ends[0], ends[1], ends[2], solid, triangles)
+            last = self.of_point(ends[3], ends[4], ends[5], solid, triangles)
+            share = 1.0 if last > first else 0.0
+        else:
+            self.of_point(ends[0], ends[1], ends[2], solid, triangles)
+            normal = self.normal
+            share = 0.0
+            if normal[0] * ux + normal[1] * uy + normal[2] * uz < 0.0:
+                self.of_point(ends[3], ends[4], ends[5], solid, triangles)
+                share = 1.0
+                if normal[0] * ux + normal[1] * uy + normal[2] * uz > 0.0:
+                    while (high - low) * length > _EXACT:
+                        share = 0.5 * (low + high)
+                        self.of_point(
+                            ends[0] + share * ux,
+                            ends[1] + share * uy,
+                            ends[2] + share * uz,
+                            solid,
+                            triangles,
+                        )
+                        if normal[0] * ux + normal[1] * uy + normal[2] * uz < 0.0:
+                            low = share
+                        else:
+                            high = share
+        x, y, z = ends[0] + share * ux, ends[1] + share * uy, ends[2] + share * uz
+        distance = self.of_point(x, y, z, solid, triangles)
+        if solid[17] < 0.0:
+            distance, normal = -distance, self.normal
+            normal[0], normal[1], normal[2] = -normal[0], -normal[1], -normal[2]
+        self.point[0], self.point[1], self.point[2] = x, y, z
+        self.distance = distance - radius
+        return self.distance
+
+    def of_point(
+        self, px: float, py: float, pz: float, solid: Doubles, triangles: Doubles
+    ) -> float:
+        """Return the signed distance of a point; negative inside [m].
+
+        Args:
+            px: The point [m], as the next two.
+            py: See `px`.
+            pz: See `px`.
+            solid: The solid, 20 numbers.
+            triangles: Corners of the triangles of all meshes.
+        """
+        kind = int(solid[0])
+        wx, wy, wz = px - solid[10], py - solid[11], pz - solid[12]
+        x = solid[1] * wx + solid[2] * wy + solid[3] * wz
+        y = solid[4] * wx + solid[5] * wy + solid[6] * wz
+        z = solid[7] * wx + solid[8] * wy + solid[9] * wz
+        a, b, c = solid[13], solid[14], solid[15]
+        distance = 0.0
+        if kind in (_BOX, _CYLINDER):
+            sx, sy, sz = 1.0, 1.0, 1.0
+            if z < 0.0:
+                sz, z = -1.0, -z
+            if kind == _CYLINDER:
+                # A box of two dimensions: across the axis and along it.
+                across = square_root(x * x + y * y)
+                sx, sy = (x / across, y / across) if across > 0.0 else (1.0, 0.0)
+                x, y, z = across - a, -1.0, z - b
+            else:
+                if x < 0.0:
+                    sx, x = -1.0, -x
+                if y < 0.0:
+                    sy, y = -1.0, -y
+                x, y, z = x - a, y - b, z - c
+            if x > 0.0 or y > 0.0 or z > 0.0:
+                x, y = x if x > 0.0 else 0.0, y if y > 0.0 else 0.0
+                z = z if z > 0.0 else 0.0
+                distance = square_root(x * x + y * y + z * z)
+                x, y, z = x / distance, y / distance, z / distance
+            elif kind == _CYLINDER:
+                distance = x if x > z else z
+                x, y, z = (1.0, 0.0, 0.0) if x > z else (0.0, 0.0, 1.0)
+            elif x >= y and x >= z:
+                distance, x, y, z = x, 1.0, 0.0, 0.0
+            elif y >= z:
+                distance, x, y, z = y, 0.0, 1.0, 0.0
+            else:
+                distance, x, y, z = z, 0.0, 0.0, 1.0
+            if kind == _CYLINDER:
+                x, y, z = sx * x, sy * x, sz * z
+            else:
+                x, y, z = sx * x, sy * y, sz * z
+        elif kind == _HALF_SPACE:
+            distance, x, y, z = z, 0.0, 0.0, 1.0
+        elif kind in (_SPHERE, _CAPSULE):
+            if kind == _CAPSULE:
+                z = z - b if z > b else z + b if z < -b else 0.0
+            size = square_root(x * x + y * y + z * z)
+            distance = size - a
+            x, y, z = (x / size, y / size, z / size) if size > 0.0 else (0.0, 0.0, 1.0)
+        else:
+            distance = self.of_mesh(x, y, z, solid, triangles) - a
+            x, y, z = self.normal[0], self.normal[1], self.normal[2]
+        normal = self.normal
+        normal[0] = solid[1] * x + solid[4] * y + solid[7] * z
+        normal[1] = solid[2] * x + solid[5] * y + solid[8] * z
+        normal[2] = solid[3] * x + solid[6] * y + solid[9] * z
+        return distance
+
+    def of_mesh(
+        self, x: float, y: float, z: float, solid: Doubles, triangles: Doubles
+    ) -> float:
+        """Return the signed distance of a point to a convex mesh, in its frame [m].
+
+        Args:
+            x: The point in the frame of the solid [m], as the next two.
+            y: See `x`.
+            z: See `x`.
+            solid: The solid, 20 numbers.
+            triangles: Corners of the triangles of all meshes.
+        """
+        begin, count, normal = int(solid[18]), int(solid[19]), self.normal
+        inside, best = -1e30, 1e30
+        for k in range(9 * begin, 9 * (begin + count), 9):
+            ax, ay, az = triangles[k], triangles[k + 1], triangles[k + 2]
+            bx, by, bz = triangles[k + 3] - ax, triangles[k + 4] - ay, 0.0
+            bz = triangles[k + 5] - az
+            cx, cy, cz = triangles[k + 6] - ax, triangles[k + 7] - ay, 0.0
+            cz = triangles[k + 8] - az
+            nx, ny, nz = by * cz - bz * cy, bz * cx - bx * cz, bx * cy - by * cx
+            size = square_root(nx * nx + ny * ny + nz * nz)
+            wx, wy, wz = x - ax, y - ay, z - az
+            height = (nx * wx + ny * wy + nz * wz) / size
+            if height > inside:
+                inside = height
+                if height <= 0.0 and best > 1e29:
+                    normal[0], normal[1], normal[2] = nx / size, ny / size, nz / size
+            if height <= 0.0:
+                continue
+            # Barycentric coordinates of the foot of the perpendicular; outside of the
+            # triangle the nearest point is on one of its edges.
+            bb, cc = bx * bx + by * by + bz * bz, cx * cx + cy * cy + cz * cz
+            bc = bx * cx + by * cy + bz * cz
+            bw, cw = bx * wx + by * wy + bz * wz, cx * wx + cy * wy + cz * wz
+            square = bb * cc - bc * bc
+            s, t = (cc * bw - bc * cw) / square, (bb * cw - bc * bw) / square
+            if s < 0.0 or t < 0.0 or s + t > 1.0:
+                least = 1e30
+                s, t = 0.0, 0.0
+                e = _clipped(bw / bb)
+                fx, fy, fz = wx - e * bx, wy - e * by, wz - e * bz
+                least, s, t = fx * fx + fy * fy + fz * fz, e, 0.0
+                e = _clipped(cw / cc)
+                fx, fy, fz = wx - e * cx, wy - e * cy, wz - e * cz
+                f = fx * fx + fy * fy + fz * fz
+                if f < least:
+                    least, s, t = f, 0.0, e
+                dx, dy, dz = cx - bx, cy - by, cz - bz
+                e = dx * (wx - bx) + dy * (wy - by) + dz * (wz - bz)
+                e = _clipped(e / (dx * dx + dy * dy + dz * dz))
+                fx, fy, fz = wx - bx - e * dx, wy - by - e * dy, wz - bz - e * dz
+                f = fx * fx + fy * fy + fz * fz
+                if f < least:
+                    s, t = 1.0 - e, e
+            fx, fy, fz = (
+                wx - s * bx - t * cx,
+                wy - s * by - t * cy,
+                wz - s * bz - t * cz,
+            )
+            f = square_root(fx * fx + fy * fy + fz * fz)
+            if f < best and f > 0.0:
+                best = f
+                normal[0], normal[1], normal[2] = fx / f, fy / f, fz / f
+        return inside if inside <= 0.0 else best
+
+    def to_capsule(
+        self, ends: Doubles, radius: float, other: Doubles, other_radius: float
+    ) -> float:
+        """Return the distance of a capsule to another one [m].
+
+        Args:
+            ends: Both ends of the capsule's axis [m], shape (6,).
+            radius: The capsule's radius [m].
+            other: Both ends of the other one's axis [m], shape (6,).
+            other_radius: The other one's radius [m].
+        """
+        normal, point = self.normal, self.point
+        distance = nearest_points(ends, other, point, normal)
+        self.distance = distance - radius - other_radius
+        return self.distance
+
+
+def _clipped(value: float) -> float:
+    """Return a share within 0 and 1."""
+    return 0.0 if value < 0.0 else 1.0 if value > 1.0 else value
+
+
+def nearest_points(
+    first: Doubles, second: Doubles, point: Doubles, normal: Doubles
+) -> float:
+    """Return the distance between two segments, each of some length [m].
+
+    Args:
+        first: Ends of one segment, 6 numbers.
+        second: Ends of the other segment, 6 numbers.
+        point: Where the nearest point of the first one goes, shape (3,).
+        normal: Where the direction from the second one to it goes, shape (3,).
+    """
+    s, t = 0.0, 0.0
+    px, py, pz, qx, qy, qz = (
+        first[0],
+        first[1],
+        first[2],
+        second[0],
+        second[1],
+        second[2],
+    )
+    ux, uy, uz = first[3] - px, first[4] - py, first[5] - pz
+    vx, vy, vz = second[3] - qx, second[4] - qy, second[5] - qz
+    wx, wy, wz = px - qx, py - qy, pz - qz
+    uu, vv = ux * ux + uy * uy + uz * uz, vx * vx + vy * vy + vz * vz
+    uv = ux * vx + uy * vy + uz * vz
+    uw, vw = ux * wx + uy * wy + uz * wz, vx * wx + vy * wy + vz * wz
+    square = uu * vv - uv * uv
+    # Nearest points of the lines, then back onto the segments; parallel ones: any.
+    if square > _PARALLEL:
+        s = (uv * vw - uw * vv) / square
+        s = 0.0 if s < 0.0 else 1.0 if s > 1.0 else s
+    if vv > 0.0:
+        t = (uv * s + vw) / vv
+    if t < 0.0 or t > 1.0:
+        t = 0.0 if t < 0.0 else 1.0
+        if uu > 0.0:
+            s = (uv * t - uw) / uu
+            s = 0.0 if s < 0.0 else 1.0 if s > 1.0 else s
+    x, y, z = wx + s * ux - t * vx, wy + s * uy - t * vy, wz + s * uz - t * vz
+    point[0], point[1], point[2] = px + s * ux, py + s * uy, pz + s * uz
+    size = square_root(x * x + y * y + z * z)
+    normal[0], normal[1], normal[2] = 0.0, 0.0, 1.0
+    # Axes that cross have no direction: any will do.
+    if size > 0.0:
+        normal[0], normal[1], normal[2] = x / size, y / size, z / size
+    return size

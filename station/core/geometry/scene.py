@@ -1,0 +1,300 @@
+"""The objects around robots as data: shapes, roles, and how they are read."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from math import isfinite
+from pathlib import Path
+from typing import NoReturn
+
+from station.core.description.urdf import Pose
+from station.core.errors import ParameterError, RobotDescriptionError
+from station.core.geometry import distances
+from station.core.geometry.mesh_files import add_hull, check_mesh_file, mesh_vertices
+from station.core.parameters import Parameters
+
+_SIZES = {
+    "box": 3,
+    "sphere": 1,
+    "cylinder": 2,
+    "capsule": 2,
+    "half_space": 0,
+    "mesh": 0,
+    "table": 3,
+}
+_KINDS = {
+    "box": distances.BOX,
+    "table": distances.BOX,
+    "sphere": distances.SPHERE,
+    "cylinder": distances.CYLINDER,
+    "capsule": distances.CAPSULE,
+    "half_space": distances.HALF_SPACE,
+    "mesh": distances.MESH,
+}
+ROLES = ("object", "keep_out", "fence")
+"""What an object is to the robots: a thing, a place to keep out of, the place to stay
+in."""
+HAND = "hand"
+"""Name in `links` that stands for the hand and its fingers."""
+_KEYS = {
+    "name", "type", "size", "position", "rpy", "mass", "file", "friction",
+    "role", "margin", "links", "colour", "solid",
+}  # fmt: skip
+_FRICTION = 1.0
+_MARGIN = 0.02
+
+
+@dataclass(frozen=True, slots=True)
+class SceneObject:
+    """An object in the world.
+
+    Attributes:
+        name: Name of the object, unique in the world.
+        kind: `box`, `sphere`, `cylinder`, `capsule`, `half_space`, `mesh` or `table`. A
+            table is a box whose `position` is the middle of its top; a half-space fills
+            what is below its own z = 0; a mesh counts as its convex hull.
+        size: Edges of a box or table; radius of a sphere; radius and height of a
+            cylinder; radius of a capsule and length of its axis [m].
+        position: Position at the start [m], shape (3,).
+        rpy: Roll, pitch and yaw at the start [rad], shape (3,).
+        mass: Mass [kg]; 0 for an object that cannot move.
+        friction: Coefficient of sliding friction, >= 0.
+        file: STL or OBJ file of a mesh; empty for other kinds.
+        role: One of `ROLES`.
+        margin: Distance that the robots keep from it [m], >= 0.
+        links: Links that a role is for; empty for all. `hand` is the hand and its
+            fingers.
+        colour: Red, green and blue, 0 to 255; empty for the one of its role.
+        solid: Whether a simulated robot can touch it.
+    """
+
+    name: str
+    kind: str
+    size: tuple[float, ...] = ()
+    position: tuple[float, ...] = (0.0, 0.0, 0.0)
+    rpy: tuple[float, ...] = (0.0, 0.0, 0.0)
+    mass: float = 0.0
+    friction: float = _FRICTION
+    file: str = ""
+    role: str = "object"
+    margin: float = _MARGIN
+    links: tuple[str, ...] = ()
+    colour: tuple[int, ...] = ()
+    solid: bool = True
+
+    def pose(self) -> Pose:
+        """Return the pose of its middle in the world."""
+        x, y, z = self.position
+        if self.kind == "table":
+            z -= self.size[2] / 2.0
+        roll, pitch, yaw = self.rpy
+        return Pose.from_rpy((x, y, z), (roll, pitch, yaw))
+
+    def at(self, pose: Pose) -> "SceneObject":
+        """Return the same object with its middle at a pose in the world."""
+        x, y, z = pose.xyz
+        if self.kind == "table":
+            z += self.size[2] / 2.0
+        return replace(self, position=(x, y, z), rpy=pose.rpy())
+
+
+def read_scene(root_params: Parameters) -> list[SceneObject]:
+    """Return the objects in `scene/objects` of the root namespace.
+
+    Args:
+        root_params: Parameters of the station's root namespace.
+
+    Raises:
+        ParameterError: An entry is malformed, or a name is used twice.
+    """
+    entries = root_params.get("scene/objects", [])
+    if not isinstance(entries, list):
+        _refuse("scene/objects", f"is {entries!r}", "a list")
+    found = [read_object(one, f"scene/objects/{i}") for i, one in enumerate(entries)]
+    names = [one.name for one in found]
+    if len(set(names)) != len(names):
+        _refuse("scene/objects", f"has the names {names}", "of unlike names")
+    return found
+
+
+def read_object(values: object, where: str) -> SceneObject:
+    """Return the object that an entry of `scene/objects` describes.
+
+    Args:
+        values: The entry.
+        where: Path of the entry in the configuration, for messages.
+
+    Raises:
+        ParameterError: A key is unknown, or a value is impossible.
+    """
+    entry = values if isinstance(values, Mapping) else {}
+    unknown = sorted(set(entry) - _KEYS)
+    if not entry or unknown:
+        _refuse(where, f"is {values!r}", f"with keys of {sorted(_KEYS)}")
+    name, kind = entry.get("name"), entry.get("type")
+    if not isinstance(name, str) or not name:
+        _refuse(f"{where}/name", f"is {name!r}", "a name")
+    if not isinstance(kind, str) or kind not in _SIZES:
+        _refuse(f"{where}/type", f"is {kind!r}", f"one of {sorted(_SIZES)}")
+    file = entry.get("file", "")
+    if kind == "mesh":
+        _check_mesh(file, f"{where}/file")
+    size = _numbers(entry.get("size", []), _SIZES[kind], f"{where}/size")
+    if any(value <= 0.0 for value in size):
+        _refuse(f"{where}/size", f"is {size}", "above 0")
+    zeros_ = [0.0, 0.0, 0.0]
+    mass = _numbers([entry.get("mass", 0.0)], 1, f"{where}/mass")[0]
+    friction = _numbers([entry.get("friction", _FRICTION)], 1, f"{where}/friction")[0]
+    if mass < 0.0 or friction < 0.0:
+        _refuse(where, f"has mass {mass} and friction {friction}", "0 or more")
+    return SceneObject(
+        name=name,
+        kind=kind,
+        size=size,
+        position=_numbers(entry.get("position", zeros_), 3, f"{where}/position"),
+        rpy=_numbers(entry.get("rpy", zeros_), 3, f"{where}/rpy"),
+        mass=mass,
+        friction=friction,
+        file=str(file),
+        role=_role(entry, kind, mass, where),
+        margin=_margin(entry, where),
+        links=_names(entry.get("links", []), f"{where}/links"),
+        colour=_colour(entry.get("colour", []), f"{where}/colour"),
+        solid=_solid(entry, where),
+    )
+
+
+def _check_mesh(file: object, where: str) -> None:
+    path = Path(str(file))
+    if not path.is_file():
+        _refuse(where, f"is {file!r}", "the path of a mesh file")
+    try:
+        check_mesh_file(path)
+    except RobotDescriptionError as error:
+        raise ParameterError(
+            f"Parameter '{where}' is {file!r}. {error.message}",
+            remedy=error.remedy,
+            details={"parameter": where},
+        ) from error
+
+
+def _role(entry: Mapping[str, object], kind: str, mass: float, where: str) -> str:
+    role = entry.get("role", "object")
+    if not isinstance(role, str) or role not in ROLES:
+        _refuse(f"{where}/role", f"is {role!r}", f"one of {list(ROLES)}")
+    if role != "object" and mass > 0.0:
+        _refuse(f"{where}/mass", f"is {mass}", f"0: a {role} stays where it is")
+    if role == "object" and kind == "half_space":
+        _refuse(f"{where}/role", "is 'object'", "keep_out or fence for a half-space")
+    return role
+
+
+def _solid(entry: Mapping[str, object], where: str) -> bool:
+    """Return whether an object can be touched: places are not things unless asked."""
+    role = entry.get("role", "object")
+    solid = entry.get("solid", role == "object")
+    if not isinstance(solid, bool):
+        _refuse(f"{where}/solid", f"is {solid!r}", "true or false")
+    if solid != (role == "object") and role != "keep_out":
+        _refuse(f"{where}/solid", f"is {solid} for the role {role}", str(not solid))
+    return solid
+
+
+def _margin(entry: Mapping[str, object], where: str) -> float:
+    margin = _numbers([entry.get("margin", _MARGIN)], 1, f"{where}/margin")[0]
+    if margin < 0.0:
+        _refuse(f"{where}/margin", f"is {margin}", "0 or more [m]")
+    return margin
+
+
+def _names(values: object, where: str) -> tuple[str, ...]:
+    if not isinstance(values, (list, tuple)) or not all(
+        isinstance(one, str) and one for one in values
+    ):
+        _refuse(where, f"is {values!r}", "a list of names of links")
+    return tuple(values)
+
+
+def _colour(values: object, where: str) -> tuple[int, ...]:
+    if not values:
+        return ()
+    red, green, blue = _numbers(values, 3, where)
+    if not all(0.0 <= one <= 255.0 for one in (red, green, blue)):
+        _refuse(where, f"is {values!r}", "of numbers from 0 to 255")
+    return int(red), int(green), int(blue)
+
+
+def solid_of(thing: SceneObject, base: Pose, triangles: list[float]) -> list[float]:
+    """Return an object as a row of `distances`, in the frame of a robot's base.
+
+    Args:
+        thing: The object.
+        base: Pose of the base in the world.
+        triangles: Triangles of all meshes [m]; those of this object are added.
+
+    Raises:
+        RobotDescriptionError: The file of a mesh is no STL or OBJ file with a volume.
+    """
+    sizes, begin = [*thing.size], len(triangles) // 9
+    match thing.kind:
+        case "box" | "table":
+            sizes = [edge / 2.0 for edge in sizes]
+        case "cylinder" | "capsule":
+            sizes[1] /= 2.0
+        case "mesh":
+            sizes = [add_hull(mesh_vertices(Path(thing.file)), triangles)]
+        case _:
+            pass
+    w, x, y, z = base.quaternion
+    inverse = Pose((0.0, 0.0, 0.0), (w, -x, -y, -z))
+    bx, by, bz = inverse.compose(Pose(base.xyz)).xyz
+    pose = Pose((-bx, -by, -bz), inverse.quaternion).compose(thing.pose())
+    w, x, y, z = pose.quaternion
+    axes = [
+        1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y),
+        2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x),
+        2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y),
+    ]  # fmt: skip
+    sizes += [0.0] * (3 - len(sizes))
+    side = -1.0 if thing.role == "fence" else 1.0
+    count = len(triangles) // 9 - begin
+    kind = float(_KINDS[thing.kind])
+    return [kind, *axes, *pose.xyz, *sizes, thing.margin, side, begin, count]
+
+
+def words_for_pair(link: str, thing: str, distance: float, margin: float) -> str:
+    """Return a pair of a link and an object in words.
+
+    Args:
+        link: Name of the link.
+        thing: Name of the object.
+        distance: Distance of their surfaces [m].
+        margin: Distance that was to be kept [m].
+    """
+    short = 1000.0 * (margin - distance)
+    if distance < 0.0:
+        return f"{link} would come {-1000.0 * distance:.0f} mm into '{thing}'"
+    return (
+        f"{link} would come within {1000.0 * distance:.0f} mm of '{thing}', "
+        f"{short:.0f} mm less than its margin"
+    )
+
+
+def _numbers(values: object, count: int, where: str) -> tuple[float, ...]:
+    if (
+        not isinstance(values, (list, tuple))
+        or len(values) != count
+        or not all(
+            isinstance(v, (int, float)) and not isinstance(v, bool) and isfinite(v)
+            for v in values
+        )
+    ):
+        _refuse(where, f"is {values!r}", f"{count} finite numbers")
+    return tuple(float(value) for value in values)
+
+
+def _refuse(where: str, found: str, wanted: str) -> NoReturn:
+    raise ParameterError(
+        f"'{where}' {found}; it must be {wanted}.",
+        remedy="Correct the configuration.",
+        details={"parameter": where},
+    )

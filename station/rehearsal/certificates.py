@@ -1,0 +1,367 @@
+"""Certificates: a command is carried out as it was rehearsed, or the station stops."""
+
+import json
+import secrets
+import threading
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from typing_extensions import override
+
+from station.core.errors import (
+    CertificateNotFoundError,
+    CertificateVoidError,
+)
+from station.core.loop.cycle_tap import CycleTap
+from station.core.loop.snapshot import HEAD
+from station.core.ports.receipt import Receipt
+from station.reports import Certificate
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from station.core.facade.station import Station
+
+VALID_FOR = 60.0
+"""How long a certificate is valid [s wall time]."""
+MOST = 32
+"""Certificates that are kept; the oldest are dropped first."""
+_SCENE_TOLERANCE = 0.002
+"""How far an object may be from where it was [m]; coordinates of its pose."""
+_MOTIONS = frozenset({"set_point", "goal", "trajectory", "path"})
+_AT_REST = 0.1
+"""How much a joint may be faster or slower than it was [rad/s or m/s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tolerances:
+    """Distances at which the robot still does what was rehearsed.
+
+    Attributes:
+        pose: At the beginning, each joint [rad or m], > 0.
+        tube: During the motion, each joint [rad or m], > 0.
+    """
+
+    pose: float = 0.01
+    tube: float = 0.03
+
+
+@dataclass(frozen=True, slots=True)
+class Conditions:
+    """The conditions under which a rehearsal began.
+
+    Attributes:
+        epoch: The station's epoch.
+        changes: How many changes of settings there had been.
+        running: Names of the controllers that ran.
+        gains: Gains by controller and name.
+        scene: Pose of each object around the robot, by its name and kind.
+        position: Positions of the joints [rad or m] by name.
+        velocity: Velocities of the joints [rad/s or m/s] by name.
+    """
+
+    epoch: int
+    changes: int
+    running: frozenset[str]
+    gains: Mapping[str, Mapping[str, float]]
+    scene: Mapping[tuple[str, ...], Sequence[float]]
+    position: Mapping[str, float]
+    velocity: Mapping[str, float]
+
+    @classmethod
+    def of(cls, station: "Station") -> "Conditions":
+        """Return the present ones.
+
+        Raises:
+            LoopError: The loop died or hangs, or no cycle has run yet.
+        """
+        now, names = station.latest(), station.joint_names
+        gate = station.manager.controller_update.gate
+        return cls(
+            station.epoch,
+            station.inputs.changes,
+            frozenset(one.info.name for one in gate.running),
+            station.tuning.all_gains(),
+            {
+                (one.name, one.kind, *map(str, one.size)): (
+                    *one.position,
+                    *one.orientation,
+                )
+                for one in station.scene()
+            },
+            dict(zip(names, now.position, strict=True)),
+            dict(zip(names, now.velocity, strict=True)),
+        )
+
+    def changed(self, now: "Conditions", last_change: str) -> str | None:
+        """Return one sentence about what has changed except for the joints, or None.
+
+        Args:
+            now: The present conditions.
+            last_change: Kind of the last change of a setting.
+        """
+        if now.epoch != self.epoch:
+            return f"The epoch was {self.epoch} and is {now.epoch}."
+        if now.running != self.running:
+            names = ", ".join(sorted(now.running ^ self.running))
+            return f"Other controllers run: {names}."
+        for name, values in self.gains.items():
+            for key, value in values.items():
+                present = now.gains.get(name, {}).get(key)
+                if present != value:
+                    return f"The gain {key} of '{name}' was {value} and is {present}."
+        for thing in self.scene.keys() ^ now.scene.keys():
+            return f"The object '{thing[0]}' was added, removed or changed."
+        for thing, pose in self.scene.items():
+            far = max(abs(a - b) for a, b in zip(pose, now.scene[thing], strict=True))
+            if far > _SCENE_TOLERANCE:
+                return f"The object '{thing[0]}' has moved."
+        if now.changes != self.changes:
+            return f"The station has changed; the last change was: {last_change}."
+        return None
+
+    def moved(self, now: "Conditions", tolerance: float) -> str | None:
+        """Return one sentence about a joint that is elsewhere, or None."""
+        for joint, q in self.position.items():
+            far = abs(now.position[joint] - q)
+            if far > tolerance:
+                return (
+                    f"{joint} was at {q:.4f} and is at {now.position[joint]:.4f}; "
+                    f"allowed is a difference of {tolerance:g}."
+                )
+            if abs(now.velocity[joint] - self.velocity[joint]) > _AT_REST:
+                return f"{joint} moves at {now.velocity[joint]:.3f}."
+        return None
+
+
+class Tube(CycleTap[None]):
+    """Stops the station when joints leave the rehearsed motion.
+
+    It ends with the motion, and when its controller is commanded anew or stops.
+
+    Args:
+        station: The station.
+        promised: Positions after each cycle of the motion [rad or m], shape (k, n).
+        joints: Indices of the joints that are watched.
+        width: How far each may be away [rad or m].
+        controller: The controller that is commanded; empty for none.
+
+    Attributes:
+        is_over: Whether it looks no more.
+    """
+
+    def __init__(
+        self,
+        station: "Station",
+        promised: "NDArray[np.float64]",
+        joints: Sequence[int],
+        width: float,
+        controller: str,
+    ) -> None:
+        super().__init__(station.loop, lambda: None)
+        self.is_over = False
+        self._station = station
+        self._ring = station.snapshots
+        self._promised = promised.tolist()
+        self._joints = tuple(joints)
+        self._width = width
+        self._controller = controller
+        self._receipt: Receipt | None = None
+        self._commands: int | None = None
+        self._epoch = station.epoch
+        self._begin: float | None = None
+
+    def expect(self, receipt: Receipt) -> None:
+        """Look from the cycle on that takes a command up, which is still to be given.
+
+        Args:
+            receipt: Where the cycle is noted.
+        """
+        self._receipt = receipt
+        self.open()
+
+    def follow(self) -> None:
+        """Note that the command was given: the next one ends the tube."""
+        self._commands = self._station.inputs.commands.get(self._controller)
+
+    @override
+    def sample_cycle(self, cycle: int, epoch: int, stamp: float, period: float) -> None:
+        """Look at a cycle; control thread only."""
+        receipt, commands = self._receipt, self._commands
+        if self.is_over or receipt is None or receipt.cycle is None:
+            return
+        now = self._station.inputs.commands.get(self._controller)
+        if epoch != self._epoch or (commands is not None and now != commands):
+            self.is_over = True
+            return
+        if self._begin is None:
+            self._begin = stamp
+        # Late cycles have longer periods, so time tells where the motion should be.
+        k = int((stamp - self._begin) / self._station.loop.period + 0.5)
+        if k >= len(self._promised):
+            self.is_over = True
+            return
+        ring, promised, width = self._ring, self._promised[k], self._width
+        at = (cycle % ring.capacity) * ring.width + HEAD
+        for i in self._joints:
+            far = abs(ring.memory[at + i] - promised[i])
+            if not far <= width:
+                self.is_over = True
+                name = self._station.joint_names[i]
+                self._station.stop_from_cycle(
+                    f"{name} is {far:.4f} off the rehearsed motion in cycle {cycle}; "
+                    f"allowed is {width:g}"
+                )
+                return
+
+
+@dataclass(slots=True)
+class _Issued:
+    conditions: Conditions
+    commands: list[str]
+    tube: Tube
+    deadline: float
+    lock: threading.Lock = field(default_factory=threading.Lock)
+
+
+class Certificates:
+    """The certificates of a station. Any thread.
+
+    Args:
+        station: The station.
+        tolerances: How far the robot may be from what was rehearsed.
+    """
+
+    def __init__(self, station: "Station", tolerances: Tolerances) -> None:
+        self._station = station
+        self._tolerances = tolerances
+        self._issued: dict[str, _Issued] = {}
+        self._tube: Tube | None = None
+
+    def issue(
+        self,
+        steps: Sequence[Mapping[str, Any]],
+        conditions: Conditions,
+        positions: "NDArray[np.float64]",
+    ) -> Certificate | None:
+        """Return a certificate for commands that were rehearsed.
+
+        Args:
+            steps: The commands; all of them at the beginning.
+            conditions: What the rehearsal began with.
+            positions: Positions of all joints after every cycle [rad or m], (k, n).
+
+        Returns:
+            The certificate; None when the last step is not a motion, or when some step
+            comes later.
+        """
+        is_later = any(float(step["at"]) > 0.0 for step in steps)
+        if not steps or is_later or steps[-1]["kind"] not in _MOTIONS:
+            return None
+        names = [str(step["name"]) for step in steps if "name" in step]
+        controller = names[-1] if names else ""
+        tube = Tube(
+            self._station,
+            positions,
+            self._joints_of(names),
+            self._tolerances.tube,
+            controller,
+        )
+        name = secrets.token_urlsafe(12)
+        now = self._station.loop.clock.now()
+        for old in [k for k, one in self._issued.items() if one.deadline < now]:
+            self._issued.pop(old, None)
+        while len(self._issued) >= MOST:
+            self._issued.pop(next(iter(self._issued)), None)
+        self._issued[name] = _Issued(
+            conditions, [command_text(step) for step in steps], tube, now + VALID_FOR
+        )
+        return Certificate(name, VALID_FOR, self._tolerances.tube)
+
+    @contextmanager
+    def redeem(self, name: str, command: Mapping[str, Any]) -> Iterator[Receipt]:
+        """Carry a rehearsed command out in the body of a `with`.
+
+        The commands of a certificate are given in their order, each once. The body
+        gives the command with the receipt.
+
+        Args:
+            name: The certificate.
+            command: The command, as a step of a rehearsal.
+
+        Raises:
+            CertificateNotFoundError: There is no such certificate, or no longer.
+            CertificateVoidError: It is for another command, or something that matters
+                has changed; nothing moves.
+            LoopError: The loop died or hangs.
+        """
+        issued = self._issued.get(name)
+        if issued is None or self._station.loop.clock.now() > issued.deadline:
+            raise CertificateNotFoundError(
+                f"There is no certificate '{name}', or it was used or has expired.",
+                remedy="Rehearse the command, and give it within "
+                f"{VALID_FOR:g} s with the certificate of the answer.",
+            )
+        with issued.lock:
+            self._check(issued, command)
+            receipt, is_last = self._station.motion.receipt(), len(issued.commands) == 1
+            if is_last:
+                self._watch(issued.tube, receipt)
+            try:
+                yield receipt
+            except BaseException:
+                # Refused, so nothing moves that is to be watched.
+                issued.tube.close()
+                raise
+            del issued.commands[0]
+            # What the command itself has changed was rehearsed, too.
+            issued.conditions = Conditions.of(self._station)
+            if is_last:
+                issued.tube.follow()
+                self._issued.pop(name, None)
+
+    def _watch(self, tube: Tube, receipt: Receipt) -> None:
+        """Let a tube take the place of the one before."""
+        if self._tube is not None:
+            self._tube.close()
+        self._tube = tube
+        tube.expect(receipt)
+
+    def _check(self, issued: _Issued, command: Mapping[str, Any]) -> None:
+        if not issued.commands or issued.commands[0] != command_text(command):
+            raise CertificateVoidError(
+                "The certificate is for another command than this one.",
+                remedy="Give the commands as they were rehearsed, in their order.",
+                details={
+                    "rehearsed": issued.commands[0] if issued.commands else None,
+                    "given": command_text(command),
+                },
+            )
+        now = Conditions.of(self._station)
+        why = issued.conditions.changed(now, self._station.inputs.last_change)
+        why = why or issued.conditions.moved(now, self._tolerances.pose)
+        if why is not None:
+            raise CertificateVoidError(
+                f"The certificate is void: {why}",
+                remedy="Rehearse the command again.",
+                details={"reason": why},
+            )
+
+    def _joints_of(self, names: Sequence[str]) -> list[int]:
+        """Return the indices of the joints that controllers move; all for none."""
+        moved: set[str] = set()
+        for name in names:
+            moved |= set(self._station.manager.get_controller(name).joint_names)
+        known = self._station.joint_names
+        # Set-points of the hand have names of their own: they move the whole arm.
+        moved &= set(known)
+        return [i for i, joint in enumerate(known) if not moved or joint in moved]
+
+
+def command_text(command: Mapping[str, Any]) -> str:
+    """Return a command as text; two commands are the same if their texts are."""
+    told = {key: value for key, value in command.items() if key != "at"}
+    return json.dumps(told, sort_keys=True, default=str)

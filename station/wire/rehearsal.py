@@ -1,0 +1,145 @@
+"""Wire models of rehearsals."""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from station.wire.base import ControllerName, FileName, ParameterValues, RequestModel
+from station.wire.waypoint_paths import PlayRequest
+
+_Seconds = Annotated[float, Field(ge=0.0, le=60.0, allow_inf_nan=False)]
+_Numbers = list[Annotated[float, Field(allow_inf_nan=False)]]
+
+
+class _Step(RequestModel):
+    """The base of all steps.
+
+    Attributes:
+        at: Time at which it is carried out [s since the beginning].
+    """
+
+    at: _Seconds = 0.0
+
+    def as_input(self) -> dict[str, Any]:
+        """Return the step as an input of the station."""
+        return self.model_dump()
+
+
+class SetPointStep(_Step):
+    """A set-point for a running controller.
+
+    Attributes:
+        kind: `set_point`.
+        name: The controller.
+        values: One number per element; null leaves an element at its last command.
+        timeout: How long it is valid [s]; the controller's own when null.
+        rates: Rates of change of the elements; null without.
+        at: Time at which it is carried out [s since the beginning].
+    """
+
+    kind: Literal["set_point"]
+    name: ControllerName
+    values: list[float | None] = Field(max_length=1024)
+    timeout: float | None = Field(default=None, ge=0.0, le=3600.0)
+    rates: _Numbers | None = Field(default=None, max_length=1024)
+
+
+class GoalStep(_Step):
+    """A goal for a running controller.
+
+    Attributes:
+        kind: `goal`.
+        name: The controller.
+        request: The goal message of the controller's action.
+        at: Time at which it is carried out [s since the beginning].
+    """
+
+    kind: Literal["goal"]
+    name: ControllerName
+    request: ParameterValues
+
+
+class TrajectoryStep(_Step):
+    """A trajectory without a goal for a running controller.
+
+    Attributes:
+        kind: `trajectory`.
+        name: The controller.
+        request: trajectory_msgs/JointTrajectory with times in seconds.
+        at: Time at which it is carried out [s since the beginning].
+    """
+
+    kind: Literal["trajectory"]
+    name: ControllerName
+    request: ParameterValues
+
+
+class SwitchStep(_Step):
+    """A switch of controllers in one cycle.
+
+    Attributes:
+        kind: `switch`.
+        start: Names to start.
+        stop: Names to stop.
+        at: Time at which it is carried out [s since the beginning].
+    """
+
+    kind: Literal["switch"]
+    start: list[str] = Field(default_factory=list, max_length=64)
+    stop: list[str] = Field(default_factory=list, max_length=64)
+
+
+class GainsStep(_Step):
+    """A change of gains in one cycle.
+
+    Attributes:
+        kind: `gains`.
+        changes: New values by controller and name.
+        at: Time at which it is carried out [s since the beginning].
+    """
+
+    kind: Literal["gains"]
+    changes: dict[str, dict[str, float]] = Field(min_length=1, max_length=64)
+
+
+class PathStep(_Step):
+    """One round of a saved waypoint path.
+
+    Attributes:
+        kind: `path`.
+        path: Name of the path.
+        options: The options with which it is played.
+        at: Time at which it is carried out [s since the beginning].
+    """
+
+    kind: Literal["path"]
+    path: FileName
+    options: PlayRequest = Field(default_factory=PlayRequest)
+
+
+RehearsalStep = Annotated[
+    SetPointStep | GoalStep | TrajectoryStep | SwitchStep | GainsStep | PathStep,
+    Field(discriminator="kind"),
+]
+"""One step of a rehearsal."""
+
+
+class RehearsalRequest(RequestModel):
+    """Try steps in a copy of the station; nothing moves.
+
+    Attributes:
+        steps: The steps; without any the station goes on as it is.
+        seconds: How long the rehearsal lasts [s]; null ends it when all goals have
+            ended and the joints stand still, after 30 s at the latest.
+        certificate: Ask for a certificate, with which the commands are carried out as
+            they were rehearsed.
+
+    Example:
+        {"steps": [{"kind": "goal", "name": "arm", "request": {"trajectory":
+         {"joint_names": ["panda_joint1"], "points": [{"positions": [0.3],
+         "time_from_start": 2.0}]}}}], "certificate": true}
+    """
+
+    steps: list[RehearsalStep] = Field(default_factory=list, max_length=50)
+    seconds: Annotated[float, Field(gt=0.0, le=60.0)] | None = None
+    certificate: bool = False

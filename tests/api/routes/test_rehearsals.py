@@ -1,0 +1,88 @@
+"""Rehearsals by the API: forecast, certificate, policy."""
+
+import pytest
+
+from station.client import ApiError
+from station.rehearsal.rehearsals import Policy, Rules
+from tests.api.conftest import VIEWER
+from tests.two_joint_station import JOINTS, TRAJECTORY, make_station
+
+GOAL = {"trajectory": TRAJECTORY}
+STEP = {"kind": "goal", "name": "arm", "request": GOAL}
+
+
+@pytest.fixture
+def station():
+    """Return a station whose trajectory controller is not started."""
+    station = make_station()
+    station.loop.step()
+    return station
+
+
+@pytest.fixture
+def arm(client, station):
+    """Return a client of the station with the trajectory controller running."""
+    client.switch_controllers(start=["arm"])
+    station.loop.step(3)
+    return client
+
+
+def test_rehearsal_tells_the_end_and_moves_nothing(arm):
+    before = arm.joint_states()
+    told = arm.rehearse([STEP])
+    assert (told.outcome, told.error, told.certificate) == ("completed", None, None)
+    assert [joint.joint for joint in told.joints] == JOINTS
+    assert [joint.position for joint in told.joints] == pytest.approx([0.4, -0.4])
+    assert told.positions[-1] == pytest.approx([0.4, -0.4])
+    assert len(told.times) == len(told.positions) == 200
+    assert arm.joint_states() == before
+    assert arm.goals("arm") == []
+
+
+def test_refused_step_is_told_with_its_number(arm):
+    bad = {"kind": "set_point", "name": "arm", "values": [0.1]}
+    told = arm.rehearse([STEP, bad])
+    assert (told.outcome, told.error.cause, told.error.step) == (
+        "refused",
+        "refused",
+        1,
+    )
+    assert told.error.code == "invalid_command"
+
+
+def test_certified_goal_is_given_once(arm, station):
+    name = arm.rehearse([STEP], certificate=True).certificate.name
+    arm.submit_goal("arm", GOAL, certificate=name)
+    with pytest.raises(ApiError) as used:
+        arm.submit_goal("arm", GOAL, certificate=name)
+    assert (used.value.status, used.value.code) == (404, "certificate_not_found")
+    station.loop.step(600)
+    assert arm.goals("arm")[-1].status == "succeeded"
+
+
+def test_certificate_of_another_state_is_refused(arm, station):
+    name = arm.rehearse([STEP], certificate=True).certificate.name
+    arm.submit_goal("arm", GOAL)
+    station.loop.step(200)
+    with pytest.raises(ApiError, match="is at") as void:
+        arm.submit_goal("arm", GOAL, certificate=name)
+    assert (void.value.status, void.value.code) == (412, "certificate_void")
+
+
+def test_policy_asks_for_a_rehearsal_or_advises_one(app, arm, operator):
+    rehearsals = app.state.services.rehearsals
+    rehearsals.adopt(Rules(operator=Policy.REQUIRED))
+    with pytest.raises(ApiError) as needed:
+        arm.submit_goal("arm", GOAL)
+    assert (needed.value.status, needed.value.code) == (428, "rehearsal_needed")
+    name = arm.rehearse([STEP], certificate=True).certificate.name
+    arm.submit_goal("arm", GOAL, certificate=name)
+    rehearsals.adopt(Rules(operator=Policy.ADVISE))
+    path = "/api/v1/controllers/arm/goals"
+    answer = operator.post(path, json={"goal": GOAL})
+    assert (answer.status_code, answer.headers["X-Rehearsal"]) == (201, "advised")
+
+
+def test_viewer_may_not_rehearse(http):
+    http.headers["Authorization"] = f"Bearer {VIEWER}"
+    assert http.post("/api/v1/rehearse", json={}).status_code == 403

@@ -1,0 +1,341 @@
+"""A rehearsal tells how a motion ends, and the live motion ends so, bit for bit."""
+
+import numpy as np
+import pytest
+
+import station
+from station.core.control.controller import ControllerState
+from station.core.errors import CertificateVoidError, RehearsalNeededError
+from station.core.franka.arms import Arms
+from station.core.loop.stop_latch import StopState
+from station.core.ports.goal import GoalStatus
+from station.rehearsal.process_copy import run_in_copy
+from station.rehearsal.rehearsals import Policy, Rehearsals, Rules
+from station.rehearsal.run_ahead import Script, digest_of, run_ahead
+
+READY = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]
+JOINTS = [f"panda_joint{i}" for i in range(1, 8)]
+POSITION = "position_joint_trajectory_controller"
+EFFORT = "effort_joint_trajectory_controller"
+WALL = {
+    "name": "wall",
+    "type": "box",
+    "size": [0.2, 1.0, 1.2],
+    "position": [0.65, 0.0, 0.6],
+}
+
+
+def moved(**offsets: float) -> list[float]:
+    """Return the ready pose with some joints moved, `j1=0.3`."""
+    return [q + offsets.get(f"j{i}", 0.0) for i, q in enumerate(READY, 1)]
+
+
+def goal(controller, positions, seconds, **extra):
+    points = [{"positions": positions, "time_from_start": seconds}]
+    trajectory = {"joint_names": JOINTS, "points": points}
+    request = {"trajectory": trajectory, **extra}
+    return [{"kind": "goal", "name": controller, "request": request, "at": 0.0}]
+
+
+def set_point(controller, values):
+    command = {"values": values, "timeout": None, "rates": None, "at": 0.0}
+    return [{"kind": "set_point", "name": controller, **command}]
+
+
+def tight(joint, position):
+    return {"path_tolerance": [{"name": joint, "position": position}]}
+
+
+EFFORTS = "effort_group_effort_controller"
+PIDS = "effort_group_position_controller"
+# Controller, steps, kind of the error (None: none), its place (None: not looked at).
+MOTIONS = {
+    "calm": (POSITION, goal(POSITION, moved(j1=0.3), 1.0), None, None),
+    "all joints": (POSITION, goal(POSITION, [q + 0.1 for q in READY], 1.0), None, None),
+    "back": (POSITION, goal(POSITION, moved(j4=-0.3, j6=0.2), 0.8), None, None),
+    "by torques": (EFFORT, goal(EFFORT, moved(j1=0.2, j7=0.3), 1.0), None, None),
+    "hold by torques": (EFFORT, goal(EFFORT, READY, 0.5), None, None),
+    "set-point": (PIDS, set_point(PIDS, moved(j7=0.05)), None, None),
+    "stream": (
+        "position_streaming_controller",
+        set_point("position_streaming_controller", moved(j1=0.4)),
+        None,
+        None,
+    ),
+    "small torque": (EFFORTS, set_point(EFFORTS, [0.0] * 6 + [0.2]), None, None),
+    "long way": (POSITION, goal(POSITION, moved(j1=-1.0), 2.0), None, None),
+    "gains": (
+        EFFORT,
+        [
+            {
+                "kind": "gains",
+                "changes": {EFFORT: {"panda_joint1/p": 500.0}},
+                "at": 0.0,
+            },
+            *goal(EFFORT, moved(j1=0.1), 0.5),
+        ],
+        None,
+        None,
+    ),
+    "into the wall": (
+        POSITION,
+        goal(POSITION, moved(j2=0.9, j4=0.9), 1.5),
+        "reflex",
+        None,
+    ),
+    "into the wall by torques": (
+        EFFORT,
+        goal(EFFORT, moved(j2=0.9, j4=0.9), 1.5),
+        "reflex",
+        None,
+    ),
+    "path tolerance of joint 1": (
+        EFFORT,
+        goal(EFFORT, moved(j1=0.5), 0.8, **tight("panda_joint1", 0.001)),
+        "tolerance",
+        "panda_joint1",
+    ),
+    "path tolerance of joint 4": (
+        EFFORT,
+        goal(EFFORT, moved(j4=0.3), 0.6, **tight("panda_joint4", 0.0008)),
+        "tolerance",
+        "panda_joint4",
+    ),
+    "goal tolerance": (
+        EFFORT,
+        goal(
+            EFFORT,
+            moved(j1=0.3),
+            0.5,
+            goal_tolerance=[{"name": "panda_joint1", "position": 1e-6}],
+            goal_time_tolerance=0.05,
+        ),
+        "tolerance",
+        "panda_joint1",
+    ),
+    "out of range": (POSITION, goal(POSITION, moved(j1=4.0), 2.0), "refused", None),
+    "too few values": (PIDS, set_point(PIDS, [0.1, 0.2]), "refused", None),
+    "not running": (POSITION, goal(EFFORT, READY, 1.0), "refused", None),
+    "torque that throws": (
+        EFFORTS,
+        set_point(EFFORTS, [0.0, 0.0, 0.0, 40.0, 0.0, 0.0, 0.0]),
+        "limit",
+        None,
+    ),
+    "torque at the wrist": (
+        EFFORTS,
+        set_point(EFFORTS, [0.0] * 6 + [8.0]),
+        "limit",
+        None,
+    ),
+}
+
+
+@pytest.fixture(scope="module")
+def robot():
+    with station.open({"scene": {"objects": [WALL]}}) as opened:
+        yield opened
+
+
+@pytest.fixture
+def ready(robot):
+    """Return a function that starts a controller on the robot in its ready pose."""
+
+    def start(controller):
+        running = [
+            one.name
+            for one in robot.facade.controllers()
+            if one.state is ControllerState.RUNNING
+        ]
+        robot.facade.release_stop(arm=False)
+        robot.facade.release_stop(arm=True)
+        robot.switch(stop=running)
+        robot.facade.robots.recover_all()
+        robot.reset()
+        robot.set_gains(EFFORT, {"panda_joint1/p": 600.0})
+        robot.run(0.05)
+        robot.switch(start=[controller])
+        robot.run(0.05)
+        return robot
+
+    return start
+
+
+def live_end(robot, steps, cycles):
+    """Give the last command live; return digest, first bad cycle and arm's errors."""
+    facade, begin, bad = robot.facade, robot.facade.loop.cycle, None
+    goals = []
+    for step in steps:
+        if step["kind"] == "goal":
+            goals.append(facade.motion.submit_goal(step["name"], step["request"]))
+        elif step["kind"] == "gains":
+            facade.tuning.set_many(step["changes"])
+        else:
+            facade.motion.set_command(step["name"], step["values"])
+    mode = robot.latest().mode
+    for _ in range(cycles):
+        robot.step()
+        is_aborted = any(one.status is GoalStatus.ABORTED for one in goals)
+        if bad is None and (robot.latest().mode != mode or is_aborted):
+            bad = facade.loop.cycle
+    rows = facade.snapshots.rows_since(begin)
+    errors = Arms(facade.robots).report("panda").errors
+    return digest_of(rows.states_of_joints()), bad, [error.name for error in errors]
+
+
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_live_motion_ends_as_it_was_rehearsed(ready, motion):
+    controller, steps, cause, where = MOTIONS[motion]
+    robot = ready(controller)
+    told = Rehearsals(robot.facade).rehearse(steps, None if cause else 2.2)
+    error = told.error
+    assert (None if error is None else error.cause) == cause, error
+    if cause == "refused":
+        with pytest.raises(station.core.errors.StationError) as refused:
+            live_end(robot, steps, 0)
+        assert error.code == refused.value.code
+        return
+    digest, bad, errors = live_end(robot, steps, told.cycles)
+    assert (digest, bad) == (told.digest, None if error is None else error.cycle)
+    if cause in {"reflex", "limit"}:
+        assert error.code in errors
+    if where is not None:
+        assert error.where == where
+
+
+STEPS = goal(EFFORT, moved(j1=0.6), 1.0)
+
+
+def test_contact_names_bodies_force_and_link(ready):
+    controller, steps, _, _ = MOTIONS["into the wall"]
+    told = Rehearsals(ready(controller).facade).rehearse(steps)
+    (touched,) = [one for one in told.contacts if "wall" in one.bodies]
+    assert touched.cycle <= told.error.cycle
+    assert touched.force > 10.0
+    assert any("wall" in pair for pair in told.error.touching)
+
+
+def test_rehearsal_changes_nothing(ready):
+    facade = ready(EFFORT).facade
+    before = facade.loop.cycle, facade.latest().position
+    Rehearsals(facade).rehearse(MOTIONS["gains"][1])
+    assert (facade.loop.cycle, facade.latest().position) == before
+    assert facade.tuning.gains(EFFORT).values["panda_joint1/p"] != 500.0
+
+
+def test_script_carries_its_steps_out_at_their_times(ready):
+    rehearsals = Rehearsals(ready(POSITION).facade)
+    later = [{**STEPS[0], "name": POSITION, "at": 0.5}]
+    told = rehearsals.rehearse(later, 1.0, certify=True)
+    rows = zip(told.times, told.positions, strict=True)
+    here = [row[0] for time, row in rows if time < 0.5]
+    assert max(here) - min(here) < 1e-3 < told.positions[-1][0] - here[0]
+    assert (told.outcome, told.certificate) == ("unfinished", None)
+
+
+CHANGES = {
+    "epoch": lambda robot: robot.reset(),
+    "gain": lambda robot: robot.set_gains(EFFORT, {"panda_joint1/p": 590.0}),
+    "wall": lambda robot: move_wall(robot),
+    "Other controllers": lambda robot: robot.switch(stop=["joint_state_controller"]),
+    "panda_joint": lambda robot: robot.facade.loop.run_in_cycle(lambda: push(robot)),
+    "unload": lambda robot: robot.facade.unload_controller("position_jog_controller"),
+}
+
+
+def move_wall(robot):
+    world = robot.facade.loop.hw.simulated_world().world
+    world.model.body("wall").pos[0] += 0.01
+    robot.step(2)
+
+
+def push(robot):
+    arms = Arms(robot.facade.robots)
+    arms.apply_force("panda", "panda_link4", [0.0, 60.0, 0.0], [0.0] * 3, 0.2)
+    robot.run(0.15)
+
+
+@pytest.mark.parametrize("named", CHANGES)
+def test_certificate_is_void_after_a_change(ready, named):
+    robot = ready(EFFORT)
+    if named == "Other controllers":
+        robot.switch(start=["joint_state_controller"])
+    rehearsals = Rehearsals(robot.facade)
+    certificate = rehearsals.rehearse(STEPS, certify=True).certificate
+    CHANGES[named](robot)
+    with (
+        pytest.raises(CertificateVoidError, match=named),
+        rehearsals.redeemed(certificate.name, STEPS[0]),
+    ):
+        pytest.fail("the command was admitted")
+
+
+def certified(robot, rehearsals):
+    certificate = rehearsals.rehearse(STEPS, certify=True).certificate
+    with rehearsals.redeemed(certificate.name, STEPS[0]) as receipt:
+        robot.facade.motion.submit_goal(EFFORT, STEPS[0]["request"], receipt=receipt)
+
+
+def test_certified_motion_is_carried_out_once(ready):
+    robot = ready(EFFORT)
+    rehearsals = Rehearsals(robot.facade)
+    certified(robot, rehearsals)
+    robot.run(1.2)
+    assert robot.facade.motion.goals(EFFORT)[-1].status is GoalStatus.SUCCEEDED
+    assert robot.facade.loop.stop_latch.state is StopState.ARMED
+
+
+def test_push_stops_a_certified_motion_within_three_cycles(ready):
+    robot = ready(EFFORT)
+    certified(robot, Rehearsals(robot.facade))
+    width = Rules().tolerances.tube
+    rehearsed = station_copy(robot)
+    robot.run(0.3)
+    arms = Arms(robot.facade.robots)
+    arms.apply_force("panda", "panda_link4", [0.0, 60.0, 0.0], [0.0] * 3, 0.3)
+    begin, left = robot.facade.loop.cycle, None
+    for _ in range(500):
+        robot.step()
+        k = robot.facade.loop.cycle - rehearsed[0]
+        off = max(np.abs(np.array(robot.latest().position) - rehearsed[1][k - 1])[:7])
+        if left is None and off > width:
+            left = robot.facade.loop.cycle
+        if robot.facade.loop.stop_latch.state is StopState.STOPPED and left:
+            break
+    robot.step()
+    latch = robot.facade.loop.stop_latch
+    assert begin < left < latch.cycle <= left + 3
+    assert "rehearsed motion" in latch.reason
+
+
+def station_copy(robot):
+    """Return the present cycle and the positions that follow without a push."""
+    script = Script([], 0.9)
+    found = run_in_copy(lambda tell: run_ahead(robot.facade, script, {}, tell))
+    return robot.facade.loop.cycle, found.positions
+
+
+def test_other_command_is_no_certified_one(ready):
+    robot = ready(EFFORT)
+    rehearsals = Rehearsals(robot.facade)
+    certificate = rehearsals.rehearse(STEPS, certify=True).certificate
+    other = goal(EFFORT, moved(j1=0.7), 1.0)[0]
+    with (
+        pytest.raises(CertificateVoidError, match="another command"),
+        rehearsals.redeemed(certificate.name, other),
+    ):
+        pytest.fail("the command was admitted")
+
+
+def test_agents_need_a_certificate_and_people_do_not(ready):
+    robot = ready(EFFORT)
+    rules = Rules(agents=frozenset({"planner"}))
+    rehearsals = Rehearsals(robot.facade, rules=rules)
+    rehearsals.check(None)
+    rehearsals.check("ada")
+    with pytest.raises(RehearsalNeededError, match="planner"):
+        rehearsals.check("planner")
+    certificate = rehearsals.rehearse(STEPS, certify=True).certificate
+    with rehearsals.redeemed(certificate.name, STEPS[0]):
+        rehearsals.check("planner")
+    assert rules.policy_of("planner") is Policy.REQUIRED
