@@ -175,7 +175,7 @@ def proposals_of(
 def excitation_of_part(
     part: PartRequest, trace: Trace
 ) -> tuple[Excitation, Script, Trace]:
-    """Return the excitation that a part of a recording has, and the part from it on.
+    """Return the excitation in a part of a recording, and its cycles.
 
     Args:
         part: How the part is to be read.
@@ -186,9 +186,13 @@ def excitation_of_part(
     excitation: Excitation
     match part.kind:
         case "step":
-            jumps = np.abs(np.nan_to_num(np.diff(desired)))
-            at = int(jumps.argmax()) if len(jumps) else 0
-            height = float(desired[-1] - desired[at])
+            jumps = np.nan_to_num(np.diff(desired))
+            at = int(np.abs(jumps).argmax()) if len(jumps) else 0
+            height = float(jumps[at]) if len(jumps) else 0.0
+            # The step ends where the set-point goes on, e.g. back.
+            moved = np.abs(desired[at + 1 :] - desired[min(at + 1, len(desired) - 1)])
+            on = np.flatnonzero(moved > 0.01 * abs(height))
+            trace = trace.until(at + 1 + int(on[0]) if len(on) else len(desired))
             # One cycle later the set-point is the new one.
             begin = float(trace.time[min(at + 1, len(trace.time) - 1)])
             excitation = Step(joint=joint, amplitude=height, at=begin)

@@ -210,7 +210,7 @@ class LessonAttempts:
         for answer in lesson.answers:
             if answer.name in answers:
                 figures[f"answer.{answer.name}"] = answers[answer.name] * answer.scale
-        verdicts = []
+        verdicts: list[LessonVerdict] = []
         for one in lesson.checks:
             is_met, value = one.is_met(figures), figures.get(one.value)
             hint = "" if is_met else one.hint
