@@ -216,6 +216,30 @@ class Simulation(Report):
 
 
 @dataclass(frozen=True, slots=True)
+class Clearance(Report):
+    """The pair of an arm's link and an object that is nearest, by its margin.
+
+    Attributes:
+        arm: Name of the arm.
+        link: Name of the link.
+        object: Name of the object, or of the other arm and its link.
+        distance: Distance of their surfaces [m]; negative when they overlap.
+        margin: Distance that is kept [m].
+        is_slowing: Whether commands of the arm are slowed now.
+        interventions: Cycles in which a command was changed, since the last change of
+            the scene.
+    """
+
+    arm: str
+    link: str
+    object: str
+    distance: float
+    margin: float
+    is_slowing: bool
+    interventions: int
+
+
+@dataclass(frozen=True, slots=True)
 class HardwareResource(Report):
     """A resource of a hardware interface.
 
@@ -256,6 +280,71 @@ class HardwareTransmission(Report):
     type: str
     joints: Sequence[str]
     actuators: Sequence[str]
+
+
+@dataclass(frozen=True, slots=True)
+class AsyncStatistics(Report):
+    """The updates of a controller in a thread of its own.
+
+    Attributes:
+        policy: `synchronized` or `detached`.
+        age: How many cycles old the states are to which its commands belong.
+        missed: Updates that did not begin because the one before had not ended.
+        duration: How long its updates take [s].
+        period: Station time from one update to the next [s].
+    """
+
+    policy: str
+    age: int
+    missed: int
+    duration: Percentiles
+    period: Percentiles
+
+
+@dataclass(frozen=True, slots=True)
+class ExportedValue(Report):
+    """A reference or a state that a controller exports.
+
+    Attributes:
+        name: Full name, e.g. `pid_controller/joint1/position`.
+        users: Names of the loaded controllers that claim the reference or read the
+            state.
+    """
+
+    name: str
+    users: Sequence[str]
+
+
+@dataclass(frozen=True, slots=True)
+class ChainedController(Report):
+    """A controller with what it exports, and with its place in chains.
+
+    Attributes:
+        name: Its name.
+        state: Where it is in its life.
+        is_in_chained_mode: Whether a running controller commands its references.
+        following: Names of the controllers whose references it commands.
+        references: References that it exports.
+        states: States that it exports.
+    """
+
+    name: str
+    state: str
+    is_in_chained_mode: bool
+    following: Sequence[str]
+    references: Sequence[ExportedValue]
+    states: Sequence[ExportedValue]
+
+
+@dataclass(frozen=True, slots=True)
+class ControllerChains(Report):
+    """The loaded controllers, with who commands whom.
+
+    Attributes:
+        controllers: The controllers, in the order in which they are updated.
+    """
+
+    controllers: Sequence[ChainedController]
 
 
 @dataclass(frozen=True, slots=True)
@@ -325,6 +414,39 @@ class WaypointPath(Report):
     name: str
     saved_at: str
     waypoints: Sequence[Waypoint]
+
+
+@dataclass(frozen=True, slots=True)
+class PlotSettings(Report):
+    """One plot of a layout.
+
+    Attributes:
+        keys: Its channels, as the page names them, in their order.
+        xy: Whether the others are drawn over the first channel, not over time.
+        span: How much time is shown [s], above 0.
+        transform: What is shown of the channels: `smooth`, `difference`, `norm`,
+            `spectrum`; empty for the channels as they are.
+    """
+
+    keys: Sequence[str]
+    xy: bool = False
+    span: float = 10.0
+    transform: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class PlotLayout(Report):
+    """The plots of a page, under a name.
+
+    Attributes:
+        name: Its name.
+        saved_at: When it was saved, ISO 8601.
+        plots: Its plots, from left to right.
+    """
+
+    name: str
+    saved_at: str
+    plots: Sequence[PlotSettings]
 
 
 class PlaybackState(TextEnum):
@@ -632,6 +754,8 @@ class EventKind(TextEnum):
     """An experiment began, came further or ended."""
     ALARM = "alarm"
     """A person has acknowledged an alarm."""
+    AGENT = "agent"
+    """An agent has asked for something, or a person has answered it."""
     EVENTS = "events"
     """The event log itself: events could not be written, or can be again."""
 
@@ -681,3 +805,49 @@ class Event(Report):
     details: Mapping[str, object] = field(default_factory=dict)
     request_id: str = ""
     boot_id: str = ""
+
+
+class Verdict(TextEnum):
+    """Answer to a request of an agent."""
+
+    ALLOWED = "allowed"
+    """A person has allowed this request."""
+    ALLOWED_FOR_A_TIME = "allowed_for_a_time"
+    """A person has allowed it, and all that the agent asks for in the next 10 min."""
+    REFUSED = "refused"
+    """A person has refused it."""
+    EXPIRED = "expired"
+    """Nobody answered in time, or the agent has hung up."""
+
+
+@dataclass(frozen=True, slots=True)
+class AgentRequest(Report):
+    """A request of an agent that a person allows or refuses.
+
+    Attributes:
+        number: Name of the request, for the answer.
+        agent: Name of the agent.
+        operation: Operation of the API that it asks for.
+        target: What it acts on, e.g. the name of a controller; may be empty.
+        request: Body of the request; null without one.
+        asked_at: Wall time when it came [s since 1970].
+        expires_at: Wall time when it is refused without an answer [s since 1970].
+        verdict: The answer; null while it waits.
+        decided_by: Name of the person who answered; empty without one.
+
+    Example:
+        {"number": "5f0c81e09ab3", "agent": "tuner", "operation": "submit_goal",
+         "target": "position_joint_trajectory_controller", "request": {"goal": {}},
+         "asked_at": 1767225600.25, "expires_at": 1767225660.25, "verdict": null,
+         "decided_by": ""}
+    """
+
+    number: str
+    agent: str
+    operation: str
+    target: str
+    request: Any
+    asked_at: float
+    expires_at: float
+    verdict: Verdict | None = None
+    decided_by: str = ""

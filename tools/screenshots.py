@@ -28,7 +28,7 @@ SCENE_MS = 90_000
 SETTLING_MS = 500  # the docks look at the station every 350 ms
 MOVING_MS = 1500
 NICENESS = 10
-NARROW = 700
+NARROW = 999
 _READY_LINES = 20
 
 
@@ -94,7 +94,7 @@ def show_dock(page: Page, dock: str, size: tuple[int, int]) -> None:
         name = other.get_attribute("data-dock")
         fold = other.locator(".fold")
         is_open = fold.get_attribute("aria-expanded") == "true"
-        is_beside = other.evaluate("e => e.parentElement.id") == "side"
+        is_beside = other.evaluate("e => e.parentElement.className") == "column"
         if is_open != (name == dock or not is_beside) and fold.is_visible():
             fold.click()
     page.locator(f'.dock[data-dock="{dock}"]').scroll_into_view_if_needed()

@@ -39,6 +39,8 @@ def switch_result(result: SwitchResult) -> wire.SwitchResult:
         outcome=result.outcome.value,
         failed=dict(result.failed),
         ignored=list(result.plan.ignored),
+        order=[info.name for info in result.plan.running],
+        chained=list(result.plan.chained),
         jump=dict(result.jump),
         cycle=result.cycle,
         dry_run=result.dry_run,

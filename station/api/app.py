@@ -12,6 +12,7 @@ from starlette.routing import BaseRoute
 
 import station as package
 from station.api import index, metrics
+from station.api.agents import AgentPolicy, Agents
 from station.api.audit import Audit, EventRecorder
 from station.api.auth import Authenticator
 from station.api.control import Control
@@ -30,9 +31,12 @@ from station.core.facade.station import Station
 from station.events import Alarms, EventLog
 from station.library.gain_sets import GainSets
 from station.library.path_player import PathPlayer, PlayOptions
+from station.library.plot_layouts import PlotLayouts
 from station.library.waypoint_paths import WaypointPaths
 from station.rehearsal.rehearsals import Rehearsals
 from station.trials.background_experiments import BackgroundExperiments
+from station.trials.bench_runs import KeptRuns
+from station.trials.lesson_attempts import LessonAttempts
 from station.trials.live_bench import LiveBench
 from station.web.failed_logins import FailedLogins
 from station.web.request_id import RequestId
@@ -57,17 +61,23 @@ class Kept:
         recorder: Records every cycle; None for a station that records nothing.
         experiments: Runs experiments; None for a station that runs none.
         gain_sets: Folder of the gain sets; the user's own when None.
+        plot_layouts: Folder of the plot layouts; the user's own when None.
         waypoint_paths: Folder of the waypoint paths; the user's own when None.
+        bench_runs: Folder of the runs of the bench; the user's own when None.
+        lessons: Folder of the user's lessons; the user's own when None.
     """
 
     events: EventLog = field(default_factory=EventLog)
     recorder: "Recorder | None" = None
     experiments: BackgroundExperiments | None = None
     gain_sets: Path | None = None
+    plot_layouts: Path | None = None
     waypoint_paths: Path | None = None
+    bench_runs: Path | None = None
+    lessons: Path | None = None
 
 
-def create_app(
+def create_app(  # noqa: PLR0913 - parts and bounds of one application
     station: Station,
     authenticator: Authenticator,
     policy: HostPolicy | None = None,
@@ -77,6 +87,7 @@ def create_app(
     max_body: int = MAX_BODY_BYTES,
     dashboard_url: Callable[[], str | None] = lambda: None,
     kept: Kept | None = None,
+    agents: AgentPolicy | None = None,
 ) -> FastAPI:
     """Return the application that serves `station`.
 
@@ -91,6 +102,7 @@ def create_app(
         dashboard_url: Returns where the dashboard is; None while it is not known.
         kept: Where events and recordings are kept; only events, and these in memory,
             when left out.
+        agents: What the station asks of agents; a person's leave when left out.
     """
     app = StationApi(
         title="Control station",
@@ -105,6 +117,10 @@ def create_app(
     paths = WaypointPaths(station.loop, station.manager, kept.waypoint_paths)
     player = PathPlayer(station.loop, station.manager, station.motion, paths)
     rehearsals = Rehearsals(station, {"path": partial(_plan_path, player)})
+    seat = Agents(station, kept.events, agents or AgentPolicy())
+    control = Control(kept.events, station.motion.let_go, rehearsed=rehearsals.check)
+    control.listen(seat.withdraw)
+    runs = KeptRuns(kept.bench_runs)
     app.state.services = Services(
         station=station,
         authenticator=authenticator,
@@ -112,9 +128,12 @@ def create_app(
         event_recorder=event_recorder,
         event_feed=EventFeed(kept.events),
         alarms=Alarms(station, kept.events),
-        control=Control(kept.events, station.motion.let_go, rehearsed=rehearsals.check),
+        control=control,
+        agents=seat,
         idempotent_answers=IdempotentAnswers(),
         bench=LiveBench(station),
+        bench_runs=runs,
+        lessons=LessonAttempts(station, runs, kept.lessons),
         broadcaster=Broadcaster(
             station, slow_after=slow_after, max_clients=max_streams
         ),
@@ -122,6 +141,7 @@ def create_app(
         recorder=kept.recorder,
         experiments=kept.experiments,
         gain_sets=GainSets(station.tuning, kept.gain_sets),
+        plot_layouts=PlotLayouts(kept.plot_layouts),
         waypoint_paths=paths,
         path_player=player,
         rehearsals=rehearsals,

@@ -7,7 +7,7 @@ from starlette.datastructures import Headers
 from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from station.api.auth import Access
+from station.api.auth import Access, Role
 from station.api.errors import PROBLEM_CODE
 from station.api.services import services_of
 from station.core.control.switching import SwitchResult
@@ -18,6 +18,7 @@ from station.wire.protocol import LEASE_HEADER, PREFIX, REPLAYED_HEADER
 
 WHO = "who"
 """Key in the scope's state of who is behind a request, as far as it has proved that."""
+_OF_AGENT = "is_of_agent"
 _PREVIEW = "is_preview"
 _READS = frozenset({"GET", "HEAD", "OPTIONS"})
 # They change nothing of the station; logins have events of their own.
@@ -40,7 +41,9 @@ def note_access(connection: HTTPConnection, access: Access) -> None:
     if connection.scope.get("method") not in _READS:
         control = services_of(connection).control
         who = control.name_of(access, connection.headers.get(LEASE_HEADER))
-    connection.scope.setdefault("state", {})[WHO] = who
+    state = connection.scope.setdefault("state", {})
+    state[WHO] = who
+    state[_OF_AGENT] = access.role is Role.AGENT
 
 
 def note_preview(connection: HTTPConnection) -> None:
@@ -59,7 +62,7 @@ def origin_of(connection: HTTPConnection) -> Origin:
 
 
 class Audit:
-    """Records every request that changes something, carried out or refused.
+    """Records every change that was requested, done or refused, and agents' reads.
 
     It comes before the guard, so that requests from wrong places are recorded, too. A
     set-point that repeats is counted, see `Repeats`.
@@ -75,7 +78,7 @@ class Audit:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, and record how it ended."""
-        if scope["type"] != "http" or scope["method"] in _READS:
+        if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
         scope.setdefault("state", {})
@@ -95,6 +98,9 @@ class Audit:
             self._record(scope, status, is_repeated=is_repeated)
 
     def _record(self, scope: Scope, status: int, *, is_repeated: bool) -> None:
+        # People may look unseen. Each call of an agent is on record.
+        if scope["method"] in _READS and not scope["state"].get(_OF_AGENT):
+            return
         path = scope["path"].removeprefix(PREFIX)
         is_done = 200 <= status < 400
         if scope["state"].get(_PREVIEW) or (is_done and path in _UNREMARKABLE):

@@ -28,12 +28,14 @@ class Role(Enum):
 
     VIEWER = "viewer"
     """Read everything, and stop the robot."""
+    AGENT = "agent"
+    """A program that acts for a person: ask for motion, within the agents' envelope."""
     OPERATOR = "operator"
     """Everything."""
 
     def includes(self, needed: "Role") -> bool:
         """Return whether this role may do everything that `needed` may do."""
-        return self is Role.OPERATOR or needed is Role.VIEWER
+        return self in (Role.OPERATOR, needed) or needed is Role.VIEWER
 
 
 class Session:

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 
-from station.api.auth import Access
+from station.api.auth import Access, Role
 from station.core.errors import StationError
 from station.events import EventKind, EventLog, Origin, Severity
 
@@ -53,6 +53,13 @@ class Lease:
     deadline: float
     heir: str | None = None
     commanded: set[str] = field(default_factory=set)
+
+    def yields_to(self, access: Access) -> bool:
+        """Return whether an agent holds control, and the caller is a person.
+
+        An agent's lease is never stronger than a person: it ends where one acts.
+        """
+        return self.access.role is Role.AGENT and access.role is Role.OPERATOR
 
     def is_held_by(self, access: Access, key: str | None) -> bool:
         """Return whether a request comes from the holder.
@@ -122,17 +129,36 @@ class Control:
     def check(self, access: Access, key: str | None) -> None:
         """Refuse a change by anybody but the owner, while there is one.
 
+        A person's change ends an agent's lease; an agent needs a lease for any change.
+
         Args:
             access: Rights of the caller.
             key: The lease that the request names; None without one.
 
         Raises:
             ControlHeldError: Somebody else holds control.
+            ControlNotHeldError: The caller is an agent, and nobody holds control.
         """
         lease = self.present()
-        if lease is not None and not lease.is_held_by(access, key):
+        if lease is None:
+            if access.role is Role.AGENT:
+                error: StationError = _not_held()
+                raise error
+        elif lease.yields_to(access):
+            self._take_back(lease, access.name)
+        elif not lease.is_held_by(access, key):
             error = _held(lease)
             raise error
+
+    def _take_back(self, lease: Lease, who: str) -> None:
+        with self._lock:
+            if self._lease is not lease:
+                return
+            self._lease = None
+            text = f"{who} has taken control back from the agent {lease.owner}."
+            self._record(text, "taken back", lease.owner)
+            self._let_go(lease.commanded, text)
+        self._tell()
 
     def name_of(self, access: Access, key: str | None) -> str:
         """Return the name of a caller, e.g. `ada (operator)` for the holder of control.
@@ -150,7 +176,9 @@ class Control:
     def is_lost(self, access: Access, key: str | None) -> bool:
         """Return whether another client holds control."""
         lease = self.present()
-        return lease is not None and not lease.is_held_by(access, key)
+        if lease is None or lease.yields_to(access):
+            return False
+        return not lease.is_held_by(access, key)
 
     def take(
         self,
@@ -170,13 +198,23 @@ class Control:
             owner: Name of the person or program.
             ttl: How long the lease lasts without a heartbeat [s], > 0.
             force: Take the lease from whoever holds it, also from an owner who offers
-                it; what the former owner commanded is held.
+                it; what the former owner commanded is held. An agent's lease is taken
+                without it, and an agent may not use it.
             origin: Caller, and the caller's address.
 
         Raises:
-            ControlHeldError: Somebody else holds control and `force` is false.
+            ControlHeldError: Somebody else holds control and `force` is false, or an
+                agent uses it.
         """
         with self._lock:
+            if force and access.role is Role.AGENT:
+                raise ControlHeldError(
+                    "An agent takes control from nobody by force.",
+                    remedy="Take it without `force`, once nobody holds it.",
+                )
+            lease = self.present()
+            if lease is not None and lease.yields_to(access):
+                self._take_back(lease, owner)
             before = self.present()
             deadline = self._now() + ttl
             if before is not None and before.is_held_by(access, key):
@@ -323,10 +361,8 @@ class Control:
     def _owned(self, access: Access, key: str | None) -> Lease:
         lease = self.present()
         if lease is None:
-            raise ControlNotHeldError(
-                "Nobody holds control.",
-                remedy="Take control first: POST /api/v1/control.",
-            )
+            error: StationError = _not_held()
+            raise error
         if not lease.is_held_by(access, key):
             error = _held(lease)
             raise error
@@ -356,6 +392,12 @@ class Control:
             result=result,
             origin=Origin() if origin is None else origin,
         )
+
+
+def _not_held() -> ControlNotHeldError:
+    return ControlNotHeldError(
+        "Nobody holds control.", remedy="Take control first: POST /api/v1/control."
+    )
 
 
 def _held(lease: Lease) -> ControlHeldError:

@@ -7,7 +7,7 @@ from typing import Annotated
 from fastapi import Depends, Header, Request, Security
 from fastapi.security import HTTPBearer
 
-from station.api.audit import note_access
+from station.api.audit import note_access, origin_of
 from station.api.auth import Access, Role
 from station.api.errors import ProblemError
 from station.api.services import Services, services_of
@@ -91,13 +91,18 @@ async def viewer(access: AccessDep) -> Role:
 RoleDep = Annotated[Role, Depends(viewer)]
 
 
-async def operator_anyway(request: Request, role: RoleDep) -> Role:
-    """Return the caller's role, which is operator; control may be held by another.
+async def operator_anyway(
+    request: Request, role: RoleDep, access: AccessDep, services: ServicesDep
+) -> Role:
+    """Return the role of a caller who may change things, whoever holds control.
 
     Raises:
-        ProblemError: The caller is no operator, or the request comes too late.
+        ProblemError: The caller is a viewer, or an agent that asks for what agents may
+            not do, or the request comes too late.
     """
-    if not role.includes(Role.OPERATOR):
+    if role is Role.AGENT:
+        services.agents.check(request.scope["route"].name, access)
+    elif not role.includes(Role.OPERATOR):
         raise ProblemError(
             403,
             "operator_needed",
@@ -126,12 +131,20 @@ async def operator(
     access: AccessDep,
     services: ServicesDep,
 ) -> Role:
-    """Return the role of an operator, unless another client holds control.
+    """Return the role of a caller who may change things now.
+
+    The request of an agent waits here until a person has answered it.
 
     Raises:
         ControlHeldError: Somebody else holds control.
+        ControlNotHeldError: The caller is an agent without a lease.
+        ProblemError: Nobody has allowed the request of an agent.
     """
-    services.control.check(access, request.headers.get(LEASE_HEADER))
+    key = request.headers.get(LEASE_HEADER)
+    services.control.check(access, key)
+    if role is Role.AGENT:
+        await services.agents.admit(request, access, origin_of(request))
+        services.control.check(access, key)  # it may have been lost meanwhile
     return role
 
 

@@ -10,6 +10,12 @@ from starlette.exceptions import HTTPException
 from starlette.types import Receive, Scope, Send
 from typing_extensions import override
 
+from station.api.agents import (
+    AgentRefusedError,
+    AgentRequestDecidedError,
+    AgentRequestNotFoundError,
+    TooManyAgentRequestsError,
+)
 from station.api.control import ControlHeldError, ControlNotHeldError
 from station.api.named_tokens import (
     TokenExistsError,
@@ -63,6 +69,10 @@ STATUS: Mapping[type[errors.StationError], int] = {
     errors.ParameterNotFoundError: 404,
     errors.GainSetNotFoundError: 404,
     errors.GainSetError: 500,
+    errors.PlotLayoutNotFoundError: 404,
+    errors.PlotLayoutError: 500,
+    errors.SceneObjectNotFoundError: 404,
+    errors.SceneRefusedError: 409,
     errors.WaypointPathNotFoundError: 404,
     errors.WaypointPathError: 500,
     errors.PathRefusedError: 409,
@@ -91,12 +101,17 @@ STATUS: Mapping[type[errors.StationError], int] = {
     TokenExistsError: 409,
     TokenNotFoundError: 404,
     TokensNotKeptError: 500,
+    AgentRefusedError: 403,
+    TooManyAgentRequestsError: 429,
+    AgentRequestNotFoundError: 404,
+    AgentRequestDecidedError: 409,
     ControlHeldError: 423,
     ControlNotHeldError: 409,
 }
 """HTTP status of each kind of error; a kind that is missing gets its parent's."""
 
 ROUTES: Mapping[str, str] = {
+    "bench_run_not_found": "GET /api/v1/bench-runs lists the runs.",
     "control_held": "GET /api/v1/control says who holds control.",
     "controller_not_found": "GET /api/v1/controllers lists the loaded ones.",
     "controller_state": "POST /api/v1/controllers/switch starts and stops controllers.",
@@ -106,6 +121,7 @@ ROUTES: Mapping[str, str] = {
     "gains_changed": "GET /api/v1/controllers/{name}/gains has the present ones.",
     "gain_set_not_found": "GET /api/v1/gain-sets lists the gain sets.",
     "goal_not_found": "GET /api/v1/controllers/{name}/goals lists the latest goals.",
+    "lesson_not_found": "GET /api/v1/lessons lists the lessons.",
     "loop": "GET /api/v1/loop has the state of the control loop.",
     "invalid_gain": "GET /api/v1/controllers/{name}/gains has names and ranges.",
     "parameter_not_found": "GET /api/v1/parameters has the whole tree.",
@@ -113,6 +129,7 @@ ROUTES: Mapping[str, str] = {
     "resource_conflict": "POST /api/v1/controllers/switch stops and starts at once.",
     "service_not_found": "GET /api/v1/robots/{arm_id}/services lists the services.",
     "simulation_refused": "PATCH /api/v1/simulation pauses and resumes it.",
+    "plot_layout_not_found": "GET /api/v1/plot-layouts lists the layouts.",
     "waypoint_path_not_found": "GET /api/v1/waypoint-paths lists the paths.",
     "token_not_found": "GET /api/v1/tokens lists the named tokens.",
     "rehearsal_needed": "POST /api/v1/rehearse with `certificate: true` gives one.",

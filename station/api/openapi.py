@@ -9,6 +9,7 @@ from fastapi import FastAPI
 from fastapi.routing import APIRoute, iter_route_contexts
 from typing_extensions import override
 
+from station.api.agents import seat_of
 from station.api.routes.problems import MEANINGS
 from station.reports import Described, examples_of
 from station.wire import PROBLEM_MEDIA_TYPE, Problem
@@ -26,6 +27,7 @@ TAGS = {
     "controllers": "Controllers: which can be loaded, which are, and which run.",
     "gains": "Run-time parameters of controllers, and named sets of them.",
     "set-points": "Set-points of running controllers, and the states that follow.",
+    "bench": "Responses of joints to excitations, kept as runs, with their figures.",
     "rehearsals": "Forecasts of motions in a copy of the station, and paths.",
     "goals": "Trajectories and gripper goals: progress, result, cancelling.",
     "waypoint-paths": "Waypoint paths: captured, edited, kept, and played.",
@@ -36,6 +38,7 @@ TAGS = {
     "simulation": "Time, reset and scene of a simulated robot.",
     "recordings": "Every cycle in MCAP files, and what was kept around incidents.",
     "experiments": "Many trials of a simulated copy of the station, beside its robot.",
+    "lessons": "Exercises on the robot, checked on the student's own run.",
     "stop": "The latched stop, a software stop and no safety device.",
     "events": "What happened: who did what, when, from where, with what result.",
     "streams": "WebSocket streams; /api/v1/asyncapi.json describes their frames.",
@@ -79,7 +82,15 @@ _OF_STATUS = {"401": ("WWW-Authenticate", "WwwAuthenticate"), "426": ("Upgrade",
 
 _WHOEVER_HOLDS_CONTROL = frozenset({
     f"/api/v1/{name}"
-    for name in ("login", "logout", "stop", "stream-tickets", "tokens", "tokens/{name}")
+    for name in (
+        "agents/requests/{number}",
+        "login",
+        "logout",
+        "stop",
+        "stream-tickets",
+        "tokens",
+        "tokens/{name}",
+    )
 })
 """Paths whose changes no lease of control can refuse."""
 
@@ -152,6 +163,9 @@ class StationApi(FastAPI):
                     if method != "get" and path not in _WHOEVER_HOLDS_CONTROL:
                         locked = {"description": MEANINGS[423]}
                         operation["responses"].setdefault("423", locked)
+                    seat = seat_of(method, operation)
+                    if seat is not None:
+                        operation["x-agent"] = seat
                     _complete(path, operation)
         return super().openapi()
 

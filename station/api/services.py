@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from starlette.requests import HTTPConnection
 
 if TYPE_CHECKING:
+    from station.api.agents import Agents
     from station.api.audit import EventRecorder
     from station.api.auth import Authenticator
     from station.api.control import Control
@@ -17,10 +18,13 @@ if TYPE_CHECKING:
     from station.events import Alarms
     from station.library.gain_sets import GainSets
     from station.library.path_player import PathPlayer
+    from station.library.plot_layouts import PlotLayouts
     from station.library.waypoint_paths import WaypointPaths
     from station.records.recorder import Recorder
     from station.rehearsal.rehearsals import Rehearsals
     from station.trials.background_experiments import BackgroundExperiments
+    from station.trials.bench_runs import KeptRuns
+    from station.trials.lesson_attempts import LessonAttempts
     from station.trials.live_bench import LiveBench
     from station.web.failed_logins import FailedLogins
 
@@ -37,13 +41,17 @@ class Services:
         event_feed: Hands out events, page by page or as they happen.
         alarms: Alarms of the station.
         control: The lease of control.
+        agents: Requests of agents that people answer.
         idempotent_answers: Answers that are repeated for a request that is sent twice.
         bench: Measures how a joint follows.
+        bench_runs: Kept runs of the bench.
+        lessons: Lessons, the attempt under way, and the progress of people.
         broadcaster: All streams.
         dashboard_url: Returns the address of the dashboard; None while it is unknown.
         recorder: Records every cycle; None for a station that records nothing.
         experiments: Runs experiments; None for a station that runs none.
         gain_sets: Named sets of gains on the disk.
+        plot_layouts: Named layouts of plots on the disk.
         waypoint_paths: Named waypoint paths on the disk.
         path_player: Plays waypoint paths.
         rehearsals: Tries commands in a copy of the station.
@@ -57,13 +65,17 @@ class Services:
     event_feed: "EventFeed"
     alarms: "Alarms"
     control: "Control"
+    agents: "Agents"
     idempotent_answers: "IdempotentAnswers"
     bench: "LiveBench"
+    bench_runs: "KeptRuns"
+    lessons: "LessonAttempts"
     broadcaster: "Broadcaster"
     dashboard_url: Callable[[], str | None]
     recorder: "Recorder | None"
     experiments: "BackgroundExperiments | None"
     gain_sets: "GainSets"
+    plot_layouts: "PlotLayouts"
     waypoint_paths: "WaypointPaths"
     path_player: "PathPlayer"
     rehearsals: "Rehearsals"

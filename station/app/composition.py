@@ -75,7 +75,7 @@ def compose(
     tree = ParameterTree({
         **config.parameters,
         ROBOT_NAMESPACE: config.robot_parameters(),
-        SCENE_NAMESPACE: config.scene.model_dump(),
+        SCENE_NAMESPACE: config.scene.model_dump(exclude_none=True),
         **config.controller_parameters(),
     })
     root = Parameters(tree)

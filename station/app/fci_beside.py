@@ -1,5 +1,6 @@
 """The Franka Control Interface beside a running station."""
 
+import contextlib
 import logging
 import mmap
 import os
@@ -8,6 +9,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
 from typing import Self
 
@@ -40,6 +42,7 @@ from station.hw.franka.fci.server.shared_page import PAGE_BYTES, SharedPage
 from station.hw.franka.fci.wire.messages import FciProtocolError
 from station.hw.franka.franka_hw import FrankaHW
 from station.hw.franka.hand.hand_services import HandServices
+from station.hw.franka.simulated.simulated_arm import SimulatedArm
 
 _logger = logging.getLogger(__name__)
 _START = 20.0
@@ -58,10 +61,13 @@ class FciBeside:
         host: Address to listen at.
         warn: Takes a line about something that is not as it should be.
         version: The only version that is spoken; None for all that have a table.
+        desk_port: TCP port of Desk; None serves no Desk. The brakes are open at the
+            start, and FCI is active: controllers use the arm as well.
 
     Raises:
         FciRobotError: The robot is no simulated Franka arm.
-        FciPortError: The address cannot be used.
+        FciPortError: An address cannot be used.
+        StationError: Desk has no certificate.
     """
 
     def __init__(
@@ -70,6 +76,7 @@ class FciBeside:
         host: str,
         warn: Callable[[str], None],
         version: int | None = None,
+        desk_port: int | None = None,
     ) -> None:
         hw, loop = station.loop.hw, station.loop
         if not isinstance(hw, FrankaHW) or hw.simulated_world() is None:
@@ -79,13 +86,14 @@ class FciBeside:
                 remedy="Set fci.enabled to false, or choose such a robot.",
             )
         library = model_library_of(hw.parameters, warn)
-        self._loop, self._hw, self._warn = loop, hw, warn
-        memory = os.memfd_create("station-fci")
-        os.ftruncate(memory, MEMORY_BYTES)
-        shared, hand = mmap.mmap(memory, MEMORY_BYTES), _hand_of(hw)
+        self._loop, self._hw, self._host, self._warn = loop, hw, host, warn
+        self._memory = os.memfd_create("station-fci")
+        os.ftruncate(self._memory, MEMORY_BYTES)
+        shared, hand = mmap.mmap(self._memory, MEMORY_BYTES), _hand_of(hw)
+        self._pages = SharedPage(shared), SharedPage(shared, PAGE_BYTES)
         self._guest = FciGuest(
             hw.arm,
-            SharedPage(shared),
+            self._pages[0],
             library,
             protocols_of(hw.parameters, version),
             robot_model_of(hw.parameters),
@@ -94,35 +102,22 @@ class FciBeside:
         )
         self._hand: HandGuest | None = None
         if hand is not None:
-            page = SharedPage(shared, PAGE_BYTES)
-            self._hand = HandGuest(hand, page, may_move=self._may_move)
-        self._pipe, other = socket.socketpair()
-        with other:
-            # It has the scheduling of the station's threads: a message every 1 ms.
-            inherited = (other.fileno(), memory)
-            self._process = subprocess.Popen(
-                [
-                    sys.executable,
-                    "-m",
-                    "station.hw.franka.fci.server.fci_door",
-                    host,
-                    *map(str, inherited),
-                    *([] if hand is None else ["hand"]),
-                ],
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
-                pass_fds=inherited,
-                start_new_session=True,  # Ctrl-C is for the station, which ends it
-            )
-        os.close(memory)
+            self._hand = HandGuest(hand, self._pages[1], may_move=self._may_move)
+        self._closing = contextlib.ExitStack()
+        self._thread: threading.Thread | None = None
+        # What Desk asks for is done one after the other.
+        self._changes = ThreadPoolExecutor(1, "fci-desk")
+        self._closing.callback(os.close, self._memory)
+        self._closing.callback(self._close_door)
+        self._closing.callback(self._changes.shutdown)
         try:
-            self._await_door(host)
+            self._open_door()
+            if desk_port is not None:
+                self._serve_desk(desk_port, hand)
         except StationError:
             self.close()
             raise
-        self._thread = threading.Thread(target=self._serve, name="fci", daemon=True)
         loop.run_in_cycle(self._welcome)
-        self._thread.start()
 
     def __enter__(self) -> Self:
         return self
@@ -132,16 +127,90 @@ class FciBeside:
 
     def close(self) -> None:
         """Send the client away and end the process."""
+        self._closing.close()
+
+    def change(self, action: Callable[[], None]) -> Future[None]:
+        """Let something be done between two cycles; see `ServerOfDesk`."""
+        return self._changes.submit(self._loop.run_in_cycle, action)
+
+    def open_or_close(self, *, is_open: bool) -> Future[None]:
+        """Start the process that clients connect to, or end it; see `ServerOfDesk`."""
+        return self._changes.submit(self._open_door if is_open else self._close_door)
+
+    def _serve_desk(self, port: int, hand: HandServices | None) -> None:
+        """Serve Desk until the end.
+
+        Raises:
+            StationError: The port or the certificate cannot be used.
+        """
+        # Imported here: without Desk no second web server is needed.
+        from station.hw.franka.fci.desk.desk_server import (
+            DeskServer,
+            ServedArm,
+            new_desk,
+        )
+
+        arm, parameters = self._hw.arm, self._hw.parameters
+        if not isinstance(arm, SimulatedArm):
+            return
+        kind = "FR3" if parameters.arm == "fr3" else "Panda"
+        desk = new_desk(ServedArm(self, arm, hand, kind), is_ready=True)
+        self._closing.callback(DeskServer(desk, self._host, port).close)
+
+    def _open_door(self) -> None:
+        """Start the process, if it does not run.
+
+        Raises:
+            StationError: The address cannot be used.
+        """
+        if self._thread is not None:
+            return
+        for page in self._pages:  # answers that the last process has not sent
+            page.take_answers()
+        self._pipe, other = socket.socketpair()
+        with other:
+            # It has the scheduling of the station's threads: a message every 1 ms.
+            inherited = (other.fileno(), self._memory)
+            self._process = subprocess.Popen(
+                [
+                    sys.executable,
+                    "-m",
+                    "station.hw.franka.fci.server.fci_door",
+                    self._host,
+                    *map(str, inherited),
+                    *([] if self._hand is None else ["hand"]),
+                ],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                pass_fds=inherited,
+                start_new_session=True,  # Ctrl-C is for the station, which ends it
+            )
+        self._thread = threading.Thread(target=self._serve, name="fci", daemon=True)
+        try:
+            self._await_door(self._host)
+        except StationError:
+            self._end_process()
+            self._pipe.close()
+            self._thread = None
+            raise
+        self._thread.start()
+
+    def _close_door(self) -> None:
+        """End the process, if it runs; the client goes."""
+        if self._thread is None:
+            return
+        self._end_process()
+        self._thread.join(_END)
+        self._pipe.close()
+        self._thread = None
+
+    def _end_process(self) -> None:
         self._pipe.shutdown(socket.SHUT_RDWR)
         try:
             self._process.wait(_END)
         except subprocess.TimeoutExpired:
             self._process.kill()
             self._process.wait()
-        thread = getattr(self, "_thread", None)
-        if thread is not None:
-            thread.join(_END)
-        self._pipe.close()
 
     def _await_door(self, host: str) -> None:
         """Wait until the process listens.
@@ -185,6 +254,8 @@ class FciBeside:
                     send_frame(pipe, REFUSAL, refusal(error.message, told))
                 else:
                     send_frame(pipe, ANSWER, UDP_PORT.pack(port or 0) + answers)
+                    if reason := self._guest.take_reason():
+                        _logger.warning("Franka Control Interface: %s", reason)
         except OSError:
             self._say_goodbye()
 

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from station import compiled
+from station.api.agents import AgentPolicy
 from station.api.app import Kept, create_app
 from station.api.auth import Authenticator
 from station.api.host_policy import HostPolicy
@@ -191,7 +192,9 @@ class StationRun:
             from station.app.fci_beside import FciBeside
 
             fci = self._config.fci
-            stack.enter_context(FciBeside(station, fci.host, self._warn, fci.version))
+            stack.enter_context(
+                FciBeside(station, fci.host, self._warn, fci.version, fci.desk)
+            )
         announce("Waiting for the first cycles")
         clock = station.loop.clock
         deadline = clock.now() + READY_TIMEOUT
@@ -226,6 +229,9 @@ class StationRun:
             policy,
             dashboard_url=lambda: _dashboard_url(server.url, ui_port),
             kept=Kept(journal.log, self._recorder, experiments),
+            agents=AgentPolicy(
+                self._config.agents.approval == "always", self._config.agents.wait
+            ),
         )
         app.state.services.rehearsals.adopt(rules_of(self._config))
         journal.start(app)

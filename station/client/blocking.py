@@ -27,10 +27,14 @@ from station.client.robots import (
 )
 from station.client.station_client import AsyncStationClient
 from station.client.stores import (
+    AsyncAgentsClient,
     AsyncAlarmsClient,
+    AsyncBenchRunsClient,
     AsyncExperimentsClient,
     AsyncGainSetsClient,
     AsyncIncidentsClient,
+    AsyncLessonsClient,
+    AsyncPlotLayoutsClient,
     AsyncRecordingsClient,
     AsyncTokensClient,
     AsyncWaypointPathsClient,
@@ -206,6 +210,22 @@ class GripperClient(_Client[AsyncGripperClient]):
     stop = _waited_for(AsyncGripperClient.stop)
 
 
+class BenchRunsClient(_Client[AsyncBenchRunsClient]):
+    """Runs of the bench that the station keeps: `client.bench_runs`."""
+
+    list = _waited_for(AsyncBenchRunsClient.list)
+    get = _waited_for(AsyncBenchRunsClient.get)
+    delete = _waited_for(AsyncBenchRunsClient.delete)
+
+
+class LessonsClient(_Client[AsyncLessonsClient]):
+    """Exercises that the station checks on the student's own run: `client.lessons`."""
+
+    list = _waited_for(AsyncLessonsClient.list)
+    begin = _waited_for(AsyncLessonsClient.begin)
+    check = _waited_for(AsyncLessonsClient.check)
+
+
 class GainSetsClient(_Client[AsyncGainSetsClient]):
     """Named sets of gains on the station's disk: `client.gain_sets`."""
 
@@ -224,6 +244,7 @@ class RecordingsClient(_Client[AsyncRecordingsClient]):
     list = _waited_for(AsyncRecordingsClient.list)
     get = _waited_for(AsyncRecordingsClient.get)
     trajectory = _waited_for(AsyncRecordingsClient.trajectory)
+    bench = _waited_for(AsyncRecordingsClient.bench)
     download = _waited_for(AsyncRecordingsClient.download)
     download_table = _waited_for(AsyncRecordingsClient.download_table)
     events = _waited_for(AsyncRecordingsClient.events)
@@ -239,6 +260,7 @@ class IncidentsClient(_Client[AsyncIncidentsClient]):
     list = _waited_for(AsyncIncidentsClient.list)
     get = _waited_for(AsyncIncidentsClient.get)
     trajectory = _waited_for(AsyncIncidentsClient.trajectory)
+    bench = _waited_for(AsyncIncidentsClient.bench)
     download = _waited_for(AsyncIncidentsClient.download)
     download_table = _waited_for(AsyncIncidentsClient.download_table)
     events = _waited_for(AsyncIncidentsClient.events)
@@ -259,6 +281,15 @@ class ExperimentsClient(_Client[AsyncExperimentsClient]):
     preview = _waited_for(AsyncExperimentsClient.preview)
     apply = _waited_for(AsyncExperimentsClient.apply)
     list = _waited_for(AsyncExperimentsClient.list)
+
+
+class PlotLayoutsClient(_Client[AsyncPlotLayoutsClient]):
+    """Named layouts of plots on the station's disk: `client.plot_layouts`."""
+
+    names = _waited_for(AsyncPlotLayoutsClient.names)
+    get = _waited_for(AsyncPlotLayoutsClient.get)
+    save = _waited_for(AsyncPlotLayoutsClient.save)
+    delete = _waited_for(AsyncPlotLayoutsClient.delete)
 
 
 class WaypointPathsClient(_Client[AsyncWaypointPathsClient]):
@@ -288,6 +319,13 @@ class TokensClient(_Client[AsyncTokensClient]):
     list = _waited_for(AsyncTokensClient.list)
     create = _waited_for(AsyncTokensClient.create)
     revoke = _waited_for(AsyncTokensClient.revoke)
+
+
+class AgentsClient(_Client[AsyncAgentsClient]):
+    """Requests of agents, which a person allows or refuses: `client.agents`."""
+
+    requests = _waited_for(AsyncAgentsClient.requests)
+    answer = _waited_for(AsyncAgentsClient.answer)
 
 
 class LeaseClient(_Client[AsyncLeaseClient]):
@@ -421,13 +459,17 @@ class StationClient(_Client[AsyncStationClient]):
         source = _Source(url, token, timeout=timeout, transport=inline, ca=ca)
         super().__init__(source)
         self.simulation = SimulationClient(source.simulation)
+        self.bench_runs = BenchRunsClient(source.bench_runs)
+        self.lessons = LessonsClient(source.lessons)
         self.gain_sets = GainSetsClient(source.gain_sets)
         self.recordings = RecordingsClient(source.recordings)
         self.incidents = IncidentsClient(source.incidents)
         self.experiments = ExperimentsClient(source.experiments)
+        self.plot_layouts = PlotLayoutsClient(source.plot_layouts)
         self.waypoint_paths = WaypointPathsClient(source.waypoint_paths)
         self.alarms = AlarmsClient(source.alarms)
         self.tokens = TokensClient(source.tokens)
+        self.agents = AgentsClient(source.agents)
         self.lease = LeaseClient(source.lease)
 
     def __enter__(self) -> Self:
@@ -467,6 +509,7 @@ class StationClient(_Client[AsyncStationClient]):
     hardware = _waited_for(AsyncStationClient.hardware)
     controllers = _waited_for(AsyncStationClient.controllers)
     controller = _waited_for(AsyncStationClient.controller)
+    chains = _waited_for(AsyncStationClient.chains)
     load_controller = _waited_for(AsyncStationClient.load_controller)
     unload_controller = _waited_for(AsyncStationClient.unload_controller)
     switch_controllers = _waited_for(AsyncStationClient.switch_controllers)
@@ -499,6 +542,9 @@ class StationClient(_Client[AsyncStationClient]):
     recover_all = _waited_for(AsyncStationClient.recover_all)
     robot = _made(AsyncStationClient.robot, RobotClient)
     scene = _waited_for(AsyncStationClient.scene)
+    clearances = _waited_for(AsyncStationClient.clearances)
+    put_object = _waited_for(AsyncStationClient.put_object)
+    remove_object = _waited_for(AsyncStationClient.remove_object)
     loop = _waited_for(AsyncStationClient.loop)
     reset_loop_statistics = _waited_for(AsyncStationClient.reset_loop_statistics)
     stop_state = _waited_for(AsyncStationClient.stop_state)

@@ -10,11 +10,11 @@ from pydantic import JsonValue
 from station import wire
 from station.client.connection import AsyncConnection, Sleep, segment
 from station.client.errors import MotionError
-from station.wire.controllers import SWITCH_BOUND
+from station.wire.controllers import SWITCH_BOUND, SwitchStrictness
 from station.wire.excitations import BenchRequest, BenchResponse, Excitation
 from station.wire.protocol import KEY_HEADER
 
-Strictness = Literal["strict", "best_effort"]
+Strictness = SwitchStrictness
 REHEARSAL_BOUND = 60.0
 """How much longer than usual the answer to a rehearsal may take [s]."""
 POLL = 0.05
@@ -120,6 +120,10 @@ class AsyncControllersClient:
         """Return one controller."""
         return await self._connection.get(controller_path(name), wire.ControllerState)
 
+    async def chains(self) -> wire.ControllerChains:
+        """Return the loaded controllers with who commands whose references."""
+        return await self._connection.get("/controllers/chains", wire.ControllerChains)
+
     async def load_controller(
         self,
         name: str,
@@ -194,7 +198,9 @@ class AsyncControllersClient:
         Args:
             start: Names to start.
             stop: Names to stop.
-            strictness: `strict` for all or nothing, `best_effort` for what is possible.
+            strictness: `strict` for all or nothing, `best_effort` for what is possible;
+                `auto` also starts and stops what chains need, and `force_auto` stops
+                who is in the way of a start.
             start_asap: Start each as soon as its joints are ready.
             timeout: How long the hardware may take [s], 0 to 60; 0 means as long as it
                 takes, up to `bound`.
@@ -290,6 +296,8 @@ class AsyncControllersClient:
         *,
         duration: float = 2.0,
         settling_band: float = 0.02,
+        relay_gain: float | None = None,
+        run: str | None = None,
     ) -> BenchResponse:
         """Excite one joint through a running controller, and return how it follows.
 
@@ -303,9 +311,17 @@ class AsyncControllersClient:
             duration: How long the response is measured [s], above 0, at most 10.
             settling_band: Half-width of the band of the settling time, as a share of
                 the step, above 0 and below 1.
+            relay_gain: Proportional gain of the joint during a relay, > 0, with
+                integral and derivative gain 0; None leaves the gains in force.
+            run: Name under which the station keeps the response; it makes one when
+                None.
         """
         request = BenchRequest(
-            excitation=excitation, duration=duration, settling_band=settling_band
+            excitation=excitation,
+            duration=duration,
+            settling_band=settling_band,
+            relay_gain=relay_gain,
+            name=run,
         )
         path, patience = controller_path(name, "bench"), 5.0 * request.duration
         return await self._connection.send(

@@ -17,10 +17,14 @@ from station.client.poses import Pose, Target
 from station.client.robots import AsyncRobotClient, AsyncSimulationClient, Restart
 from station.client.samples import Samples
 from station.client.stores import (
+    AsyncAgentsClient,
     AsyncAlarmsClient,
+    AsyncBenchRunsClient,
     AsyncExperimentsClient,
     AsyncGainSetsClient,
     AsyncIncidentsClient,
+    AsyncLessonsClient,
+    AsyncPlotLayoutsClient,
     AsyncRecordingsClient,
     AsyncTokensClient,
     AsyncWaypointPathsClient,
@@ -61,9 +65,13 @@ class AsyncStationClient(AsyncControllersClient):
 
     Attributes:
         simulation: Pause, step and reset of a simulated robot.
+        bench_runs: Runs of the bench that the station keeps.
+        lessons: Exercises that the station checks on the student's own run.
         gain_sets: Named sets of gains on the station's disk.
+        plot_layouts: Named layouts of plots on the station's disk.
         waypoint_paths: Waypoint paths on the station's disk, and their playing.
         tokens: Named tokens of people and programs.
+        agents: Requests of agents, and a person's answers.
         alarms: Alarms, and who has acknowledged them.
         lease: Control, taken and given back call by call; see also `control`.
         recordings: Recordings of every cycle on the station's disk.
@@ -88,13 +96,17 @@ class AsyncStationClient(AsyncControllersClient):
         )
         super().__init__(connection)
         self.simulation = AsyncSimulationClient(connection)
+        self.bench_runs = AsyncBenchRunsClient(connection)
+        self.lessons = AsyncLessonsClient(connection)
         self.gain_sets = AsyncGainSetsClient(connection)
         self.recordings = AsyncRecordingsClient(connection)
         self.incidents = AsyncIncidentsClient(connection)
         self.experiments = AsyncExperimentsClient(connection)
+        self.plot_layouts = AsyncPlotLayoutsClient(connection)
         self.waypoint_paths = AsyncWaypointPathsClient(connection)
         self.alarms = AsyncAlarmsClient(connection)
         self.tokens = AsyncTokensClient(connection)
+        self.agents = AsyncAgentsClient(connection)
         self.lease = AsyncLeaseClient(connection)
 
     async def __aenter__(self) -> Self:
@@ -289,6 +301,27 @@ class AsyncStationClient(AsyncControllersClient):
     async def scene(self) -> list[wire.SceneObject]:
         """Return the objects around a simulated robot, where they are now."""
         return (await self._connection.get("/scene", wire.Scene)).objects
+
+    async def clearances(self) -> list[wire.Clearance]:
+        """Return the nearest pair of each arm that keeps clear of something."""
+        return (await self._connection.get("/scene", wire.Scene)).clearances
+
+    async def put_object(self, name: str, /, **values: JsonValue) -> wire.SceneObject:
+        """Add an object that arms keep clear of, or change the one of that name.
+
+        Args:
+            name: Its name.
+            values: Fields of `SceneObjectRequest`, e.g. `type`, `size`, `position` [m],
+                `role`, `margin` [m].
+        """
+        request = wire.SceneObjectRequest.model_validate(values)
+        path = f"/scene/{segment(name)}"
+        return await self._connection.send("PUT", path, wire.SceneObject, request)
+
+    async def remove_object(self, name: str) -> list[wire.SceneObject]:
+        """Remove an object with a role; return what is left."""
+        path = f"/scene/{segment(name)}"
+        return (await self._connection.send("DELETE", path, wire.Scene)).objects
 
     async def loop(self) -> wire.LoopReport:
         """Return state and statistics of the control loop."""

@@ -3,10 +3,12 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
+from typing import Literal
 
 from station import wire
 from station.client.connection import AsyncConnection, Query, segment
 from station.wire.controllers import GainsOfControllersPatch
+from station.wire.excitations import BenchResponse, BenchRun, BenchRuns, PartRequest
 from station.wire.experiments import (
     Experiment,
     ExperimentApplyRequest,
@@ -18,9 +20,18 @@ from station.wire.experiments import (
     ExperimentTrial,
     ExperimentTrials,
 )
+from station.wire.lessons import (
+    Lesson,
+    LessonBeginRequest,
+    LessonCheckRequest,
+    LessonResult,
+    Lessons,
+)
 
 _RECORDINGS, _INCIDENTS = "/recordings", "/incidents"
+_BENCH_RUNS, _LESSONS = "/bench-runs", "/lessons"
 _GAIN_SETS, _WAYPOINT_PATHS = "/gain-sets", "/waypoint-paths"
+_PLOT_LAYOUTS = "/plot-layouts"
 _EXPERIMENTS, _PLAYBACK = "/experiments", "/playback"
 _PERIOD = 0.5
 """Time between two looks at an experiment that runs [s]."""
@@ -121,6 +132,16 @@ class _AsyncFiles:
         path = f"{self._of(identifier)}/notes"
         return await self._connection.send("POST", path, wire.RecordedEvent, request)
 
+    async def bench(self, identifier: str, part: PartRequest) -> BenchResponse:
+        """Read a part of one that has ended as a test of a joint, and keep the run.
+
+        Args:
+            identifier: Which one.
+            part: Controller, joint, kind of the test, begin and end.
+        """
+        path = f"{self._of(identifier)}/bench"
+        return await self._connection.send("POST", path, BenchResponse, part)
+
     def _of(self, identifier: str) -> str:
         return _below(self._path, identifier)
 
@@ -180,6 +201,71 @@ class AsyncIncidentsClient(_AsyncFiles):
 
     def __init__(self, connection: AsyncConnection) -> None:
         super().__init__(connection, _INCIDENTS)
+
+
+class AsyncBenchRunsClient:
+    """Runs of the bench that the station keeps: `client.bench_runs`.
+
+    Every method raises what the station client's own methods raise.
+
+    Args:
+        connection: The connection to the station.
+    """
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        self._connection = connection
+
+    async def list(self) -> list[BenchRun]:
+        """Return the runs with their figures, the oldest first."""
+        return (await self._connection.get(_BENCH_RUNS, BenchRuns)).runs
+
+    async def get(self, name: str) -> BenchResponse:
+        """Return a run with its curves."""
+        return await self._connection.get(_below(_BENCH_RUNS, name), BenchResponse)
+
+    async def delete(self, name: str) -> BenchResponse:
+        """Delete a run; return its last content."""
+        path = _below(_BENCH_RUNS, name)
+        return await self._connection.send("DELETE", path, BenchResponse)
+
+
+class AsyncLessonsClient:
+    """Exercises that the station checks on the student's own run: `client.lessons`.
+
+    Every method raises what the station client's own methods raise.
+
+    Args:
+        connection: The connection to the station.
+    """
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        self._connection = connection
+
+    async def list(self, person: str = "") -> Lessons:
+        """Return the lessons in their order, with the progress of a person."""
+        return await self._connection.get(_LESSONS, Lessons, {"person": person})
+
+    async def begin(self, name: str, person: str = "") -> Lesson:
+        """Begin a lesson: the station watches what the robot does from now on."""
+        path, request = (
+            f"{_below(_LESSONS, name)}/begin",
+            LessonBeginRequest(person=person),
+        )
+        return await self._connection.send("POST", path, Lesson, request)
+
+    async def check(
+        self, name: str, person: str = "", answers: Mapping[str, float] | None = None
+    ) -> LessonResult:
+        """Check what was done since the lesson was begun.
+
+        Args:
+            name: The lesson.
+            person: Whose progress is kept; the bearer of the token when empty.
+            answers: Worked-out numbers by name, in the units of the lesson.
+        """
+        request = LessonCheckRequest(person=person, answers=dict(answers or {}))
+        path = f"{_below(_LESSONS, name)}/check"
+        return await self._connection.send("POST", path, LessonResult, request)
 
 
 class AsyncGainSetsClient:
@@ -267,6 +353,49 @@ def _chosen(controllers: Sequence[str] | None) -> wire.GainSetRequest:
     if controllers is None:
         return wire.GainSetRequest()
     return wire.GainSetRequest(controllers=list(controllers))
+
+
+class AsyncPlotLayoutsClient:
+    """Named layouts of plots on the station's disk: `client.plot_layouts`.
+
+    Every method raises what the station client's own methods raise.
+
+    Args:
+        connection: The connection to the station.
+    """
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        self._connection = connection
+
+    async def names(self) -> list[str]:
+        """Return the names of the saved layouts."""
+        found = await self._connection.get(_PLOT_LAYOUTS, wire.PlotLayouts)
+        return found.plot_layouts
+
+    async def get(self, name: str) -> wire.PlotLayout:
+        """Return a layout with its plots."""
+        return await self._connection.get(_below(_PLOT_LAYOUTS, name), wire.PlotLayout)
+
+    async def save(
+        self, name: str, plots: Sequence[wire.PlotSettings | wire.PlotRequest]
+    ) -> wire.PlotLayout:
+        """Save the plots of a layout; a layout of that name is replaced.
+
+        Args:
+            name: Letters, digits, `_`, `.` and `-`.
+            plots: The plots, from left to right.
+        """
+        read = partial(wire.PlotRequest.model_validate, from_attributes=True)
+        request = wire.PlotLayoutRequest(plots=[read(plot) for plot in plots])
+        return await self._connection.send(
+            "PUT", _below(_PLOT_LAYOUTS, name), wire.PlotLayout, request
+        )
+
+    async def delete(self, name: str) -> wire.PlotLayout:
+        """Delete a layout; return its last content."""
+        return await self._connection.send(
+            "DELETE", _below(_PLOT_LAYOUTS, name), wire.PlotLayout
+        )
 
 
 class AsyncWaypointPathsClient:
@@ -553,7 +682,7 @@ class AsyncTokensClient:
 
         Args:
             name: Owner of the token.
-            role: `operator` or `viewer`.
+            role: `operator`, `viewer` or `agent`.
             expires: How long it is valid [s]; None until it is revoked.
         """
         request = wire.TokenRequest(name=name, role=role, expires=expires)
@@ -563,6 +692,40 @@ class AsyncTokensClient:
         """End a token, and the streams, sessions and the control it has."""
         path = _below("/tokens", name)
         return await self._connection.send("DELETE", path, wire.Token)
+
+
+class AsyncAgentsClient:
+    """Requests of agents, which a person allows or refuses: `client.agents`.
+
+    Args:
+        connection: The client's connection.
+    """
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        self._connection = connection
+
+    async def requests(self) -> list[wire.AgentRequest]:
+        """Return the latest requests, oldest first; one that waits has no `verdict`."""
+        found = await self._connection.get("/agents/requests", wire.AgentRequests)
+        return found.requests
+
+    async def answer(
+        self,
+        number: str,
+        verdict: Literal["allowed", "allowed_for_a_time", "refused"],
+    ) -> wire.AgentRequest:
+        """Allow or refuse what an agent asks for.
+
+        Args:
+            number: `number` of the request.
+            verdict: `allowed_for_a_time` also allows what comes in the next 10 min.
+        """
+        return await self._connection.send(
+            "POST",
+            _below("/agents/requests", number),
+            wire.AgentRequest,
+            wire.AgentAnswer(verdict=verdict),
+        )
 
 
 def _below(path: str, name: str) -> str:

@@ -9,8 +9,10 @@ from pydantic import Field
 from pydantic_settings import BaseSettings, SettingsConfigDict, SettingsError
 
 from station.config.models import StationConfig
+from station.config.ros2_parameters import is_ros2
 from station.config.ros_parameters import (
     RosParameters,
+    join_ros2,
     split_ros_parameters,
     substitute,
 )
@@ -163,16 +165,22 @@ class _Merge:
         """Add the controllers and other parameters of files written for ROS.
 
         Raises:
-            ConfigError: A file was written for ROS 2, a name is in two namespaces, or
-                a key is misspelt.
+            ConfigError: A name is in two namespaces, a key is misspelt, or parameters
+                of ROS 2 do not fit.
         """
         found, sources = RosParameters(), list[tuple[KeyPath, str | YamlDocument]]()
-        for document in documents:
-            more = split_ros_parameters(document.values, document.name)
-            found.add_file(more, document.name)
-            sources += [
-                (("controllers", name), document.name) for name in more.controllers
-            ]
+        together = [each for each in documents if is_ros2(each.values)]
+        parts = [
+            (each.name, split_ros_parameters(each.values, each.name))
+            for each in documents
+            if each not in together
+        ]
+        if together:
+            names = ", ".join(each.name for each in together)
+            parts.append((names, join_ros2([each.values for each in together], names)))
+        for source, more in parts:
+            found.add_file(more, source)
+            sources += [(("controllers", name), source) for name in more.controllers]
         before = self.values.get("controllers")
         if documents:
             known = before if isinstance(before, dict) else {}

@@ -113,14 +113,16 @@ class RobotSection(_Section):
 
 
 class SceneSection(_Section):
-    """The objects of a simulated world around the robot.
+    """The objects around the robots, and their roles.
 
     Attributes:
-        objects: Boxes, spheres, cylinders, tables and meshes; the robot's class checks
-            them.
+        objects: Boxes, spheres, cylinders, capsules, half-spaces, tables and meshes;
+            `core.geometry.scene` checks them.
+        arm_margin: Distance that arms keep from each other [m]; None for none.
     """
 
     objects: list[dict[str, Any]]
+    arm_margin: float | None = None
 
 
 class Controller(_Section):
@@ -264,11 +266,26 @@ class FciSection(_Section):
         enabled: Whether programs of libfranka can connect to the simulated arm.
         host: Address to listen at; the port is libfranka's. There are no tokens.
         version: The only version of the protocol; None: whichever a client asks for.
+        desk: TCP port of Desk; None: there is no Desk.
     """
 
     enabled: bool
     host: str = Field(min_length=1, pattern=r"^[A-Za-z0-9.:_-]+$")
     version: int | None = Field(default=None, ge=5, le=10)
+    desk: int | None = Field(default=None, ge=1, le=65535)
+
+
+class AgentsSection(_Section):
+    """Programs with a token of the role `agent`.
+
+    Attributes:
+        approval: `always`: a person allows each change; `never`: none is asked, which
+            is for a simulation alone that is paused and stepped.
+        wait: How long a request waits for a person [s].
+    """
+
+    approval: Literal["always", "never"] = "always"
+    wait: float = Field(default=60.0, gt=0.0, le=600.0)
 
 
 class StationConfig(_Section):
@@ -290,6 +307,7 @@ class StationConfig(_Section):
         records: Recordings and incidents.
         foxglove: The server for Foxglove.
         rosbridge: The server for clients of rosbridge.
+        agents: Programs that ask people before they change anything.
         fci: The server for programs of libfranka.
         rehearsal: The need of rehearsals before motions.
     """
@@ -305,6 +323,7 @@ class StationConfig(_Section):
     records: RecordsSection
     foxglove: ToolPortSection
     rosbridge: ToolPortSection
+    agents: AgentsSection = Field(default_factory=AgentsSection)
     fci: FciSection
     rehearsal: RehearsalSection
     parameters: dict[str, Any] = Field(default_factory=dict, exclude=True)

@@ -6,10 +6,11 @@ namespace of a controller manager. A station has one manager, so the namespace g
 
 import difflib
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NoReturn, TypeVar
 
+from station.config.ros2_parameters import is_ros2, read_ros2
 from station.core.errors import ConfigError, show
 
 _SUBSTITUTION = re.compile(r"\$\((\w+)\s*([^)]*)\)")
@@ -73,10 +74,12 @@ def split_ros_parameters(values: dict[str, object], name: str) -> RosParameters:
         name: The file, for messages.
 
     Raises:
-        ConfigError: The file was written for ROS 2, has a name in two namespaces, or
-            misspells a key that the station reads.
+        ConfigError: A name is in two namespaces, a key that the station reads is
+            misspelt, or parameters of ROS 2 do not fit; see `read_ros2`.
     """
     found = RosParameters()
+    if is_ros2(values):
+        return join_ros2([values], name)
     _collect(values, "", found, name)
     if LIST in found.others:
         # What the file says of a controller itself goes before MoveIt's view of it.
@@ -85,17 +88,26 @@ def split_ros_parameters(values: dict[str, object], name: str) -> RosParameters:
     return found
 
 
+def join_ros2(files: Sequence[Mapping[str, object]], name: str) -> RosParameters:
+    """Return what files of ROS 2 say together: types in one, parameters in another.
+
+    Args:
+        files: The content of each, in their order.
+        name: The files, for messages.
+
+    Raises:
+        ConfigError: Something does not fit; see `read_ros2`.
+    """
+    controllers, others = read_ros2(files, name)
+    paths = {key: key for key in (*controllers, *others)}
+    return RosParameters(controllers, others, paths)
+
+
 def _collect(
     values: dict[str, object], namespace: str, found: RosParameters, name: str
 ) -> None:
     for key, value in values.items():
         path = f"{namespace}/{key.strip('/')}"
-        if key == "ros__parameters":
-            raise ConfigError(
-                [f"{name}: {path} belongs to a parameter file of ROS 2."],
-                remedy="Write the controllers as ros_control has them: the name, then "
-                "`type: package/Class` and the parameters, without `ros__parameters`.",
-            )
         if isinstance(value, dict) and _is_controller(value):
             _add(found.controllers, path, value, name)
             found.paths[path.rpartition("/")[2]] = path
@@ -153,7 +165,7 @@ def _is_controller(value: dict[str, object]) -> bool:
 
 
 def _has_controllers(value: dict[str, object]) -> bool:
-    return "ros__parameters" in value or any(
+    return any(
         isinstance(child, dict) and (_is_controller(child) or _has_controllers(child))
         for child in value.values()
     )
@@ -186,7 +198,8 @@ def substitute(value: object, arguments: dict[str, str], name: str) -> object:
         return value
 
     def replacement(match: re.Match[str]) -> str:
-        if match[1] == "arg" and match[2].strip() in arguments:
+        # `var` is the word of ROS 2.
+        if match[1] in {"arg", "var"} and match[2].strip() in arguments:
             return arguments[match[2].strip()]
         allowed = ", ".join(f"$(arg {argument})" for argument in arguments)
         raise ConfigError(

@@ -5,6 +5,9 @@ of the type is loaded.
 """
 
 CONTROLLERS: dict[str, str] = {
+    "admittance_controller/AdmittanceController": (
+        "station.controllers.admittance_controller:AdmittanceController"
+    ),
     "diff_drive_controller/DiffDriveController": (
         "station.controllers.diff_drive_controller:DiffDriveController"
     ),
@@ -98,6 +101,9 @@ CONTROLLERS: dict[str, str] = {
     ),
     "parallel_gripper_action_controller/GripperActionController": (
         "station.controllers.gripper_action_controller:ParallelGripperActionController"
+    ),
+    "pid_controller/PidController": (
+        "station.controllers.pid_controller:PidController"
     ),
     "pos_vel_controllers/JointTrajectoryController": (
         "station.controllers.joint_trajectory_controller"

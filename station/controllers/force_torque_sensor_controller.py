@@ -97,7 +97,7 @@ _SENSOR_NAME = DeclaredParameter(
 _FRAME_ID = DeclaredParameter(
     name="frame_id",
     type=ParameterType.STRING,
-    default_text="that of the sensor",
+    default="",
     description="name of the frame of the published values",
 )
 _FILTERS = DeclaredParameter(
@@ -162,7 +162,7 @@ class ForceTorqueSensorBroadcaster(Controller[ForceTorqueSensorInterface]):
     @override
     def init(self, interface: ForceTorqueSensorInterface, params: Parameters) -> None:
         self._sensor = interface.get_handle(_SENSOR_NAME.read_str(params))
-        self._frame = params.get_str(_FRAME_ID.name, self._sensor.get_frame_id())
+        self._frame = _FRAME_ID.read_str(params) or self._sensor.get_frame_id()
         self._filters = FilterChain.read(
             params.get(_FILTERS.name), params.resolve(_FILTERS.name)
         )

@@ -29,6 +29,8 @@ StationError
 ├── InvalidGainError              a gain is unknown or out of range (ValueError)
 ├── GainSetNotFoundError          there is no gain set of that name (KeyError)
 ├── GainSetError                  a gain set cannot be read or written (OSError)
+├── PlotLayoutNotFoundError       there is no plot layout of that name (KeyError)
+├── PlotLayoutError               a plot layout cannot be read or written (OSError)
 ├── WaypointPathNotFoundError     there is no waypoint path of that name (KeyError)
 ├── WaypointPathError             a waypoint path cannot be read or written (OSError)
 ├── PathRefusedError              a path cannot be played as things are (RuntimeError)
@@ -310,6 +312,30 @@ class GainSetError(StationError, OSError):
     """The file of a gain set cannot be read or written, or is malformed."""
 
     code = "gain_set_file"
+
+
+class PlotLayoutNotFoundError(StationError, KeyError):
+    """There is no plot layout of that name."""
+
+    code = "plot_layout_not_found"
+
+
+class PlotLayoutError(StationError, OSError):
+    """A plot layout cannot be read or written, or its file is malformed."""
+
+    code = "plot_layout_unusable"
+
+
+class SceneObjectNotFoundError(StationError, KeyError):
+    """The scene has no object of that name."""
+
+    code = "scene_object_not_found"
+
+
+class SceneRefusedError(StationError, RuntimeError):
+    """A solid object of a simulated world cannot be changed so while it runs."""
+
+    code = "scene_refused"
 
 
 class WaypointPathNotFoundError(StationError, KeyError):

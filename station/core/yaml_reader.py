@@ -336,9 +336,20 @@ class _Builder:
                     f"has the key {_text(key_node)}, which is not text; put it in "
                     "quotes",
                 )
+            value = self.build(value_node, (*path, key))
             if key in own:
-                raise self._refuse(key_node, path, f"has the key {show(key)} twice")
-            own[key] = self.build(value_node, (*path, key))
+                before = own[key]
+                # Files of ROS 2 begin one block of a namespace for every node.
+                is_namespace = not path and key.startswith("/")
+                if not (
+                    is_namespace
+                    and isinstance(before, dict)
+                    and isinstance(value, dict)
+                    and not set(before) & set(value)
+                ):
+                    raise self._refuse(key_node, path, f"has the key {show(key)} twice")
+                value = {**before, **value}
+            own[key] = value
         mark = node.start_mark
         self.positions[path] = (mark.line + 1, mark.column + 1)
         return {**merged, **own}

@@ -74,6 +74,7 @@ class Bench:
         known = default_loaders(CONTROLLERS) if loaders is None else loaders
         self.manager = ControllerManager(self.robot, self.parameters, known, self.clock)
         self.manager.pump = self.step
+        self.manager.period = period
 
     def make_station(self) -> Station:
         """Return a station over this robot; from now on its loop runs the cycles."""

@@ -9,13 +9,18 @@ from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from station.core.control.chainable_controller import ChainableController
 from station.core.control.controller_manager import ControllerManager
 from station.core.control.switching import SwitchOutcome, SwitchResult
 from station.core.hardware.combined_robot_hw import CombinedRobotHW
 from station.core.hardware.interfaces import JointStateInterface
 from station.core.hardware.interfaces.interface_manager import interface_type_name
 from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
-from station.core.hardware.robot_hw import ControllerInfo, RobotHW
+from station.core.hardware.robot_hw import (
+    ControllerInfo,
+    InterfaceResources,
+    RobotHW,
+)
 
 MOST_PROBLEMS = 50
 """How many problems are kept; the first ones say the most."""
@@ -43,6 +48,43 @@ class CommandPlace:
     def slot(self) -> tuple[int, int]:
         """Identity of the storage and index: several interfaces may share a command."""
         return id(self.storage), self.index
+
+
+class ChainCheck:
+    """The check of chains: nobody runs without the controller that it commands.
+
+    A reference has one owner, and whoever exports it is in chained mode when the owner
+    runs, and otherwise not.
+
+    Args:
+        manager: The manager.
+    """
+
+    def __init__(self, manager: ControllerManager) -> None:
+        self._manager = manager
+
+    def __call__(self) -> str | None:
+        """Return the first violation; None if there is none. Control thread."""
+        loaded = self._manager.lifecycle.loaded
+        running = [one for one in loaded if one.controller.is_running()]
+        owners: dict[str, str] = {}
+        for place, one in enumerate(loaded):
+            if any(each not in loaded[place:] for each in one.following):
+                return f"'{one.info.name}' is not updated before what it commands"
+        for one in running:
+            missing = one.missing_following()
+            if missing is not None:
+                return f"'{one.info.name}' runs without '{missing.info.name}'"
+            for name in one.info.references:
+                if owners.setdefault(name, one.info.name) != one.info.name:
+                    return f"'{name}' is owned by {owners[name]} and {one.info.name}"
+        commanded = [each for one in running for each in one.following]
+        for one in running:
+            if isinstance(one.controller, ChainableController):
+                chained = one.controller.is_in_chained_mode
+                if chained != (one in commanded):
+                    return f"chained mode of '{one.info.name}' is {chained}"
+        return None
 
 
 class SwitchObserver:
@@ -285,13 +327,13 @@ class _Mirror:
         if not wrong:
             return None
         status = {one.name: one for one in self._manager.list_controllers()}
-        # A controller without claims concerns nobody; an unreleased one says so.
+        # Who claims nothing of it does not concern it; an unreleased one says so.
         wrong = {
             name
             for name in wrong
             if name not in status
             or (
-                any(claim.resources for claim in status[name].claimed_resources)
+                self._concerns(status[name].claimed_resources)
                 and UNRELEASED not in (status[name].fault or "")
             )
         }
@@ -305,14 +347,10 @@ class _Mirror:
         )
 
     def _concerned(self, running: Sequence[ControllerInfo]) -> set[str]:
-        return {
-            info.name
-            for info in running
-            if any(
-                self._resources.intersection(claim.resources)
-                for claim in info.claimed_resources
-            )
-        }
+        return {info.name for info in running if self._concerns(info.claimed_resources)}
+
+    def _concerns(self, claims: Sequence[InterfaceResources]) -> bool:
+        return any(self._resources.intersection(claim.resources) for claim in claims)
 
 
 def command_places(robot: RobotHW) -> list[CommandPlace]:

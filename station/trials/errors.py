@@ -8,6 +8,8 @@ StationError
     ├── WorkerMismatchError    a worker has another version or configuration
     ├── ExperimentNotFoundError   there is no experiment of that name (KeyError)
     ├── ExperimentRunningError    not possible while it runs, or while it does not
+    ├── LessonNotFoundError       there is no lesson of that name (KeyError)
+    ├── BenchRunNotFoundError     there is no kept run of that name (KeyError)
     ├── BenchRefusedError         a measurement cannot be done, or was ended
     └── TooManyExperimentsError   more trials or experiments than a station takes
 ```
@@ -62,3 +64,15 @@ class BenchRefusedError(ExperimentError):
     """A measurement at the robot cannot be done now, or was ended."""
 
     code = "bench_refused"
+
+
+class BenchRunNotFoundError(ExperimentError, KeyError):
+    """There is no kept run of the bench of that name."""
+
+    code = "bench_run_not_found"
+
+
+class LessonNotFoundError(ExperimentError, KeyError):
+    """There is no lesson of that name."""
+
+    code = "lesson_not_found"

@@ -78,12 +78,16 @@ def schroeder_phases(count: int) -> Sequence[float]:
     return [-math.pi * k * (k - 1) / count for k in range(1, count + 1)]
 
 
-def _envelope(t: Array, length: float) -> Array:
-    """Return a weight of 0 to 1 that begins and ends at rest, shape (k,)."""
+def fade_of(length: float) -> float:
+    """Return the time in which a sine of some length fades in and out [s], > 0."""
     # Never longer than a quarter, so that half of a short signal has its full
     # amplitude.
-    fade = max(min(_LONGEST_FADE, 0.25 * length), 1e-9)
-    inside = np.clip(np.minimum(t, length - t) / fade, 0.0, 1.0)
+    return max(min(_LONGEST_FADE, 0.25 * length), 1e-9)
+
+
+def _envelope(t: Array, length: float) -> Array:
+    """Return a weight of 0 to 1 that begins and ends at rest, shape (k,)."""
+    inside = np.clip(np.minimum(t, length - t) / fade_of(length), 0.0, 1.0)
     return least_jerk(inside)
 
 

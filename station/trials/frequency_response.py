@@ -23,6 +23,10 @@ _PER_DECADE = 40
 """Frequencies per decade of a response over a band."""
 _CERTAIN = 0.6
 """Coherence below which a frequency says nothing on margins."""
+_UNEXPLAINED = 0.4
+"""Largest share of a plant that an inertia with damping may leave unexplained."""
+_LONGEST_DELAY = 0.05
+"""Longest delay of a plant that is looked for [s]."""
 _HALF_POWER = math.sqrt(0.5)
 
 
@@ -32,7 +36,7 @@ class Curve:
 
     Attributes:
         gain: Gains, shape (k,).
-        phase: Phases without jumps [deg], shape (k,), the first within -270 to 90.
+        phase: Phases without jumps [deg], shape (k,), their median within -270 to 90.
     """
 
     gain: Array
@@ -136,7 +140,8 @@ def figures_of(response: JointResponse) -> dict[str, float]:
     is_certain = response.coherence >= _CERTAIN
     loop, closed = response.open_loop, response.closed_loop
     found: dict[str, float] = {"coherence": float(np.median(response.coherence))}
-    if len(frequency) < 3:
+    # Few bins are averaged at low frequencies: by chance some of them agree.
+    if len(frequency) < 3 or found["coherence"] < _CERTAIN:
         return found
     found["resonance_peak"] = float(closed.gain[is_certain].max(initial=0.0))
     at = _crossing(frequency, closed.gain, _HALF_POWER, is_certain)
@@ -145,8 +150,11 @@ def figures_of(response: JointResponse) -> dict[str, float]:
     at = _crossing(frequency, loop.gain, 1.0, is_certain)
     if at is not None:
         found["gain_crossover"] = at
-        found["phase_margin"] = 180.0 + _at(frequency, loop.phase, at)
-    at = _crossing(frequency, loop.phase, -180.0, is_certain)
+        # Whole turns that noise at a low frequency has added are none.
+        found["phase_margin"] = _at(frequency, loop.phase, at) % 360.0 - 180.0
+    lag = np.sin(np.radians(loop.phase))
+    is_behind = np.cos(np.radians(loop.phase)) < 0.0
+    at = _crossing(frequency, -lag, 0.0, is_certain & is_behind)
     if at is not None:
         found["phase_crossover"] = at
         found["gain_margin"] = 1.0 / _at(frequency, loop.gain, at)
@@ -154,22 +162,28 @@ def figures_of(response: JointResponse) -> dict[str, float]:
 
 
 def mass_and_damping(response: JointResponse) -> dict[str, float]:
-    """Return inertia and viscous damping that explain the plant, if it is like that.
+    """Return inertia, damping and delay that explain the plant, if it is like that.
 
-    Least squares over `1 / plant = damping * s + inertia * s**2`, each frequency with
-    the same weight; nothing where more than a fifth is not explained.
+    Least squares over `1 / plant = (damping * s + inertia * s**2) * exp(delay * s)`,
+    each frequency with the same weight; nothing where more than a fifth is not
+    explained, or a value would be negative.
     """
     omega = 2.0 * math.pi * response.frequency
     phase = np.radians(response.plant.phase)
-    inverse = np.exp(-1j * phase) / response.plant.gain
-    inertia = -float((inverse.real * omega**2 / abs(inverse) ** 2).sum())
-    inertia /= float((omega**4 / abs(inverse) ** 2).sum())
-    damping = float((inverse.imag * omega / abs(inverse) ** 2).sum())
-    damping /= float((omega**2 / abs(inverse) ** 2).sum())
-    rest = inverse + inertia * omega**2 - 1j * omega * damping
-    if np.sqrt(np.mean(np.abs(rest / inverse) ** 2)) > 0.2:
-        return {}
-    return {"inertia": inertia, "damping": damping}
+    best, found = _UNEXPLAINED**2, {}
+    for delay in np.linspace(0.0, _LONGEST_DELAY, 51).tolist():
+        ways = np.exp(-1j * (phase + omega * delay)) / response.plant.gain
+        weight = 1.0 / np.abs(ways) ** 2
+        inertia = -float((ways.real * omega**2 * weight).sum())
+        inertia /= float((omega**4 * weight).sum())
+        damping = float((ways.imag * omega * weight).sum())
+        damping /= float((omega**2 * weight).sum())
+        rest = ways + inertia * omega**2 - 1j * omega * damping
+        left = float(np.mean(np.abs(rest) ** 2 * weight))
+        if left < best and inertia > 0.0 and damping >= 0.0:
+            best = left
+            found = {"inertia": inertia, "damping": damping, "delay": delay}
+    return found
 
 
 def sine_figures(
@@ -229,7 +243,7 @@ def _power(spectrum: Spectrum) -> float:
 def _curve(answers: Spectrum) -> Curve:
     phase = np.degrees(np.unwrap(np.angle(answers)))
     # An integrator begins at -90 or -180 degrees, which noise turns to +179.
-    phase -= 360.0 * math.ceil((phase[0] - 90.0) / 360.0)
+    phase -= 360.0 * math.ceil((float(np.median(phase)) - 90.0) / 360.0)
     return Curve(np.abs(answers), phase)
 
 

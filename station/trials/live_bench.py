@@ -9,7 +9,8 @@ of its loop: the measured speeds are watched as well, `SPEED_SHARE`.
 import math
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 import numpy as np
 
@@ -17,15 +18,16 @@ from station.core.control.controller import ControllerState
 from station.core.errors import ControllerStateError, InvalidCommandError, suggest
 from station.core.facade.station import Station
 from station.core.ports.set_point import SetPointElement
+from station.trials.bench_analysis import gain_names, joint_test
 from station.trials.errors import (
     BenchRefusedError,
     ImpossibleRangeError,
     UnknownParameterError,
 )
 from station.trials.excitations import Array, least_jerk, offsets
-from station.trials.metrics import UNITS, Counts, measure
+from station.trials.metrics import Counts
 from station.trials.reference import POSITION_UNITS, make_reference
-from station.trials.trace import Trace, TraceRecorder
+from station.trials.trace import TraceRecorder
 from station.trials.trial import Script
 from station.wire.excitations import BenchRequest, BenchResponse, Relay, Step
 
@@ -50,7 +52,6 @@ _SLOWEST = 4.0
 """How much longer than asked for a measurement may take, in wall time."""
 _RETURN = 0.8
 """How long the way back takes [s]."""
-_MOST_POINTS = 500
 
 
 class LiveBench:
@@ -126,18 +127,20 @@ class LiveBench:
         deadline = self._now() + _PATIENCE + _SLOWEST * request.duration
         cycle, due = 0, -1
         try:
-            # Control is asked for again before each set-point: its holder may change at
-            # any time.
-            while cycle < cycles:
-                if cycle > due:
-                    admit()
-                    reference.command(cycle)
-                    due = cycle
-                self._sleep(_TICK)
-                recorder.take()
-                cycle = self._station.loop.cycle - first
-                self._check_speeds(fastest)
-                self._check_on_the_way(joint, start, allowed, deadline)
+            with self._relay_gains(controller, request):
+                gains = dict(self._station.tuning.gains(controller).values)
+                # Control is asked for again before each set-point: its holder may
+                # change at any time.
+                while cycle < cycles:
+                    if cycle > due:
+                        admit()
+                        reference.command(cycle)
+                        due = cycle
+                    self._sleep(_TICK)
+                    recorder.take()
+                    cycle = self._station.loop.cycle - first
+                    self._check_speeds(fastest)
+                    self._check_on_the_way(joint, start, allowed, deadline)
         # The joint is brought back before the reason is told: nobody else would do it.
         except BenchRefusedError:
             self._brake(controller, begin, admit)
@@ -145,7 +148,45 @@ class LiveBench:
             raise
         self._go_back(controller, begin, admit)
         trace = recorder.trace(is_live=True).of_joint(excitation.joint).until(cycles)
-        return self._response(controller, request, script, trace, recorder)
+        found = joint_test(
+            trace,
+            excitation,
+            script,
+            gains,
+            self._station.loop.hw.joint_limits(),
+            Counts(recorder.reflexes),
+        )
+        return found.model_copy(update={"lost": recorder.lost})
+
+    @contextmanager
+    def _relay_gains(self, controller: str, request: BenchRequest) -> Iterator[None]:
+        """Let P alone act on the joint in the body of a `with`, if that is asked for.
+
+        Raises:
+            ImpossibleRangeError: The controller has no such gains.
+        """
+        if request.relay_gain is None:
+            yield
+            return
+        tuning = self._station.tuning
+        gains = dict(tuning.gains(controller).values)
+        names = gain_names(gains, request.excitation.joint)
+        if not names or not isinstance(request.excitation, Relay):
+            raise ImpossibleRangeError(
+                f"`relay_gain` is the proportional gain of a relay test; this is a "
+                f"{request.excitation.kind}, and '{controller}' has "
+                f"{'a' if names else 'no'} gain p.",
+                remedy="Leave `relay_gain` out, or choose a relay and a controller "
+                "with PIDs.",
+            )
+        wanted = dict.fromkeys(names.values(), 0.0) | {names["p"]: request.relay_gain}
+        # Before the joint moves, and whatever ends the test: the gains are a person's.
+        tuning.set_gains(controller, wanted, remember=False)
+        try:
+            yield
+        finally:
+            before = {name: gains[name] for name in wanted}
+            tuning.set_gains(controller, before, remember=False)
 
     def _check(self, controller: str, request: BenchRequest) -> tuple[list[float], str]:
         """Return the present set-point and the unit of the joint's element.
@@ -372,36 +413,3 @@ class LiveBench:
             if max(map(abs, self._station.latest().velocity), default=0.0) < _STILL:
                 return
             self._sleep(_TICK)
-
-    def _response(
-        self,
-        controller: str,
-        request: BenchRequest,
-        script: Script,
-        trace: Trace,
-        recorder: TraceRecorder,
-    ) -> BenchResponse:
-        limits = self._station.loop.hw.joint_limits()
-        found = measure(trace, script, limits, Counts(recorder.reflexes))
-        every = max(1, math.ceil(len(trace.time) / _MOST_POINTS))
-
-        def column(values: Array) -> list[float | None]:
-            shown: list[float | None] = values[::every, 0].tolist()
-            return shown
-
-        return BenchResponse(
-            controller=controller,
-            joint=request.excitation.joint,
-            kind=request.excitation.kind,
-            gains=dict(self._station.tuning.gains(controller).values),
-            time=trace.time[::every].tolist(),
-            desired=column(trace.desired),
-            position=column(trace.position),
-            velocity=column(trace.velocity),
-            effort=column(trace.effort),
-            output=column(trace.output),
-            metrics=found,
-            units=dict(UNITS),
-            cycles=len(trace.time),
-            lost=recorder.lost,
-        )

@@ -65,7 +65,7 @@ RULES: Mapping[str, Rule] = {
 
 
 def relay_figures(output: Array, position: Array, period: float) -> dict[str, float]:
-    """Return what the oscillation under a relay says of the plant.
+    """Return the figures of the oscillation under a relay.
 
     The harmonics of command and position give the plant's response at the frequency of
     the oscillation and its odd multiples, exactly for a linear plant. Where the phase

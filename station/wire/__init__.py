@@ -4,8 +4,14 @@ Imports the reports and nothing else of the station, as the client does.
 """
 
 from station.reports import (
+    AgentRequest as AgentRequest,
     ArmRecord as ArmRecord,
+    AsyncStatistics as AsyncStatistics,
+    ChainedController as ChainedController,
+    Clearance as Clearance,
+    ControllerChains as ControllerChains,
     Event as Event,
+    ExportedValue as ExportedValue,
     GainsChange as GainsChange,
     HardwareInterface as HardwareInterface,
     HardwareResource as HardwareResource,
@@ -14,12 +20,16 @@ from station.reports import (
     Percentiles as Percentiles,
     Plan as Plan,
     Playback as Playback,
+    PlotLayout as PlotLayout,
+    PlotSettings as PlotSettings,
     Rehearsal as Rehearsal,
     Simulation as Simulation,
     Waypoint as Waypoint,
     WaypointPath as WaypointPath,
 )
 from station.wire.access import (
+    AgentAnswer as AgentAnswer,
+    AgentRequests as AgentRequests,
     ControlPatch as ControlPatch,
     ControlRequest as ControlRequest,
     ControlState as ControlState,
@@ -81,6 +91,11 @@ from station.wire.hardware import (
     HardwareLimits as HardwareLimits,
     HardwareRepair as HardwareRepair,
     SoftLimits as SoftLimits,
+)
+from station.wire.plot_layouts import (
+    PlotLayoutRequest as PlotLayoutRequest,
+    PlotLayouts as PlotLayouts,
+    PlotRequest as PlotRequest,
 )
 from station.wire.protocol import (
     CLOSE_BAD_REQUEST as CLOSE_BAD_REQUEST,
@@ -146,6 +161,7 @@ from station.wire.simulation import (
     ResetRequest as ResetRequest,
     Scene as Scene,
     SceneObject as SceneObject,
+    SceneObjectRequest as SceneObjectRequest,
     SimulationPatch as SimulationPatch,
     StepRequest as StepRequest,
 )

@@ -4,9 +4,10 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from station.reports import AgentRequest
 from station.wire.base import Items, RequestModel, ResponseModel
 
-RoleName = Literal["viewer", "operator"]
+RoleName = Literal["viewer", "agent", "operator"]
 PersonName = Annotated[
     str, Field(min_length=1, max_length=100, pattern=r"^[\w][\w.@+ -]*$")
 ]
@@ -22,7 +23,8 @@ class TokenRequest(RequestModel):
 
     Attributes:
         name: Owner of the token: 1 to 100 letters, digits, or one of . _ @ + - inside.
-        role: `viewer`: read everything and stop the robot; `operator`: everything.
+        role: `viewer`: read everything and stop the robot; `agent`: ask for motion as
+            well, within the agents' envelope; `operator`: everything.
         expires: How long it is valid [s], 1 or more; null until it is revoked.
 
     Example:
@@ -68,6 +70,31 @@ class Tokens(ResponseModel):
     """
 
     tokens: Items[Token]
+
+
+class AgentRequests(ResponseModel):
+    """The requests of agents.
+
+    Attributes:
+        requests: The latest ones, oldest first.
+    """
+
+    requests: Items[AgentRequest]
+
+
+class AgentAnswer(RequestModel):
+    """Answer a request of an agent.
+
+    Attributes:
+        verdict: `allowed`; `allowed_for_a_time`: this one, and all that the agent asks
+            for in the next 10 min, until control changes hands or the robot is stopped;
+            `refused`.
+
+    Example:
+        {"verdict": "allowed"}
+    """
+
+    verdict: Literal["allowed", "allowed_for_a_time", "refused"]
 
 
 class ControlRequest(RequestModel):

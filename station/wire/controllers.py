@@ -11,7 +11,7 @@ from pydantic import (
     model_validator,
 )
 
-from station.reports import GainDifference, GainsChange, Percentiles
+from station.reports import AsyncStatistics, GainDifference, GainsChange, Percentiles
 from station.wire.base import (
     ControllerName,
     FromEnum,
@@ -36,6 +36,10 @@ ControllerStateName = Annotated[
     ],
     FromEnum,
 ]
+
+
+SwitchStrictness = Literal["strict", "best_effort", "auto", "force_auto"]
+"""Treatment of a switch of which only a part is possible."""
 
 
 class ClaimedResources(ResponseModel):
@@ -63,6 +67,9 @@ class ControllerState(ResponseModel):
         fallback: Names of the controllers that take over when it fails.
         time: How long its update takes [s].
         notes: Surprises for its user, such as a parameter that has no effect.
+        update_rate: How often it is updated while it runs [Hz].
+        async_update: Its updates in a thread of its own; null if the control thread
+            updates it.
     """
 
     name: str
@@ -74,6 +81,8 @@ class ControllerState(ResponseModel):
     fallback: Items[str]
     time: Percentiles
     notes: Items[str] = Field(default_factory=list)
+    update_rate: float = 0.0
+    async_update: AsyncStatistics | None = None
 
 
 class Controllers(ResponseModel):
@@ -118,7 +127,9 @@ class SwitchRequest(RequestModel):
     Attributes:
         start: Names to start.
         stop: Names to stop.
-        strictness: `strict`: all or nothing; `best_effort`: what is possible.
+        strictness: `strict`: all or nothing; `best_effort`: what is possible; `auto`:
+            as strict, and whole chains of controllers start and stop; `force_auto`: as
+            auto, and controllers that hold what a start needs stop.
         start_asap: Start each as soon as its joints are ready.
         timeout: How long the hardware may take [s]; 0 means as long as it takes, up to
             `bound`.
@@ -132,7 +143,7 @@ class SwitchRequest(RequestModel):
 
     start: list[str] = Field(default_factory=list, max_length=64)
     stop: list[str] = Field(default_factory=list, max_length=64)
-    strictness: Literal["strict", "best_effort"] = "strict"
+    strictness: SwitchStrictness = "strict"
     start_asap: bool = False
     timeout: float = Field(default=0.0, ge=0.0, le=60.0)
     bound: float | None = Field(default=SWITCH_BOUND, gt=0.0, le=3600.0)
@@ -158,6 +169,9 @@ class SwitchResult(ResponseModel):
             nor its reversal.
         failed: Why a controller of the request does not run, by name.
         ignored: Why parts of a best-effort request were left out.
+        order: Names of the controllers that run after it as planned, in the order of
+            their updates.
+        chained: Names of those among them that are in chained mode.
         jump: How far the first commands are from those before, by joint, in the unit
             of the command.
         cycle: Cycle in which it was finished; 0 for a dry run.
@@ -165,8 +179,8 @@ class SwitchResult(ResponseModel):
 
     Example:
         {"ok": true, "started": ["arm"], "stopped": [], "outcome": "committed",
-         "failed": {}, "ignored": [], "jump": {"panda_joint1": 0.0}, "cycle": 1234,
-         "dry_run": false}
+         "failed": {}, "ignored": [], "order": ["arm"], "chained": [],
+         "jump": {"panda_joint1": 0.0}, "cycle": 1234, "dry_run": false}
     """
 
     ok: bool
@@ -175,6 +189,8 @@ class SwitchResult(ResponseModel):
     outcome: Annotated[Literal["committed", "rolled_back", "halted"], FromEnum]
     failed: dict[str, str]
     ignored: Items[str]
+    order: Items[str] = Field(default_factory=list)
+    chained: Items[str] = Field(default_factory=list)
     jump: dict[str, Measured]
     cycle: int
     dry_run: bool

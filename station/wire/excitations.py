@@ -5,7 +5,13 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 from typing_extensions import override
 
-from station.wire.base import Items, Measurements, RequestModel, ResponseModel
+from station.wire.base import (
+    FileName,
+    Items,
+    Measurements,
+    RequestModel,
+    ResponseModel,
+)
 
 Time = Annotated[float, Field(ge=0.0, le=3600.0)]
 Frequency = Annotated[float, Field(gt=0.0, le=500.0)]
@@ -230,6 +236,11 @@ class BenchRequest(RequestModel):
         settling_band: Half-width of the band of the settling time, as a share of the
             step, above 0 and below 1.
 
+        relay_gain: Proportional gain of the joint during a relay test, > 0, with
+            integral and derivative gain 0, so that the oscillation is that of the joint
+            alone; afterwards the gains are the old ones. None leaves them in force.
+        name: Name under which the station keeps the response; it makes one when None.
+
     Example:
         {"excitation": {"kind": "step", "joint": "panda_joint7", "amplitude": 0.1},
          "duration": 1.5}
@@ -238,15 +249,70 @@ class BenchRequest(RequestModel):
     excitation: Excitation
     duration: Annotated[float, Field(gt=0.0, le=LONGEST)] = 2.0
     settling_band: Annotated[float, Field(gt=0.0, lt=1.0)] = 0.02
+    relay_gain: Annotated[float, Field(gt=0.0, le=1e6)] | None = None
+    name: FileName | None = None
+
+
+class BodeCurve(ResponseModel):
+    """A response over the frequency.
+
+    Attributes:
+        gain: Gains, shape (k,).
+        phase: Phases without jumps [deg], shape (k,).
+    """
+
+    gain: Items[float]
+    phase: Items[float]
+
+
+class Bode(ResponseModel):
+    """The frequency responses of a joint in its loop.
+
+    Attributes:
+        frequency: Frequencies, increasing [Hz], shape (k,).
+        coherence: Share of the position's power that the set-point explains, 0 to 1,
+            shape (k,).
+        closed_loop: From the set-point to the position.
+        open_loop: From the error to the position.
+        plant: From the controller's command to the position [rad or m per its unit].
+    """
+
+    frequency: Items[float]
+    coherence: Items[float]
+    closed_loop: BodeCurve
+    open_loop: BodeCurve
+    plant: BodeCurve
+
+
+class GainProposal(ResponseModel):
+    """Gains that a tuning rule makes of the ultimate gain and period.
+
+    Attributes:
+        rule: Name of the rule, e.g. `tyreus_luyben_pid`.
+        title: The same for people.
+        source: Publication.
+        gains: Values by the names of the controller's gains.
+        note: Restriction that a reader needs; empty without one.
+    """
+
+    rule: str
+    title: str
+    source: str
+    gains: dict[str, float]
+    note: str = ""
 
 
 class BenchResponse(ResponseModel):
     """Response of a joint to an excitation.
 
     Attributes:
+        name: Name of the run.
+        created_at: When it was measured, ISO 8601.
         controller: Name of the controller.
         joint: Name of the joint.
         kind: Which excitation it was.
+        amplitude: Size of the excitation [rad or m]; that of the set-point in a part of
+            a recording.
         gains: Gains of the controller during the measurement, by name.
         time: Station time since the beginning [s], shape (k,).
         desired: Set-point in each [rad or m], shape (k,); null before the first one.
@@ -255,16 +321,21 @@ class BenchResponse(ResponseModel):
         effort: Measured effort [Nm or N], shape (k,).
         output: Commands of the controller [unit of its interface], shape (k,).
         metrics: Metrics of this joint over all cycles, by name; one that does not
-            apply is left out.
+            apply is left out. Margins, bandwidth and the like are among them.
         units: The unit of each metric, by its name.
         cycles: How many cycles were measured, 1 or more; the arrays have at most some
             hundred of them.
+        bode: Frequency responses of a chirp or a multisine; null for others.
+        proposals: Gains by rule, after a relay test with P alone; empty otherwise.
         lost: Cycles that were overwritten before they could be read, 0 or more.
     """
 
+    name: str = ""
+    created_at: str = ""
     controller: str
     joint: str
     kind: str
+    amplitude: float = 0.0
     gains: dict[str, float]
     time: Items[float]
     desired: Measurements
@@ -276,3 +347,67 @@ class BenchResponse(ResponseModel):
     units: dict[str, str]
     cycles: int
     lost: int
+    bode: Bode | None = None
+    proposals: Items[GainProposal] = Field(default_factory=list)
+
+
+class BenchRun(ResponseModel):
+    """A run that the station keeps, without its curves.
+
+    Attributes:
+        name: Name of the run.
+        created_at: When it was measured, ISO 8601.
+        controller: Name of the controller.
+        joint: Name of the joint.
+        kind: Which excitation it was.
+        gains: p, i and d of the joint, as far as its controller has them.
+        metrics: Its metrics by name.
+    """
+
+    name: str
+    created_at: str
+    controller: str
+    joint: str
+    kind: str
+    gains: dict[str, float]
+    metrics: dict[str, float]
+
+
+class BenchRuns(ResponseModel):
+    """The runs that the station keeps.
+
+    Attributes:
+        runs: The runs, the oldest first.
+    """
+
+    runs: Items[BenchRun]
+
+
+class PartRequest(RequestModel):
+    """A part of a recording that is read as a test of a joint.
+
+    Attributes:
+        controller: Controller that commanded the joint.
+        joint: The joint.
+        kind: How the part is read: a step's rise and overshoot, gain and phase at a
+            sine's frequency, Bode plot of a chirp or multisine, or oscillation under a
+            relay.
+        begin: Station time at which the part begins [s]; that of the recording if None.
+        end: Station time at which it ends [s]; that of the recording when None.
+        low: Lowest frequency of a chirp or multisine, or that of a sine [Hz].
+        high: Highest frequency of a chirp or multisine [Hz].
+        name: Name under which the station keeps the result; it makes one when None.
+
+    Example:
+        {"controller": "effort_group_position_controller", "joint": "panda_joint7",
+         "kind": "step", "begin": 12.5, "end": 14.0}
+    """
+
+    controller: str
+    joint: str
+    kind: Literal["step", "sine", "chirp", "multisine", "relay"]
+    begin: float | None = None
+    end: float | None = None
+    low: Frequency = 0.2
+    high: Frequency = 10.0
+    name: FileName | None = None

@@ -4,6 +4,7 @@ from typing import Literal
 
 from pydantic import AliasChoices, Field
 
+from station.reports import Clearance
 from station.wire.base import Items, Measurements, RequestModel, ResponseModel
 
 
@@ -52,7 +53,42 @@ class ResetRequest(RequestModel):
     joint_positions: dict[str, float] = Field(default_factory=dict)
 
 
-ObjectKind = Literal["box", "sphere", "cylinder", "table", "mesh"]
+ObjectKind = Literal[
+    "box", "sphere", "cylinder", "capsule", "half_space", "table", "mesh"
+]
+Role = Literal["object", "keep_out", "fence"]
+
+
+class SceneObjectRequest(RequestModel):
+    """Add an object with a role, or change one; a field left out keeps its value.
+
+    Attributes:
+        type: Kind of object; a new one needs it.
+        size: Edges of a box or table; radius of a sphere; radius and height of a
+            cylinder; radius of a capsule and length of its axis [m].
+        position: Of its middle, of the middle of the top of a table [m].
+        rpy: Roll, pitch and yaw [rad].
+        role: What it is to the robots; a new one keep_out or fence.
+        margin: Distance that arms keep from it [m].
+        links: Links for which the role counts, `hand` for the hand alone; empty for
+            all.
+        colour: Red, green and blue, 0 to 255; empty for the one of its role.
+        file: STL or OBJ file of a mesh, on the station's machine.
+
+    Example:
+        {"type": "box", "size": [0.1, 1.0, 1.0], "position": [0.6, 0.0, 0.5], "role":
+         "keep_out", "margin": 0.02}
+    """
+
+    type: ObjectKind | None = None
+    size: list[float] = Field(default_factory=list, max_length=3)
+    position: list[float] = Field(default_factory=list, max_length=3)
+    rpy: list[float] = Field(default_factory=list, max_length=3)
+    role: Role | None = None
+    margin: float | None = None
+    links: list[str] = Field(default_factory=list, max_length=16)
+    colour: list[float] = Field(default_factory=list, max_length=3)
+    file: str = ""
 
 
 class SceneObject(ResponseModel):
@@ -67,6 +103,11 @@ class SceneObject(ResponseModel):
         orientation: Unit quaternion x, y, z, w.
         mass: [kg]; 0 for a thing that cannot move.
         file: File of a mesh, on the station's machine.
+        role: `keep_out`: arms keep clear of it; `fence`: they stay inside.
+        margin: Distance that arms keep from it, unless it is an `object` [m].
+        links: Links for which the role counts; empty for all.
+        colour: Red, green and blue, 0 to 255; empty for the one of its role.
+        solid: Whether a simulated robot can touch it.
 
     Example:
         {"name": "cube", "type": "box", "size": [0.05, 0.05, 0.05], "position": [0.5,
@@ -80,6 +121,11 @@ class SceneObject(ResponseModel):
     orientation: Measurements = Field(min_length=4, max_length=4)
     mass: float
     file: str = ""
+    role: Role = "object"
+    margin: float = 0.0
+    links: Items[str] = Field(default_factory=list)
+    colour: Items[int] = Field(default_factory=list)
+    solid: bool = True
 
 
 class MovingBase(ResponseModel):
@@ -126,6 +172,7 @@ class Scene(ResponseModel):
         objects: The things; empty where there are none, and around a real robot.
         contacts: The contacts, 64 at most; empty around a real robot, which has no
             sensors for them.
+        clearances: For each arm that keeps clear of something the nearest pair.
         bases: Where the root links are of simulated robots with a floating or planar
             base; empty where all robots are fixed.
     """
@@ -133,3 +180,4 @@ class Scene(ResponseModel):
     objects: Items[SceneObject]
     contacts: Items[Contact] = Field(default_factory=list)
     bases: Items[MovingBase] = Field(default_factory=list)
+    clearances: Items[Clearance] = Field(default_factory=list)

@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from station.reports import LoopReport, Simulation
+from station.wire.access import RoleName
 from station.wire.base import (
     FromEnum,
     Items,
@@ -201,11 +202,12 @@ class Session(ResponseModel):
     """The role that the station grants the caller.
 
     Attributes:
-        role: `viewer`: read everything and stop the robot; `operator`: everything.
+        role: `viewer`: read everything and stop the robot; `agent`: ask for motion as
+            well; `operator`: everything.
         name: Name of the token: the role, or that of a named token.
     """
 
-    role: Literal["viewer", "operator"]
+    role: RoleName
     name: str = ""
 
 

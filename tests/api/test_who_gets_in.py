@@ -43,6 +43,7 @@ OF_VIEWERS = {LOGOUT, f"{API}/stop", f"{API}/stream-tickets"}
 # The token in the body or the query decides, whoever sends it.
 LOGINS = {f"{API}/login", "/login"}
 TOKENS = {f"{API}/tokens", f"{API}/tokens/arm"}
+ANSWER = f"{API}/agents/requests/x"
 # These look at what a request says before they look at who holds control.
 CONTROL = {"POST": {"owner": "Bob"}, "PATCH": {"ttl": 5.0}}
 
@@ -95,13 +96,14 @@ CALLERS = {
         (403, "host_not_allowed", 4403),
         lambda _, path: path in PROBES,
     ),
-    # Nobody's control keeps others from stopping, looking, or ending the token of
-    # whoever holds it.
+    # Nobody's control keeps others from stopping, looking, answering an agent, or
+    # ending the token of whoever holds it.
     "another's lease": Caller(
         {**bearer(OPERATOR), "X-Control-Lease": "not-theirs"},
         (423, "control_held", 4423),
         lambda method, path: (
-            method in READS or path in OF_VIEWERS | TOKENS | {f"{API}/streams/loop"}
+            method in READS
+            or path in OF_VIEWERS | TOKENS | {f"{API}/streams/loop", ANSWER}
         ),
     ),
 }

@@ -19,7 +19,9 @@ from station.config import load_config
 from station.core.control.switching import SwitchRequest
 from station.core.errors import ArmCommandError, SwitchRefusedError
 from station.core.franka import RobotMode
+from station.core.loop.stop_latch import StopState
 from station.hw.franka.arm.robot_arm import ControllerMode, MotionGeneratorMode
+from station.hw.franka.fci.desk.desk_server import ServedArm, new_desk
 from station.hw.franka.fci.driver.fci_arm import FciArm
 from station.hw.franka.fci.driver.network import FciNetwork, FciNetworkError
 from station.hw.franka.fci.server.client_port import FciPortError
@@ -48,6 +50,9 @@ controllers:
       panda_joint6, panda_joint7]
 start: []
 """
+LONGEST_CHANGE = 30.0
+"""Longest wait for a change that Desk asks for [s]."""
+JOINTS = ControllerMode.JOINT_IMPEDANCE
 LONGEST = 100_000
 """Requests within which the fingers have arrived."""
 MOCK = "robot: {type: mock_hw/MockRobotHW, joints: [a]}\ncontrollers: {}\nstart: []\n"
@@ -128,6 +133,33 @@ def recovered(arm):
         if arm.state.robot_mode is not RobotMode.AUTOMATIC_ERROR_RECOVERY:
             break
     return arm.state.robot_mode
+
+
+def test_desk_beside_the_controllers_opens_brakes_and_never_the_stop(tmp_path):
+    built = station_of(CONFIG, tmp_path)
+    built.loop.start()
+    arm, motion = built.loop.hw.arm, (JOINTS, MotionGeneratorMode.JOINT_POSITION)
+    with FciBeside(built, HOST, pytest.fail) as beside:
+        desk = new_desk(ServedArm(beside, arm, None, "Panda"), is_ready=True)
+        assert (desk.are_brakes_closed, desk.is_fci_active) == (False, True)
+        built.switch_controllers(SwitchRequest(start=["holder"]))
+        built.stop("test")
+        desk.set_brakes(closed=True).result(LONGEST_CHANGE)
+        assert arm.state.robot_mode is RobotMode.OTHER
+        desk.set_brakes(closed=False).result(LONGEST_CHANGE)
+        assert arm.state.robot_mode is RobotMode.IDLE
+        assert built.loop.stop_latch.state is StopState.STOPPED
+        client = FciArm(FciNetwork(HOST, PANDA.port), PlainModel, is_enforced=False)
+        with pytest.raises(ArmCommandError, match="command not possible in the curr"):
+            client.start_motion(*motion)
+
+        desk.set_fci(active=False).result(LONGEST_CHANGE)
+        with pytest.raises(FciNetworkError, match="refused"):
+            FciNetwork(HOST, PANDA.port)
+        desk.set_fci(active=True).result(LONGEST_CHANGE)
+        FciNetwork(HOST, PANDA.port).close()
+        client.close()
+    built.loop.stop()
 
 
 def test_second_station_at_the_same_address_is_told(station, tmp_path):

@@ -28,6 +28,7 @@ WITH_REPORTS = {
     "station.core.loop.snapshot",
     "station.core.numerics.pid",
     "station.core.ports.set_point",
+    "station.hw.franka.simulated.accelerometers",
     "station.hw.franka.simulated.arm_step",
     "station.hw.franka.simulated.joint_watch",
     "station.hw.franka.simulated.motion_check",

@@ -14,7 +14,7 @@ from packaging.utils import canonicalize_name
 ROOT = Path(__file__).parents[2]
 
 # Parts that their declared whole pins and documents as its own.
-PART_OF = {"pydantic-core": "pydantic"}
+PART_OF = {"pydantic-core": "pydantic", "mcp-types": "mcp"}
 # Imported by whoever has the package; the station runs without it.
 BROUGHT_BY_USERS = {
     ("station.testing", "pytest"),

@@ -21,6 +21,8 @@ FOCUSABLE = (
 def all_open(workspace):
     """The page with every dock and every fold open."""
     page = workspace.page
+    # High enough for all docks: a dock that is opened folds those without room.
+    page.set_viewport_size({"width": 1280, "height": 3000})
     names = page.locator(".dock").evaluate_all("all => all.map((d) => d.dataset.dock)")
     assert {"joints", "controllers", "plots", "timeline"} < set(names)
     for name in names:

@@ -121,7 +121,7 @@ def test_the_strip_stays_one_line_when_an_arm_has_stopped_itself(workspace, clie
     assert wait_until(lambda: panda.errors().robot_mode == "idle")
 
 
-@pytest.mark.parametrize(("width", "rows"), [(1280, 2), (1920, 1)])
+@pytest.mark.parametrize(("width", "rows"), [(1280, 2), (2560, 1)])
 def test_the_choices_of_the_timeline_stand_in_even_rows(workspace, width, rows):
     page = workspace.page
     workspace.dock("simulation")
@@ -154,14 +154,14 @@ def test_a_replay_shows_a_ghost_and_moves_nothing(workspace, enabled):
     sent = []
     page.on("request", lambda request: sent.append((request.method, request.url)))
     workspace.dock("timeline").get_by_role("button", name=name, exact=True).click()
-    slider = workspace.dock("timeline").get_by_label("Time of the replay")
+    slider = workspace.dock("plots").get_by_label("Time of the replay")
     slider.wait_for()
     before = enabled.last_command(CONTROLLER).last
     with page.expect_response(_answers_ghost("POST")) as shown:
         slider.press("End")
     assert shown.value.ok
     with page.expect_response(_answers_ghost("DELETE")) as hidden:
-        workspace.button("timeline", "End replay").click()
+        workspace.button("plots", "End replay").click()
     assert hidden.value.ok
     assert enabled.last_command(CONTROLLER).last == before
     assert not [u for m, u in sent if m != "GET" and "/api/v1/" in u]
@@ -188,7 +188,7 @@ def test_an_incident_is_replayed_as_a_ghost(workspace, enabled):
     asked = shown.value.request.post_data_json
     assert len(asked["positions"]) >= 7
     with workspace.page.expect_response(_answers_ghost("DELETE")):
-        workspace.button("timeline", "End replay").click()
+        workspace.button("plots", "End replay").click()
     workspace.button("timeline", "Events").click()
 
 

@@ -134,7 +134,7 @@ def test_a_controller_is_loaded_with_parameters_and_started(person, client):
 def test_p_is_changed_and_two_runs_are_compared(person, client):
     enable(person)
     person.fold("tuning")
-    figures = person.page.locator("st-tuning > div .metrics tbody tr")
+    figures = person.page.locator("st-bench .runs tbody tr")
     person.click("Run test")
     figures.first.wait_for()
     before = client.gains(CONTROLLER).values["panda_joint1/p"]
@@ -142,9 +142,33 @@ def test_p_is_changed_and_two_runs_are_compared(person, client):
     assert wait_until(lambda: client.gains(CONTROLLER).values["panda_joint1/p"] == 400)
     person.click("Run test")
     figures.nth(1).wait_for()
-    assert "p 400" in figures.nth(1).inner_text()
+    # The newest is the first.
+    assert "p 400" in figures.first.inner_text()
+    assert "p 200" in figures.nth(1).inner_text()
     client.set_gains(CONTROLLER, {"panda_joint1/p": before})
     assert person.clicks == counted("change p and compare two runs") <= 8
+
+
+def test_gains_are_found_by_relay_and_applied(person, client):
+    enable(person)
+    person.fold("tuning")
+    person.click("Find gains by relay")
+    row = person.page.locator("st-bench .proposals tbody tr").filter(
+        has_text="Tyreus-Luyben PID"
+    )
+    row.wait_for()
+    before = client.gains(CONTROLLER).values
+    person.click("Apply Tyreus-Luyben PID")
+    run = client.bench_runs.list()[-1]
+    proposals = client.bench_runs.get(run.name).proposals
+    (wanted,) = [p.gains for p in proposals if p.rule == "tyreus_luyben_pid"]
+    assert wanted["panda_joint1/p"] == pytest.approx(
+        run.metrics["ultimate_gain"] / 2.2, rel=1e-3
+    )
+    assert wait_until(lambda: client.gains(CONTROLLER).values == {**before, **wanted})
+    person.click("Undo")
+    assert wait_until(lambda: client.gains(CONTROLLER).values == before)
+    assert person.clicks - 1 == counted("find gains by relay and apply them") <= 6
 
 
 def test_a_path_is_recorded_and_played(person, client):

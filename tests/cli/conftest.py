@@ -1,6 +1,7 @@
 """A station that records what the command line asks of it."""
 
 from argparse import Namespace
+from dataclasses import replace
 
 import pytest
 
@@ -11,13 +12,17 @@ from station.core.control.controller_factory import ControllerType as CoreContro
 from station.core.ports.set_point import (
     timeout_parameters,
 )
+from station.reports import AgentRequest, Verdict
 from station.wire import (
     ArmReport,
+    ChainedController,
     CommandAccepted,
+    ControllerChains,
     ControllerState,
     ControllerType,
     ControlState,
     DesiredState,
+    ExportedValue,
     Gains,
     GainsChange,
     GainSet,
@@ -156,6 +161,7 @@ class FakeStation:
         self.refusal: BaseException | None = None
         self.simulation = FakeSimulation(self)
         self.tokens = FakeTokens(self)
+        self.agents = FakeAgents(self)
         self.control_found = ControlState()
         self.acts_under = None
         self.gain_sets = FakeGainSets(self)
@@ -192,6 +198,27 @@ class FakeStation:
             fallback=[],
             time=Percentiles(p50=0.0, p99=2e-5, p999=0.0, max=0.0, count=9),
         )
+
+    def chains(self):
+        reference = ExportedValue("wheel/joint/velocity", ("diff",))
+        return ControllerChains((
+            ChainedController(
+                "diff",
+                "running",
+                is_in_chained_mode=False,
+                following=("wheel",),
+                references=(),
+                states=(),
+            ),
+            ChainedController(
+                "wheel",
+                "running",
+                is_in_chained_mode=True,
+                following=(),
+                references=(reference,),
+                states=(),
+            ),
+        ))
 
     def controller_types(self):
         return [ControllerType.model_validate(DESCRIBED)]
@@ -386,6 +413,21 @@ class FakeTokens:
     def revoke(self, name):
         self._station._record("revoke", name)
         return self.list()[0]
+
+
+class FakeAgents:
+    """What `AgentsClient` is to the command line."""
+
+    def __init__(self, station: "FakeStation") -> None:
+        self._station = station
+        self.request = AgentRequest("q3TZ", "tuner", "grasp", "panda", {}, 0.0, 60.0)
+
+    def requests(self):
+        return [self.request]
+
+    def answer(self, number, verdict):
+        self._station._record("answer", number, verdict)
+        return replace(self.request, verdict=Verdict(verdict), decided_by="ada")
 
 
 class _FakeArm:

@@ -68,13 +68,6 @@ def test_a_key_of_another_program_is_kept(key):
     assert split_ros_parameters({key: 1}, "f.yaml").others == {key: 1}
 
 
-def test_file_of_ros_2_is_refused():
-    values = {"controller_manager": {"ros__parameters": {"arm": {"type": "a/B"}}}}
-
-    with pytest.raises(ConfigError, match="ROS 2"):
-        split_ros_parameters(values, "f.yaml")
-
-
 def test_arguments_are_substituted_in_texts_and_keys():
     values = {"$(arg arm_id)_joint1": ["$(arg arm_id)_joint1", 1, {"x": None}]}
 

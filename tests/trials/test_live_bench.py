@@ -33,7 +33,7 @@ JOINT = "panda_joint7"
 STEP = Step(joint=JOINT, amplitude=0.1, at=0.05)
 
 
-PAGE = Path(station.ui.__file__).parent / "static" / "panels" / "tuning.js"
+PAGE = Path(station.ui.__file__).parent / "static" / "panels" / "bench.js"
 TEXT = PAGE.read_text("utf-8")
 DEFAULTS = {
     name: float(value)
@@ -318,3 +318,69 @@ def test_one_measurement_is_done_at_a_time(station):
     bench.measure(GROUP, ask(STEP, 0.2), free)
 
     assert refused
+
+
+RELAY = Relay(joint=JOINT, amplitude=0.05, hysteresis=0.0005)
+
+
+def test_a_relay_of_p_alone_proposes_gains_and_leaves_those_in_force(bench, station):
+    before = dict(station.tuning.gains(GROUP).values)
+
+    request = BenchRequest(excitation=RELAY, duration=3.0, relay_gain=15.0)
+    found = bench.measure(GROUP, request, free)
+
+    assert found.gains[f"{JOINT}/p"] == 15.0
+    assert found.gains[f"{JOINT}/d"] == 0.0
+    assert dict(station.tuning.gains(GROUP).values) == before
+    ku, tu = found.metrics["ultimate_gain"], found.metrics["ultimate_period"]
+    rules = {one.rule: one.gains for one in found.proposals}
+    assert rules["ziegler_nichols_pid"][f"{JOINT}/p"] == pytest.approx(0.6 * ku, 1e-3)
+    derivative = rules["ziegler_nichols_pid"][f"{JOINT}/d"]
+    assert derivative == pytest.approx(0.6 * ku * tu / 8.0, 1e-3)
+    assert "limited to 0" in found.proposals[-1].note
+
+
+def test_a_relay_test_that_is_refused_puts_the_gains_back(bench, station):
+    before = dict(station.tuning.gains(GROUP).values)
+    # The ideal arm has no friction: with this gain its joint comes near its limit.
+    request = BenchRequest(
+        excitation=Relay(joint=JOINT, amplitude=0.1), duration=4.0, relay_gain=15.0
+    )
+    with pytest.raises(BenchRefusedError, match="of its velocity limit"):
+        bench.measure(GROUP, request, free)
+    assert dict(station.tuning.gains(GROUP).values) == before
+
+
+def test_a_relay_in_a_loop_with_d_has_a_margin_and_proposes_nothing(bench):
+    found = bench.measure(GROUP, ask(RELAY, 2.0), free)
+    assert found.proposals == []
+    assert "ultimate_gain" not in found.metrics
+    assert found.metrics["gain_margin"] > 1.0
+
+
+def test_a_relay_gain_is_for_relays_and_pids(bench, station):
+    request = BenchRequest(excitation=STEP, relay_gain=15.0)
+    with pytest.raises(ImpossibleRangeError, match="this is a step"):
+        bench.measure(GROUP, request, free)
+    use(station, "position_group_controller")
+    with pytest.raises(ImpossibleRangeError, match="has no gain p"):
+        bench.measure(
+            "position_group_controller",
+            BenchRequest(excitation=RELAY, relay_gain=15.0),
+            free,
+        )
+
+
+def test_a_chirp_has_a_bode_plot_and_a_sine_its_gain(bench):
+    chirp = Chirp(joint=JOINT, amplitude=0.02, first=0.5, last=8.0)
+
+    found = bench.measure(GROUP, ask(chirp, 4.0), free)
+
+    assert found.bode is not None
+    assert len(found.bode.frequency) == len(found.bode.closed_loop.gain) > 20
+    assert found.metrics["coherence"] > 0.9
+    at = int(np.argmin(np.abs(np.array(found.bode.frequency) - 3.0)))
+    sine = Sine(joint=JOINT, amplitude=0.02, frequency=3.0)
+    single = bench.measure(GROUP, ask(sine, 3.0), free).metrics
+    assert single["gain"] == pytest.approx(found.bode.closed_loop.gain[at], rel=0.05)
+    assert single["phase"] == pytest.approx(found.bode.closed_loop.phase[at], abs=4)

@@ -20,7 +20,6 @@ from station.core.franka import FrankaServices
 from station.core.franka.arms import Arms
 from station.records.cdr import Values
 
-_STRICT = 2
 _CONTROLLER_MANAGER = "/controller_manager"
 _GROUP = {"name": "Default", "state": True, "id": 0, "parent": 0}
 _SETTINGS = {
@@ -175,12 +174,11 @@ class StationServices:
         self._station.unload_controller(request["name"])
 
     def _switch(self, client: ToolClient, request: Values) -> Values:
-        strict = request["strictness"] == _STRICT
         result = self._station.switch_controllers(
             SwitchRequest(
                 request["start_controllers"],
                 request["stop_controllers"],
-                Strictness.STRICT if strict else Strictness.BEST_EFFORT,
+                Strictness.from_value(request["strictness"]),
                 start_asap=request["start_asap"],
                 timeout=request["timeout"],
             )

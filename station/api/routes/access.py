@@ -5,7 +5,13 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import RedirectResponse
 
-from station.api.auth import SESSION_LIFETIME, TICKET_LIFETIME, Access, Authenticator
+from station.api.auth import (
+    SESSION_LIFETIME,
+    TICKET_LIFETIME,
+    Access,
+    Authenticator,
+    Role,
+)
 from station.api.dependencies import AccessDep, ServicesDep
 from station.api.errors import ProblemError
 from station.api.json_route import JsonRoute
@@ -28,6 +34,13 @@ async def _access_of(request: Request, services: Services, token: str) -> Access
             "That is not a token of this station.",
             "Use the token that the station printed when it was started; every start "
             "makes a new one.",
+        )
+    if access.role is Role.AGENT:
+        raise ProblemError(
+            403,
+            "person_needed",
+            f"{access.name} is an agent, and browsers are for people.",
+            "Send the token with each request: Authorization: Bearer <token>.",
         )
     services.event_recorder.login(request, access, "login")
     return access

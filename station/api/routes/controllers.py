@@ -13,6 +13,7 @@ from station.api.routes.problems import problems
 from station.core.control import switching
 from station.core.facade.station import Station
 from station.wire import (
+    ControllerChains,
     Controllers,
     ControllerState,
     ControllerType,
@@ -104,6 +105,12 @@ def switch_controllers(
     if not request.dry_run:
         services.event_recorder.switch(connection, result)
     return answers.switch_result(result)
+
+
+@router.get("/controllers/chains", responses=problems())
+def list_chains(station: StationDep) -> ControllerChains:
+    """Return the loaded controllers with who commands whose references."""
+    return station.manager.chains()
 
 
 @router.get("/controllers/{name}", responses=problems(404))

@@ -304,7 +304,7 @@ def add_note_to_incident(
 
 
 def _file(store: RecordStore, identifier: str) -> FileResponse:
-    info = _ended(store, identifier)
+    info = ended(store, identifier)
     return FileResponse(
         store.file(info.identifier),
         media_type=MEDIA_TYPE,
@@ -325,7 +325,7 @@ def _table(
     from station.records.recording_table import Choice
 
     choice = Choice(tuple(channels), tuple(joints), rate)
-    info = _ended(store, identifier)
+    info = ended(store, identifier)
     # A file that cannot be read is refused here, before the answer begins.
     pause = station.loop.right_of_way.give
     pieces = csv_pieces(store.file(info.identifier), choice, pause)
@@ -338,7 +338,7 @@ def _trajectory(store: RecordStore, identifier: str, rate: float) -> Trajectory:
     # Imported late: an application without a recorder needs no reader of MCAP.
     from station.records.recording_reader import read_trajectory
 
-    info = _ended(store, identifier)
+    info = ended(store, identifier)
     found = read_trajectory(store.file(info.identifier)).decimated(rate)
     return Trajectory.model_validate({
         "name": list(found.names),
@@ -352,7 +352,7 @@ def _events(store: RecordStore, identifier: str) -> RecordedEvents:
     # Imported late, as in `_trajectory`.
     from station.records.recording_events import read_events
 
-    found = read_events(store.file(_ended(store, identifier).identifier))
+    found = read_events(store.file(ended(store, identifier).identifier))
     return RecordedEvents.model_validate({"events": found})
 
 
@@ -365,7 +365,7 @@ def _add_note(
 ) -> RecordedEvent:
     found = recorder.add_note(
         store,
-        _ended(store, identifier).identifier,
+        ended(store, identifier).identifier,
         note.text,
         note.time,
         until=note.until,
@@ -374,7 +374,7 @@ def _add_note(
     return RecordedEvent.model_validate(found)
 
 
-def _ended(store: RecordStore, identifier: str) -> RecordingInfo:
+def ended(store: RecordStore, identifier: str) -> RecordingInfo:
     """Return a recording that has ended, and whose file is there.
 
     Raises:

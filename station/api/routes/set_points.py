@@ -1,7 +1,5 @@
 """Set-points of controllers, and the states that follow."""
 
-from functools import partial
-
 from fastapi import APIRouter
 
 from station.api import answers
@@ -19,7 +17,6 @@ from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
 from station.core.control import controller as core_controller
 from station.wire import CommandAccepted, CommandInfo, CommandRequest, ControllerSample
-from station.wire.excitations import BenchRequest, BenchResponse
 
 router = APIRouter(tags=["set-points"], dependencies=[Viewer], route_class=JsonRoute)
 
@@ -28,28 +25,6 @@ router = APIRouter(tags=["set-points"], dependencies=[Viewer], route_class=JsonR
 def get_command(name: str, station: StationDep) -> CommandInfo:
     """Return the elements of a controller's set-point, and the last set-point."""
     return answers.command_info(station.motion.set_point(name))
-
-
-@router.post(
-    "/controllers/{name}/bench",
-    dependencies=[Operator],
-    responses=problems(404, 409, 413, 422, 423),
-)
-def measure_response(
-    name: str,
-    request: BenchRequest,
-    services: ServicesDep,
-    access: AccessDep,
-    key: LeaseKey = None,
-) -> BenchResponse:
-    """Excite one joint through a running controller, and return how it follows.
-
-    The answer comes when the joint is back where it began. Before anything moves the
-    excitation is checked: size, rate, and distance from the joint's limits. A stop, a
-    loss of control, or a joint that leaves the envelope ends it.
-    """
-    admit = partial(services.control.admit, access, key, name)
-    return services.bench.measure(name, request, admit)
 
 
 @router.put(

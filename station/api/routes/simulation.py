@@ -1,14 +1,26 @@
 """Pause, step, reset and the pace of a simulated robot, and the scene around it."""
 
-from fastapi import APIRouter
+from typing import Annotated
+
+from fastapi import APIRouter, Path
 
 from station.api.dependencies import Operator, StationDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
 from station.reports import Simulation
-from station.wire import ResetRequest, Scene, SimulationPatch, StepRequest
+from station.wire import (
+    ResetRequest,
+    Scene,
+    SceneObject,
+    SceneObjectRequest,
+    SimulationPatch,
+    StepRequest,
+)
 
 router = APIRouter(tags=["simulation"], dependencies=[Viewer], route_class=JsonRoute)
+ObjectName = Annotated[
+    str, Path(description="Name of the object.", examples=["wall"], max_length=128)
+]
 _CHANGE = problems(409, 413, 422, 503)
 
 
@@ -46,7 +58,28 @@ def reset(station: StationDep, request: ResetRequest | None = None) -> Simulatio
 def scene(station: StationDep) -> Scene:
     """Return the objects around the robots, contacts and moving bases."""
     return Scene.model_validate({
-        "objects": station.scene(),
+        "objects": station.scene.report(),
         "contacts": station.contacts(),
         "bases": station.bases(),
+        "clearances": station.scene.clearances(),
     })
+
+
+@router.put(
+    "/scene/{name}", dependencies=[Operator], responses=problems(409, 413, 422, 503)
+)
+def put_scene_object(
+    name: ObjectName, request: SceneObjectRequest, station: StationDep
+) -> SceneObject:
+    """Add an object with a role, or change, move or drag the one of that name."""
+    values = request.model_dump(exclude_unset=True)
+    return SceneObject.model_validate(station.scene.put(name, values))
+
+
+@router.delete(
+    "/scene/{name}", dependencies=[Operator], responses=problems(404, 409, 503)
+)
+def delete_scene_object(name: ObjectName, station: StationDep) -> Scene:
+    """Remove an object with a role; answers with what is left."""
+    station.scene.remove(name)
+    return scene(station)

@@ -269,7 +269,11 @@ class SceneTopic(ReportTopic):
     @override
     def report(self) -> Data:
         station = self._station
-        return _scene_sample((station.scene(), station.contacts(), station.bases()))
+        return _scene_sample((
+            station.scene.report(),
+            station.contacts(),
+            station.bases(),
+        ))
 
     @override
     def every_cycle(self) -> CycleSamples:

@@ -48,6 +48,11 @@ VERBS = (
     Verb("controllers", "list_controllers", "list the loaded controllers", ("list",)),
     Verb(
         "controllers",
+        "view_controller_chains",
+        "print who commands whose references, as text or for Graphviz",
+    ),
+    Verb(
+        "controllers",
         "list_controller_types",
         "list what can be loaded, or the parameters of one type",
         ("list_types",),
@@ -82,6 +87,16 @@ VERBS = (
         "gains",
         "gains",
         "show or set the gains of a controller; save, compare and apply sets of gains",
+    ),
+    Verb(
+        "bench",
+        "bench",
+        "excite a joint and say how it follows; propose and apply gains",
+    ),
+    Verb(
+        "lesson",
+        "lesson",
+        "list, begin and check exercises on the simulated robot",
     ),
     Verb(
         "parameters",
@@ -123,6 +138,7 @@ VERBS = (
         "reset",
         "put the simulated world back to its start; running controllers start anew",
     ),
+    Verb("scene", "scene", "list, put or remove the objects that arms keep clear of"),
     Verb(
         "records",
         "record",
@@ -142,6 +158,8 @@ VERBS = (
     Verb("streams", "events", "print what happened: who did what, with what result"),
     Verb("access", "control", "show who holds control, take it, or give it back"),
     Verb("access", "token", "make, list or revoke named tokens"),
+    Verb("agents", "agents", "list what agents ask for; allow or refuse it"),
+    Verb("agents", "mcp", "serve an agent that speaks the Model Context Protocol"),
     Verb("experiments", "sweep", "run a trial for each of many values of parameters"),
     Verb(
         "experiments",

@@ -36,7 +36,9 @@ def add_token(parser: "Parser") -> None:
     """Add the arguments of `token`."""
     parser.add_argument("action", choices=("create", "list", "revoke"))
     parser.add_argument("name", nargs="?", metavar="NAME", help="whose token")
-    parser.add_argument("--role", choices=("operator", "viewer"), default="operator")
+    parser.add_argument(
+        "--role", choices=("operator", "viewer", "agent"), default="operator"
+    )
     parser.add_argument(
         "--expires", type=float, metavar="S", help="how long it is valid [s]"
     )

@@ -13,6 +13,7 @@ from station.core.errors import suggest
 if TYPE_CHECKING:
     from station.cli.parser import Parser
     from station.wire import (
+        ControllerChains,
         ControllerState,
         ControllerType,
         DeclaredParameter,
@@ -68,6 +69,63 @@ def add_list_hardware_interfaces(parser: "Parser") -> None:
     parser.add_argument(
         "-v", "--verbose", action="store_true", help="limits, repairs, clamps and more"
     )
+
+
+def add_view_controller_chains(parser: "Parser") -> None:
+    """Add the arguments of `view_controller_chains`."""
+    parser.add_argument(
+        "--dot", action="store_true", help="a graph for Graphviz: … --dot | dot -Tsvg"
+    )
+
+
+def view_controller_chains(options: Namespace) -> int:
+    """Print the controllers in the order of their updates, with what they command."""
+    with open_client(options) as client:
+        chains = client.chains()
+    if options.json:
+        say_model(chains)
+    elif options.dot:
+        say(_graph(chains))
+    else:
+        headers = ["update", "name", "state", "mode", "commands", "exports"]
+        say_table(headers, _chain_rows(chains))
+    return 0
+
+
+def _chain_rows(chains: "ControllerChains") -> list[list[str]]:
+    rows = []
+    for place, one in enumerate(chains.controllers, 1):
+        exports = [
+            f"{each.name} ({', '.join(each.users)})" if each.users else each.name
+            for each in (*one.references, *one.states)
+        ]
+        rows.append([
+            str(place),
+            one.name,
+            one.state,
+            ("chained" if one.is_in_chained_mode else "-"),
+            ", ".join(one.following) or "-",
+            "; ".join(exports) or "-",
+        ])
+    return rows
+
+
+def _graph(chains: "ControllerChains") -> str:
+    """Return the chains in the language of Graphviz; running controllers are filled."""
+    quoted = json.dumps
+    lines = ["digraph controllers {", "  rankdir=LR; node [shape=box];"]
+    for one in chains.controllers:
+        style = ' [style=filled fillcolor="#d0e8d0"]' if one.state == "running" else ""
+        lines.append(f"  {quoted(one.name)}{style};")
+        edges = [(each, "solid", False) for each in one.references]
+        edges += [(each, "dashed", True) for each in one.states]
+        for value, line, is_state in edges:
+            label = quoted(value.name.removeprefix(f"{one.name}/"))
+            for user in value.users:
+                ends = (one.name, user) if is_state else (user, one.name)
+                first, second = map(quoted, ends)
+                lines.append(f"  {first} -> {second} [label={label} style={line}];")
+    return "\n".join([*lines, "}"])
 
 
 def list_controllers(options: Namespace) -> int:

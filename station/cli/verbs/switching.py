@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from station.cli.parser import Parser
     from station.client import StationClient
     from station.wire import SwitchResult
+    from station.wire.controllers import SwitchStrictness
 
 _OUTCOMES = {
     "rolled_back": "Rolled back: what ran before runs again.",
@@ -27,6 +28,12 @@ def add_switch_controllers(parser: "Parser") -> None:
     strictness.add_argument("--strict", action="store_true", help="all or nothing")
     strictness.add_argument(
         "--best-effort", action="store_true", help="do what is possible"
+    )
+    strictness.add_argument(
+        "--auto", action="store_true", help="start and stop whole chains"
+    )
+    strictness.add_argument(
+        "--force-auto", action="store_true", help="and stop what is in the way"
     )
     parser.add_argument("--activate-asap", action="store_true")
     parser.add_argument("--switch-timeout", type=float, default=0.0, metavar="S")
@@ -61,13 +68,21 @@ def switch_controllers(options: Namespace) -> int:
         result = client.switch_controllers(
             start=options.activate,
             stop=options.deactivate,
-            strictness="best_effort" if options.best_effort else "strict",
+            strictness=_strictness(options),
             start_asap=options.activate_asap,
             timeout=options.switch_timeout,
             bound=None if isinf(bound) else bound,
             dry_run=options.dry_run,
         )
     return _tell(result, as_json=options.json)
+
+
+def _strictness(options: Namespace) -> "SwitchStrictness":
+    if options.best_effort:
+        return "best_effort"
+    if options.force_auto:
+        return "force_auto"
+    return "auto" if options.auto else "strict"
 
 
 def start(options: Namespace) -> int:
@@ -120,6 +135,9 @@ def _tell(result: "SwitchResult", *, as_json: bool) -> int:
         if names:
             word = f"{would}{what}".strip()
             say(f"{word[0].upper()}{word[1:]}: {', '.join(names)}.")
+    if result.chained:
+        order = (f"{n} (chained)" if n in result.chained else n for n in result.order)
+        say(f"Order of updates: {', '.join(order)}.")
     jumps = {joint: jump for joint, jump in result.jump.items() if jump}
     if jumps:
         largest = max(jumps, key=lambda joint: abs(jumps[joint] or 0.0))

@@ -12,6 +12,7 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from station.core.control.chainable_controller import (
+    ChainableController,
     ExportedStateHandle,
     ExportedStateInterface,
     ReferenceHandle,
@@ -33,6 +34,7 @@ from station.core.hardware.robot_hw import (
     ResourceConflict,
     RobotHW,
 )
+from station.reports import ChainedController, ControllerChains, ExportedValue
 
 if TYPE_CHECKING:
     from station.core.hardware.interfaces.resource_manager import ResourceManager
@@ -163,6 +165,37 @@ def find_conflicts(
                 )
             )
     return conflicts
+
+
+def chains_report(loaded: Sequence[LoadedController]) -> ControllerChains:
+    """Return who exports what, and who commands whom. Any thread."""
+    found = []
+    for one in loaded:
+        controller, name = one.controller, one.info.name
+        users = [other for other in loaded if one in other.following]
+        readers = tuple(other.info.name for other in loaded if one in other.read)
+        found.append(
+            ChainedController(
+                name,
+                controller.state.value,
+                isinstance(controller, ChainableController)
+                and controller.is_in_chained_mode,
+                tuple(each.info.name for each in one.following),
+                tuple(
+                    ExportedValue(
+                        f"{name}/{reference.name}",
+                        tuple(
+                            user.info.name
+                            for user in users
+                            if f"{name}/{reference.name}" in user.info.references
+                        ),
+                    )
+                    for reference in one.references
+                ),
+                tuple(ExportedValue(f"{name}/{s.name}", readers) for s in one.states),
+            )
+        )
+    return ControllerChains(tuple(found))
 
 
 def depth_of(one: LoadedController) -> int:

@@ -5,6 +5,15 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from station.core.control.async_update import (
+    CYCLES,
+    IS_ASYNC,
+    POLICY,
+    TIME_LIMIT,
+    AsyncParams,
+    AsyncUpdate,
+    PrivateRobotHW,
+)
 from station.core.control.chains import ChainedRobotHW, claims_of_references
 from station.core.control.command_guard import find_guards
 from station.core.control.controller import ControllerBase
@@ -49,7 +58,23 @@ ALLOW_START_JUMP = DeclaredParameter(
     default=False,
     description="start even if the first command is far from the last command",
 )
-COMMON_PARAMETERS = (FALLBACK, ALLOW_START_JUMP)
+UPDATE_RATE = DeclaredParameter(
+    name="update_rate",
+    type=ParameterType.NUMBER,
+    unit="Hz",
+    default=0.0,
+    minimum=0.0,
+    description="how often it is updated, at most as often as the loop; 0: every cycle",
+)
+COMMON_PARAMETERS = (
+    FALLBACK,
+    ALLOW_START_JUMP,
+    UPDATE_RATE,
+    IS_ASYNC,
+    POLICY,
+    CYCLES,
+    TIME_LIMIT,
+)
 """Parameters that every controller has, whatever its type."""
 _TOLD = 5
 """How many unknown parameters the message of a refusal names; its details name all."""
@@ -136,17 +161,22 @@ class ControllerFactory:
         controller_type = params.get_str("type")
         fallback = tuple(FALLBACK.read_str_list(params))
         may_jump = ALLOW_START_JUMP.read_bool(params)
+        update_rate = UPDATE_RATE.read_float(params)
+        asynchronous = AsyncParams.read(params, reads)
         controller = create_controller(self.loaders, controller_type)
         hw = self._hw
         exports = ChainedRobotHW(hw, loaded)
         # A robot without chains is handed over as it is.
         seen = exports if exports.owners else hw
-        claims = self._initialise(name, controller, params, seen)
+        private = None if asynchronous is None else PrivateRobotHW(seen)
+        claims = self._initialise(name, controller, params, private or seen)
+        if private is not None:
+            claims += private.undeclared_claims()
         claims, references, states = exports.split_claims(claims)
         notes = _unknown_parameters(name, controller, params, reads, strict=strict)
         notes += _hindrances(controller)
         info = ControllerInfo(name, controller_type, claims, references)
-        return LoadedController(
+        loaded_controller = LoadedController(
             controller,
             info,
             find_guards(seen, (*claims, *claims_of_references(references))),
@@ -156,6 +186,15 @@ class ControllerFactory:
             following=exports.owners_of(references),
             read=exports.owners_of(states),
         )
+        loaded_controller.update_rate = update_rate
+        if private is not None and asynchronous is not None:
+            loaded_controller.beside = AsyncUpdate(
+                controller,
+                asynchronous,
+                private.storages(),
+                loaded_controller.commands.slots,
+            )
+        return loaded_controller
 
     def _initialise(
         self, name: str, controller: ControllerBase, params: Parameters, hw: RobotHW

@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 
 from station.core.clock import Clock
-from station.core.control.chains import insert_in_order
+from station.core.control.chains import chains_report, insert_in_order
 from station.core.control.controller import (
     ControllerBase,
     ControllerSample,
@@ -46,6 +46,7 @@ from station.core.errors import (
 )
 from station.core.hardware.robot_hw import ControllerInfo, RobotHW
 from station.core.parameters import Parameters
+from station.reports import ControllerChains
 
 __all__ = ["ControllerManager", "ControllerStatus"]
 
@@ -89,6 +90,18 @@ class ControllerManager:
         self._switches = SwitchCaller(hw, self.controller_update, clock, self._lock)
         self._loading: dict[str, Loading] = {}
         self._listed: dict[str, ControllerStatus] = {}
+        self._period = 0.0
+
+    @property
+    def period(self) -> float:
+        """Nominal period of the loop [s]; 0 while no loop has been made."""
+        return self._period
+
+    @period.setter
+    def period(self, period: float) -> None:
+        self._period = period
+        for one in self.lifecycle.loaded:
+            one.set_loop_period(period)
 
     @property
     def pump(self) -> Callable[[], None] | None:
@@ -219,6 +232,10 @@ class ControllerManager:
             loaded.controller.set_points.clock = self._clock
         with self._lock:
             self._refuse_lost_exports(loaded)
+            if loaded.beside is not None:
+                loaded.beside.is_stepped = lambda: self.pump is not None
+            if self._period > 0.0:
+                loaded.set_loop_period(self._period)
             self.lifecycle.loaded = insert_in_order(self.lifecycle.loaded, loaded)
             del self._loading[loading.name]
 
@@ -354,10 +371,23 @@ class ControllerManager:
             self._factory.reload()
             return names
 
+    def chains(self) -> ControllerChains:
+        """Return the loaded controllers with who commands whom."""
+        return chains_report(self.lifecycle.loaded)
+
     def controller_statistics(self) -> list[ControllerStatistics]:
         """Return the times of all loaded controllers, in load order."""
         time = self.controller_update.time
         return [loaded.statistics(time) for loaded in self.lifecycle.loaded]
+
+    def end_async_threads(self) -> None:
+        """End the threads of asynchronous controllers; while no thread runs the loop.
+
+        The controllers run on: a loop that runs again makes new threads.
+        """
+        for one in self.lifecycle.loaded:
+            if one.beside is not None:
+                one.beside.end_thread()
 
     def reset_statistics(self) -> None:
         """Start the statistics of all controllers anew."""

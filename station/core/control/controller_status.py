@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from station.core.control.controller import ControllerState
 from station.core.hardware.robot_hw import InterfaceResources
-from station.reports import Percentiles
+from station.reports import AsyncStatistics, Percentiles
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,6 +22,10 @@ class ControllerStatus:
         time: How long its update takes [s].
         notes: Surprises for its user, such as a parameter that has no effect; one
             sentence or more each.
+        update_rate: How often it is updated while it runs [Hz]; 0 while no loop is
+            known.
+        async_update: Its updates in a thread of its own; None if the control thread
+            updates it.
     """
 
     name: str
@@ -33,6 +37,8 @@ class ControllerStatus:
     fallback: tuple[str, ...]
     time: Percentiles
     notes: tuple[str, ...] = ()
+    update_rate: float = 0.0
+    async_update: AsyncStatistics | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +78,7 @@ class ControllerStatistics:
         total_updates: Updates since it was loaded; a reset of the statistics does not
             change it.
         total_overruns: The same of the overruns.
+        update_rate: How often it is updated while it runs [Hz].
     """
 
     name: str
@@ -86,3 +93,4 @@ class ControllerStatistics:
     time: Percentiles
     total_updates: int
     total_overruns: int
+    update_rate: float = 0.0

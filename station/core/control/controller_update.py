@@ -180,11 +180,22 @@ class ControllerUpdate:
     def update_controller(
         self, one: LoadedController, time: float, period: float
     ) -> None:
-        """Update one controller, and check its commands."""
+        """Update one controller if it is its turn, and check its commands."""
+        if one.every > 1:
+            elapsed = one.take_turn(period)
+            if elapsed >= 0.0:
+                self.update_now(one, time, period, elapsed)
+        else:
+            self.update_now(one, time, period, period)
+
+    def update_now(
+        self, one: LoadedController, time: float, period: float, elapsed: float
+    ) -> None:
+        """Update one controller, `elapsed` [s] after the last time."""
         stopwatch = self.stopwatch
         begin = wall_time() if stopwatch is None else stopwatch()
         try:
-            one.controller.update(time, period)
+            one.controller.update(time, elapsed)
         except CONTAINED as error:
             self._fail(one, time, reason_of("update", error), trace_of_fault())
             if self.gate.traced_cycles:

@@ -1,3 +1,4 @@
+cimport cython
 from station.core.control.sample_columns cimport SampleColumns
 from station.core.numerics.durations cimport Durations
 
@@ -11,9 +12,17 @@ cdef class LoadedController:
     cdef tuple notes
     cdef readonly tuple references, states, following, read
     cdef public object fault, traceback
+    cdef public double update_rate
+    cdef public object beside
+    cdef readonly double loop_period
+    cdef readonly long every
+    cdef public long countdown
+    cdef public double elapsed
     cdef public bint is_unreleased, fresh
     cdef object last_set_point, last_goal
     cdef readonly Durations durations
     cdef public long long overruns, late_updates
     cdef long long overruns_before
     cdef public double last_overrun, stalled_at
+    @cython.locals(elapsed=double)
+    cpdef double take_turn(self, double period)

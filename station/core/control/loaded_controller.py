@@ -8,6 +8,7 @@ from station.core.control.chainable_controller import (
     ChainableController,
     ExportedState,
     Reference,
+    ReferenceInterface,
 )
 from station.core.control.command_guard import CommandGuard
 from station.core.control.controller import ControllerBase, ControllerState
@@ -17,11 +18,13 @@ from station.core.control.controller_status import (
     ControllerStatistics,
     ControllerStatus,
 )
-from station.core.hardware.robot_hw import ControllerInfo
+from station.core.hardware.interfaces.interface_manager import interface_type_name
+from station.core.hardware.robot_hw import ControllerInfo, InterfaceResources
 from station.core.numerics.statistics import DurationRing
 from station.core.ports.goal import Goal
 
 if TYPE_CHECKING:
+    from station.core.control.async_update import AsyncUpdate
     from station.core.control.sample_columns import SampleColumns
 
 
@@ -52,6 +55,11 @@ class LoadedController:
         states: States that it exports.
         following: Controllers whose references it commands.
         read: Controllers whose exported states it reads.
+        update_rate: The rate that its parameters ask for [Hz]; 0 for every cycle.
+        every: It is updated in every so manieth cycle, >= 1.
+        countdown: How many cycles it waits for its next update.
+        elapsed: Time since its last update, or since its start [s].
+        beside: Updates it in a thread of its own; None if the control thread does.
     """
 
     def __init__(
@@ -82,6 +90,12 @@ class LoadedController:
             self.states = tuple(controller.on_export_state_interfaces())
         self.following = following
         self.read = read
+        self.update_rate = 0.0
+        self.beside: AsyncUpdate | None = None
+        self.loop_period = 0.0
+        self.every = 1
+        self.countdown = 0
+        self.elapsed = 0.0
         self.fault: str | None = None
         self.traceback: str | None = None
         self.is_unreleased = False
@@ -96,6 +110,63 @@ class LoadedController:
         self.late_updates = 0
         self.stalled_at = -inf
 
+    def set_loop_period(self, period: float) -> None:
+        """Choose the possible rate that is nearest to the one asked for.
+
+        Args:
+            period: Nominal period of the loop [s], > 0.
+        """
+        self.loop_period = period
+        if self.update_rate > 0.0:
+            fewer = max(int(1.0 / (period * self.update_rate)), 1)
+            # A rate is the loop's over a whole number: one of these two is nearest.
+            self.every = min(
+                (fewer, fewer + 1),
+                key=lambda n: abs(1.0 / (n * period) - self.update_rate),
+            )
+
+        # The rate of an asynchronous controller is that of its own updates.
+        if self.beside is not None:
+            self.beside.every, self.every = self.every, 1
+
+    def take_turn(self, period: float) -> float:
+        """Count a cycle; return the time since its last update if an update is due.
+
+        Otherwise its commands are kept.
+
+        Args:
+            period: Time since the last cycle [s].
+
+        Returns:
+            The time [s]; negative if no update is due.
+        """
+        self.elapsed += period
+        if self.countdown > 0:
+            self.countdown -= 1
+            # The robot may have limited them in place; it goes on from these.
+            self.commands.write_again()
+            return -1.0
+        self.countdown = self.every - 1
+        elapsed = self.elapsed
+        self.elapsed = 0.0
+        return elapsed
+
+    def actual_rate(self) -> float:
+        """Return how often it is updated [Hz]; 0 while no loop is known."""
+        every = self.every if self.beside is None else self.beside.every
+        period = self.loop_period * every
+        return round(1.0 / period, 6) if period > 0.0 else 0.0
+
+    def _rate_notes(self) -> tuple[str, ...]:
+        actual, wanted = self.actual_rate(), self.update_rate
+        if not wanted or not actual or abs(actual - wanted) <= 1e-6 * wanted:
+            return ()
+        return (
+            f"Its update_rate of {wanted:g} Hz is no whole part of the loop's "
+            f"{1.0 / self.loop_period:g} Hz: it is updated at {actual:g} Hz, the "
+            "nearest possible rate.",
+        )
+
     def reset_statistics(self) -> None:
         """Start the statistics anew; control thread or between cycles."""
         self.durations.reset()
@@ -107,6 +178,8 @@ class LoadedController:
         controller = self.controller
         port = controller.set_points
         self.fresh = True
+        self.countdown = 0
+        self.elapsed = 0.0
         self.sampled = controller.sampled
         self.last_set_point = None if port is None else port.last
         self.last_goal = self._newest_goal()
@@ -155,13 +228,23 @@ class LoadedController:
             self.info.name,
             self.info.type,
             self.controller.state,
-            self.info.claimed_resources,
+            self._claims(),
             self.fault,
             self.traceback,
             self.fallback,
             self.durations.percentiles(),
-            (*self.notes, *tunables.notes(tunables.values)),
+            (*self.notes, *self._rate_notes(), *tunables.notes(tunables.values)),
+            self.actual_rate(),
+            None if self.beside is None else self.beside.statistics(),
         )
+
+    def _claims(self) -> tuple[InterfaceResources, ...]:
+        """Return its claims of the robot's resources, and of references."""
+        claims, references = self.info.claimed_resources, self.info.references
+        if not references:
+            return claims
+        name = interface_type_name(ReferenceInterface)
+        return (*claims, InterfaceResources(name, references))
 
     def condition(self) -> ControllerCondition:
         """Return its state and fault, without statistics. Any thread."""
@@ -192,4 +275,5 @@ class LoadedController:
             percentiles,
             self.durations.added,
             self.overruns,
+            self.actual_rate(),
         )

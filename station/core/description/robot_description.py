@@ -106,7 +106,8 @@ class RobotDescription:
         return soft.soft_lower_limit, soft.soft_upper_limit
 
     def _find(self, name: str) -> ElementTree.Element:
-        element = self._joints.get(name)
+        # The reference of a controller, `controller/joint`, is described as the joint.
+        element = self._joints.get(name, self._joints.get(name.rpartition("/")[2]))
         if element is None:
             raise RobotDescriptionError(
                 f"The robot description has no joint '{name}'.",

@@ -77,7 +77,12 @@ class GainTuning:
         return found
 
     def set_gains(
-        self, name: str, changes: Mapping[str, float], revision: int | None = None
+        self,
+        name: str,
+        changes: Mapping[str, float],
+        revision: int | None = None,
+        *,
+        remember: bool = True,
     ) -> GainsChange:
         """Change run-time parameters, all of them between the same two cycles.
 
@@ -85,6 +90,8 @@ class GainTuning:
             name: The controller.
             changes: New values by name; the others stay.
             revision: Revision the caller has read; any when None.
+            remember: Whether `undo` takes the change back; a test that puts the gains
+                back itself leaves the changes of people to it.
 
         Raises:
             ControllerNotFoundError: No controller of that name is loaded.
@@ -95,7 +102,7 @@ class GainTuning:
         with self._change_lock:
             if revision is not None:
                 self._check_revision(name, revision)
-            return self._apply({name: changes})[name]
+            return self._apply({name: changes}, remember=remember)[name]
 
     def set_many(
         self,

@@ -23,6 +23,7 @@ from station.core.facade.input_log import InputLog
 from station.core.facade.motion_commands import MotionCommands
 from station.core.facade.parameter_server import ParameterServer
 from station.core.facade.robots import Robots
+from station.core.facade.scene import StationScene
 from station.core.facade.simulation_control import SimulationControl
 from station.core.hardware.robot_hw import RobotHW
 from station.core.hardware.robot_report import (
@@ -30,7 +31,6 @@ from station.core.hardware.robot_report import (
     ContactReport,
     JointLimitsReport,
     MovingBaseReport,
-    SceneObjectReport,
 )
 from station.core.loop.control_loop import ControlLoop
 from station.core.loop.snapshot import Snapshot, SnapshotRing
@@ -176,6 +176,7 @@ class Station:
         tuning: Gains of several controllers at once, and the last change taken back.
         parameter_server: The tree of parameters, read and changed.
         simulation: Pause, step and reset of a simulated robot.
+        scene: The objects around the robots, and their roles.
         watchdog_failure: Why no watchdog looks after the station at the moment; None
             when one does, or when none is wanted.
     """
@@ -194,6 +195,7 @@ class Station:
         self.motion = MotionCommands(loop, manager, self.inputs)
         self.robots = Robots(loop, manager, self.inputs)
         self.simulation = SimulationControl(loop, self.inputs)
+        self.scene = StationScene(loop, parameters)
         self.boot_id = uuid.uuid4().hex
         self.watchdog_failure: str | None = None
         self.parameters = parameters
@@ -257,15 +259,6 @@ class Station:
     def hardware(self) -> HardwareReport:
         """Return the robot's interfaces, claims, limits, transmissions and clamps."""
         return report_hardware(self.loop.hw, self.manager.list_controllers())
-
-    def scene(self) -> list[SceneObjectReport]:
-        """Return the objects around a simulated robot, where they are now.
-
-        Raises:
-            LoopError: The loop died or hangs.
-        """
-        world = self.loop.hw.simulated_world()
-        return [] if world is None else list(self.loop.run_in_cycle(world.scene))
 
     def bases(self) -> list[MovingBaseReport]:
         """Return the poses of the root links of simulated robots with a moving base.

@@ -14,12 +14,13 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from typing_extensions import override
 
+from station.core.franka.contact_budget import contact_budget
 from station.core.franka.franka_errors import ArmError
-from station.core.franka.franka_model import FrankaModelHandle
+from station.core.franka.franka_model import Frame, FrankaModelHandle
 from station.core.franka.franka_robot_state import RobotMode, RobotState
 from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
 from station.core.hardware.robot_report import ClampReport
@@ -192,6 +193,18 @@ class FrankaServices(RecoverableRobot):
     @abstractmethod
     def log(self) -> list[ArmRecord]:
         """Return the last cycles before the last error, oldest first, at most 50."""
+
+    @service(ServiceKind.QUERY)
+    def contact_budget(self) -> dict[str, Any]:
+        """Estimate the speeds at which a contact stays below a person's limits.
+
+        By body region, for the present pose and direction of motion of the end
+        effector; at rest for the direction of the largest effective mass. An estimate,
+        no safety function.
+        """
+        model, state = self.model(), self.get_robot_state()
+        jacobian = model.get_zero_jacobian(Frame.END_EFFECTOR)
+        return contact_budget(model.get_mass(), jacobian, state.dq)
 
     @abstractmethod
     def simulation(self) -> ArmSimulation | None:

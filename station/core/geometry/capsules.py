@@ -9,7 +9,7 @@ from station.core.description.urdf import Vector3
 
 _LEAST_GAIN = 0.85
 """Share of a capsule's volume at which two smaller ones are worth their time."""
-_CUTS = np.linspace(0.15, 0.85, 15)
+_CUTS = np.linspace(0.2, 0.8, 7)
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +86,7 @@ def _circle(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
     """Return the centre and radius of nearly the smallest ball around some points."""
     center = 0.5 * (points.min(axis=0) + points.max(axis=0))
     # Badoiu and Clarkson's walk: a shrinking step towards the farthest point.
-    for step in range(1, 400):
+    for step in range(1, 150):
         far = points[((points - center) ** 2).sum(axis=1).argmax()]
         center = center + (far - center) / (step + 1.0)
     return center, float(np.sqrt(((points - center) ** 2).sum(axis=1).max()))

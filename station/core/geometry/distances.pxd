@@ -8,16 +8,26 @@ cdef double _PARALLEL, _EXACT
 cdef class Nearness:
     cdef readonly double distance
     cdef readonly double[::1] point, normal
-    @cython.locals(low=double, high=double, share=double, distance=double)
     cpdef double to_solid(
         self, double[::1] ends, double radius, double[::1] solid, double[::1] triangles
+    ) noexcept
+    @cython.locals(
+        low=double, high=double, share=double, distance=double, normal=double[::1]
+    )
+    cpdef double to_row(
+        self, double[::1] ends, long i, double radius, double[::1] solids, long o,
+        double[::1] triangles,
+    ) noexcept
+    cpdef double of_point(
+        self, double px, double py, double pz, double[::1] solid,
+        double[::1] triangles,
     ) noexcept
     @cython.locals(
         kind=int, distance=double, x=double, y=double, z=double, sx=double, sy=double,
         sz=double,
     )
-    cpdef double of_point(
-        self, double px, double py, double pz, double[::1] solid,
+    cpdef double of_row(
+        self, double px, double py, double pz, double[::1] solids, long o,
         double[::1] triangles,
     ) noexcept
     @cython.locals(
@@ -35,4 +45,7 @@ cdef double _clipped(double value) noexcept
 @cython.locals(s=double, t=double)
 cpdef double nearest_points(
     double[::1] first, double[::1] second, double[::1] point, double[::1] normal
+) noexcept
+cpdef void place_segments(
+    double[::1] capsules, long[::1] owners, double[::1] links, double[::1] segments
 ) noexcept

@@ -9,7 +9,7 @@ The signed distance of a point to a convex solid is convex along a line, so a se
 nearest where the slope changes its sign, and it is farthest at an end.
 """
 
-from station.memory.doubles import Doubles, zeros
+from station.memory.doubles import Doubles, Indices, Storage, zeros
 from station.memory.functions import square_root
 
 ROW = 20
@@ -58,37 +58,69 @@ class Nearness:
             triangles: Corners of the triangles of all meshes, in the frame of their
                 solid [m], 9 numbers each; the outside is where they turn left.
         """
-        ux, uy, uz = ends[3] - ends[0], ends[4] - ends[1], ends[5] - ends[2]
+        return self.to_row(ends, 0, radius, solid, 0, triangles)
+
+    def to_row(
+        self,
+        ends: Doubles,
+        i: int,
+        radius: float,
+        solids: Doubles,
+        o: int,
+        triangles: Doubles,
+    ) -> float:
+        """Do the same for one of many capsules and one of many solids.
+
+        Args:
+            ends: Ends of the axes of the capsules [m].
+            i: Where those of this capsule begin.
+            radius: The capsule's radius [m].
+            solids: Rows of solids.
+            o: Where the row of this solid begins.
+            triangles: Corners of the triangles of all meshes.
+        """
+        ux, uy, uz = (
+            ends[i + 3] - ends[i],
+            ends[i + 4] - ends[i + 1],
+            ends[i + 5] - ends[i + 2],
+        )
         length = square_root(ux * ux + uy * uy + uz * uz)
         low, high = 0.0, 1.0
-        if solid[17] < 0.0:
-            first = self.of_point(ends[0], ends[1], ends[2], solid, triangles)
-            last = self.of_point(ends[3], ends[4], ends[5], solid, triangles)
+        if solids[o + 17] < 0.0:
+            first = self.of_row(ends[i], ends[i + 1], ends[i + 2], solids, o, triangles)
+            last = self.of_row(
+                ends[i + 3], ends[i + 4], ends[i + 5], solids, o, triangles
+            )
             share = 1.0 if last > first else 0.0
         else:
-            self.of_point(ends[0], ends[1], ends[2], solid, triangles)
+            self.of_row(ends[i], ends[i + 1], ends[i + 2], solids, o, triangles)
             normal = self.normal
             share = 0.0
             if normal[0] * ux + normal[1] * uy + normal[2] * uz < 0.0:
-                self.of_point(ends[3], ends[4], ends[5], solid, triangles)
+                self.of_row(ends[i + 3], ends[i + 4], ends[i + 5], solids, o, triangles)
                 share = 1.0
                 if normal[0] * ux + normal[1] * uy + normal[2] * uz > 0.0:
                     while (high - low) * length > _EXACT:
                         share = 0.5 * (low + high)
-                        self.of_point(
-                            ends[0] + share * ux,
-                            ends[1] + share * uy,
-                            ends[2] + share * uz,
-                            solid,
+                        self.of_row(
+                            ends[i] + share * ux,
+                            ends[i + 1] + share * uy,
+                            ends[i + 2] + share * uz,
+                            solids,
+                            o,
                             triangles,
                         )
                         if normal[0] * ux + normal[1] * uy + normal[2] * uz < 0.0:
                             low = share
                         else:
                             high = share
-        x, y, z = ends[0] + share * ux, ends[1] + share * uy, ends[2] + share * uz
-        distance = self.of_point(x, y, z, solid, triangles)
-        if solid[17] < 0.0:
+        x, y, z = (
+            ends[i] + share * ux,
+            ends[i + 1] + share * uy,
+            ends[i + 2] + share * uz,
+        )
+        distance = self.of_row(x, y, z, solids, o, triangles)
+        if solids[o + 17] < 0.0:
             distance, normal = -distance, self.normal
             normal[0], normal[1], normal[2] = -normal[0], -normal[1], -normal[2]
         self.point[0], self.point[1], self.point[2] = x, y, z
@@ -107,12 +139,33 @@ class Nearness:
             solid: The solid, 20 numbers.
             triangles: Corners of the triangles of all meshes.
         """
-        kind = int(solid[0])
-        wx, wy, wz = px - solid[10], py - solid[11], pz - solid[12]
-        x = solid[1] * wx + solid[2] * wy + solid[3] * wz
-        y = solid[4] * wx + solid[5] * wy + solid[6] * wz
-        z = solid[7] * wx + solid[8] * wy + solid[9] * wz
-        a, b, c = solid[13], solid[14], solid[15]
+        return self.of_row(px, py, pz, solid, 0, triangles)
+
+    def of_row(
+        self,
+        px: float,
+        py: float,
+        pz: float,
+        solids: Doubles,
+        o: int,
+        triangles: Doubles,
+    ) -> float:
+        """Do the same for one of many solids.
+
+        Args:
+            px: The point [m], as the next two.
+            py: See `px`.
+            pz: See `px`.
+            solids: Rows of solids.
+            o: Where the row of this solid begins.
+            triangles: Corners of the triangles of all meshes.
+        """
+        kind = int(solids[o])
+        wx, wy, wz = px - solids[o + 10], py - solids[o + 11], pz - solids[o + 12]
+        x = solids[o + 1] * wx + solids[o + 2] * wy + solids[o + 3] * wz
+        y = solids[o + 4] * wx + solids[o + 5] * wy + solids[o + 6] * wz
+        z = solids[o + 7] * wx + solids[o + 8] * wy + solids[o + 9] * wz
+        a, b, c = solids[o + 13], solids[o + 14], solids[o + 15]
         distance = 0.0
         if kind in (_BOX, _CYLINDER):
             sx, sy, sz = 1.0, 1.0, 1.0
@@ -156,12 +209,12 @@ class Nearness:
             distance = size - a
             x, y, z = (x / size, y / size, z / size) if size > 0.0 else (0.0, 0.0, 1.0)
         else:
-            distance = self.of_mesh(x, y, z, solid, triangles) - a
+            distance = self.of_mesh(x, y, z, solids[o : o + _ROW], triangles) - a
             x, y, z = self.normal[0], self.normal[1], self.normal[2]
         normal = self.normal
-        normal[0] = solid[1] * x + solid[4] * y + solid[7] * z
-        normal[1] = solid[2] * x + solid[5] * y + solid[8] * z
-        normal[2] = solid[3] * x + solid[6] * y + solid[9] * z
+        normal[0] = solids[o + 1] * x + solids[o + 4] * y + solids[o + 7] * z
+        normal[1] = solids[o + 2] * x + solids[o + 5] * y + solids[o + 8] * z
+        normal[2] = solids[o + 3] * x + solids[o + 6] * y + solids[o + 9] * z
         return distance
 
     def of_mesh(
@@ -298,3 +351,30 @@ def nearest_points(
     if size > 0.0:
         normal[0], normal[1], normal[2] = x / size, y / size, z / size
     return size
+
+
+def place_segments(
+    capsules: Doubles, owners: Indices, links: Storage, segments: Doubles
+) -> None:
+    """Write the segments of capsules in the base frame.
+
+    Args:
+        capsules: The capsules, 7 numbers each.
+        owners: For each capsule the index of its link; -1 for the base.
+        links: Poses of the links, 16 numbers each.
+        segments: Where both ends of each segment go [m], 6 numbers per capsule.
+    """
+    for capsule in range(len(owners)):
+        k = 16 * owners[capsule]
+        for end in range(2):
+            i, o = 7 * capsule + 3 * end, 6 * capsule + 3 * end
+            x, y, z = capsules[i], capsules[i + 1], capsules[i + 2]
+            if k < 0:
+                segments[o], segments[o + 1], segments[o + 2] = x, y, z
+                continue
+            segments[o] = links[k] * x + links[k + 4] * y + links[k + 8] * z
+            segments[o] += links[k + 12]
+            segments[o + 1] = links[k + 1] * x + links[k + 5] * y + links[k + 9] * z
+            segments[o + 1] += links[k + 13]
+            segments[o + 2] = links[k + 2] * x + links[k + 6] * y + links[k + 10] * z
+            segments[o + 2] += links[k + 14]

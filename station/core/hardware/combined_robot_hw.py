@@ -10,12 +10,14 @@ from collections.abc import Callable, Mapping, Sequence
 from typing_extensions import override
 
 from station.core.description.repair import Repair
+from station.core.description.urdf import Pose
 from station.core.errors import HardwareInterfaceError, StationError
 from station.core.hardware.robot_hw import (
     ControllerInfo,
     InterfaceResources,
     ResourceConflict,
     RobotHW,
+    SceneGuard,
     SimulatedWorld,
     SwitchState,
 )
@@ -59,6 +61,12 @@ class CombinedWorld(SimulatedWorld):
             for name, positions in world.keyframes().items():
                 found.setdefault(name, {}).update(positions)
         return found
+
+    @override
+    def place_object(self, name: str, pose: Pose) -> None:
+        for _, world in self._worlds:
+            if any(one.name == name for one in world.scene()):
+                world.place_object(name, pose)
 
     @override
     def scene(self) -> Sequence[SceneObjectReport]:
@@ -281,6 +289,10 @@ class CombinedRobotHW(RobotHW):
         if not worlds or len(simulated) < len(worlds):
             return None
         return CombinedWorld(simulated)
+
+    @override
+    def guards(self) -> Sequence[SceneGuard]:
+        return [one for robot in self.robots.values() for one in robot.guards()]
 
     @override
     def address(self) -> str:

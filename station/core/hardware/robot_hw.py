@@ -13,6 +13,9 @@ from math import inf
 from typing import Protocol
 
 from station.core.description.repair import Repair
+from station.core.description.urdf import Pose
+from station.core.errors import HardwareInterfaceError
+from station.core.geometry.scene import SceneObject
 from station.core.hardware.interfaces.interface_manager import InterfaceManager
 from station.core.hardware.robot_report import (
     ClampReport,
@@ -22,7 +25,31 @@ from station.core.hardware.robot_report import (
     SceneObjectReport,
 )
 from station.core.parameters import Parameters
-from station.reports import HardwareTransmission
+from station.reports import Clearance, HardwareTransmission
+
+
+class SceneGuard(ABC):
+    """Keeps an arm clear of a scene. Any thread."""
+
+    @abstractmethod
+    def prepare(
+        self, objects: Sequence[SceneObject], arm_margin: float | None
+    ) -> Callable[[], None]:
+        """Return a function for the control thread that lets these objects count.
+
+        Args:
+            objects: All objects of the scene; those with the role `object` do not
+                count.
+            arm_margin: Distance that arms keep from each other [m]; None: none.
+
+        Raises:
+            RobotDescriptionError: A mesh cannot be used.
+            ParameterError: A role names a link that the arm does not have.
+        """
+
+    @abstractmethod
+    def report(self) -> Clearance | None:
+        """Return how near the nearest pair is; None where nothing counts."""
 
 
 class SimulatedWorld(ABC):
@@ -53,6 +80,21 @@ class SimulatedWorld(ABC):
     def keyframes(self) -> Mapping[str, Mapping[str, float]]:
         """Return the poses that have a name: joint name to position [rad or m]."""
         return {}
+
+    def place_object(self, name: str, pose: Pose) -> None:
+        """Put a solid object somewhere else, at rest.
+
+        Args:
+            name: Its name.
+            pose: Pose of its middle in the world.
+
+        Raises:
+            HardwareInterfaceError: The world has no such object.
+        """
+        raise HardwareInterfaceError(
+            f"This world cannot move '{name}' to {pose.xyz}.",
+            remedy="Change scene.objects of the configuration.",
+        )
 
     def scene(self) -> Sequence[SceneObjectReport]:
         """Return the objects around the robot, at their present poses."""
@@ -344,6 +386,13 @@ class RobotHW(InterfaceManager):
         The same object from `init` on.
         """
         return None
+
+    def guards(self) -> Sequence[SceneGuard]:
+        """Return what keeps the arms of this robot clear of a scene; empty if nothing.
+
+        The same objects from `init` on.
+        """
+        return ()
 
     def address(self) -> str:
         """Return the address of a real robot, e.g. its IP; empty for a simulated one.

@@ -54,6 +54,11 @@ class SceneObjectReport:
         orientation: Unit quaternion x, y, z, w in the world.
         mass: [kg]; 0 for an object that cannot move.
         file: File of a mesh.
+        role: `object`, `keep_out` or `fence`.
+        margin: Distance that arms keep from it, unless it is an `object` [m].
+        links: Links that the role is for; empty for all.
+        colour: Red, green and blue, 0 to 255; empty for the one of its role.
+        solid: Whether a simulated robot can touch it.
     """
 
     name: str
@@ -63,6 +68,11 @@ class SceneObjectReport:
     orientation: tuple[float, ...]
     mass: float
     file: str
+    role: str = "object"
+    margin: float = 0.0
+    links: tuple[str, ...] = ()
+    colour: tuple[int, ...] = ()
+    solid: bool = True
 
 
 @dataclass(frozen=True, slots=True)

@@ -124,6 +124,7 @@ class ControlLoop:
         self._scheduler = ""
         manager.pump = self.step
         # A switch posted before a stop must not start anything after it.
+        manager.period = period
         manager.lifecycle.start_gate = self.stop_latch.check
 
     @property
@@ -194,6 +195,7 @@ class ControlLoop:
                 remedy="A cycle hangs in the hardware or in a controller.",
             )
         self._thread = None
+        self.manager.end_async_threads()
         self.manager.pump = self.step
         self.manager.controller_update.update_budget = (
             inf  # steps do not follow the wall clock

@@ -3,7 +3,7 @@ from station.core.numerics.arm_chain cimport turn_to_outer_axes
 from station.core.numerics.rigid_motion cimport compose, displace
 
 cdef class JointChain:
-    cdef Py_ssize_t count
+    cdef readonly Py_ssize_t count
     cdef double[::1] origins, axes, turns, indices, way, screws
     cdef readonly double[::1] pose, jacobian
 

@@ -7,6 +7,7 @@ the controllers of all are stopped and wait for a recovery, instead of running o
 """
 
 from collections.abc import Sequence
+from itertools import permutations
 
 from typing_extensions import override
 
@@ -138,6 +139,9 @@ class FrankaCombinedHW(CombinedRobotHW):
             robot.init(root_params, hw_params.namespace(name))
             self.arms.append(robot)
             self.add_robot(name, robot)
+        guards = [one for robot in self.arms for one in robot.guards()]
+        for guard, other in permutations(guards, 2):
+            guard.add_neighbour(other)
 
     def erroneous_arm(self) -> FrankaCombinableHW | None:
         """Return the first arm that cannot move; None if all can."""

@@ -59,6 +59,7 @@ from station.hw.franka.arm.control_mode import (
     is_supported,
 )
 from station.hw.franka.arm.robot_arm import MOST_LOST_PACKETS, RobotArm
+from station.hw.franka.commands.arm_guard import ArmGuard
 from station.hw.franka.commands.arm_services import ArmServices
 from station.hw.franka.commands.arm_stages import ArmReading, ArmWatch, ArmWriting
 from station.hw.franka.commands.cartesian_commands import CartesianCommands
@@ -67,7 +68,7 @@ from station.hw.franka.commands.joint_commands import JointCommands
 from station.hw.franka.commands.motion_start import MotionStart
 from station.hw.franka.commands.rate_limiter import (
     make_joint_rates,
-    make_range_update,
+    make_velocity_curves,
     rate_limits_of,
 )
 from station.hw.franka.franka_parameters import (
@@ -161,11 +162,19 @@ class FrankaHW(RobotHW):
             self.commands,
             self.cartesian,
             rates,
-            make_range_update(limits, state, rates),
+            make_velocity_curves(limits),
         )
         self._motion = MotionStart(self.arm, self._sender)
         self._watch = ArmWatch(self._mode, _MODE_NAMES, self._sender)
         self._writing = ArmWriting(self._sender)
+        self._guard = ArmGuard(
+            arm_id,
+            self._parameters.base,
+            has_hand=f"{arm_id}_hand" in urdf.links,
+            limits=limits,
+            state=state,
+            sender=self._sender,
+        )
         self._reading = ArmReading(
             self.arm,
             self._motion,
@@ -411,6 +420,10 @@ class FrankaHW(RobotHW):
     def close(self) -> None:
         if self._real is not None:
             self._real.close()
+
+    @override
+    def guards(self) -> Sequence[ArmGuard]:
+        return (self._guard,)
 
     @override
     def address(self) -> str:

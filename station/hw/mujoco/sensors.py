@@ -95,7 +95,9 @@ class WorldSensors:
         self._readings.append((_slice(model, f"{request.name}/force"), force))
         self._readings.append((_slice(model, f"{request.name}/torque"), torque))
         self._force_torque.register_handle(
-            ForceTorqueSensorHandle(request.name, request.link, force, torque)
+            ForceTorqueSensorHandle(
+                request.name, request.link, force, torque, is_reaction=True
+            )
         )
 
     def _add_imu(self, model: mujoco.MjModel, request: SensorRequest) -> None:

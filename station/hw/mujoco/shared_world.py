@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 from typing_extensions import override
 
+from station.core.description.urdf import Pose
 from station.core.hardware.robot_hw import SimulatedWorld
 from station.core.hardware.robot_report import (
     ContactReport,
@@ -69,6 +70,10 @@ class SharedWorld(SimulatedWorld):
     @override
     def keyframes(self) -> Mapping[str, Mapping[str, float]]:
         return self._keyframes
+
+    @override
+    def place_object(self, name: str, pose: Pose) -> None:
+        self.world.place_object(name, pose)
 
     @override
     def scene(self) -> Sequence[SceneObjectReport]:

@@ -6,6 +6,8 @@ from typing import Protocol
 
 import mujoco
 
+from station.core.description.urdf import Pose
+from station.core.errors import HardwareInterfaceError, suggest
 from station.core.geometry.scene import SceneObject
 from station.core.hardware.robot_report import SceneObjectReport
 from station.hw.mujoco.overspeed_brakes import MAX_SQUARED_VELOCITY, OverspeedBrakes
@@ -141,6 +143,30 @@ class World:
     def scene(self) -> list[SceneObjectReport]:
         """Return the objects in the world with their present poses."""
         return [_report(thing, self.data) for thing in self._objects]
+
+    def place_object(self, name: str, pose: Pose) -> None:
+        """Put an object somewhere else, at rest.
+
+        Args:
+            name: Its name.
+            pose: Pose of its middle in the world.
+
+        Raises:
+            HardwareInterfaceError: The world has no such object.
+        """
+        if all(one.name != name for one in self._objects):
+            raise HardwareInterfaceError(
+                f"The world has no object '{name}'.",
+                remedy=suggest(name, [one.name for one in self._objects]),
+            )
+        body = self.model.body(name)
+        if body.jntnum[0]:
+            joint = self.data.joint(name)
+            joint.qpos[:] = [*pose.xyz, *pose.quaternion]
+            joint.qvel[:] = 0.0
+        else:
+            body.pos[:], body.quat[:] = pose.xyz, pose.quaternion
+        mujoco.mj_kinematics(self.model, self.data)
 
     def push(self, push: Push, steps: int) -> None:
         """Push a body; a new push of the same body replaces the last push.

@@ -30,7 +30,7 @@ from station.testing.storm.storm_worker import (
     StormWorker,
     find_claims,
 )
-from station.testing.switch_observer import SwitchObserver
+from station.testing.switch_observer import ChainCheck, SwitchObserver
 
 
 @dataclass(frozen=True)
@@ -105,10 +105,11 @@ def storm(
     """Let a storm loose on a robot and return the findings.
 
     The loop runs in its thread, as in a station. The other threads load, unload and
-    switch controllers, some of which raise, command what is no number, or command what
-    belongs to somebody else; they stop everything, release the stop, reload, recover
-    the robot, and let its switching hooks refuse and fail. An observer looks at every
-    cycle before `write`, and each answer is compared with what the observer saw.
+    switch controllers, some of which command references of others, raise, command what
+    is no number, or command what belongs to somebody else; they stop everything,
+    release the stop, reload, recover the robot, and let its switching hooks refuse and
+    fail. An observer looks at every cycle before `write`, and each answer is compared
+    with what the observer saw.
 
     Args:
         hw_factory: Returns the robot, initialised.
@@ -136,7 +137,7 @@ def storm(
     observer = SwitchObserver(robot, manager, drift=drift)
     loop = ControlLoop(robot, manager, clock=clock, period=period)
     station = Station(loop, manager, parameters)
-    observer.checks += [_Stopped(station), _Owners(manager)]
+    observer.checks += [_Stopped(station), _Owners(manager), ChainCheck(manager)]
     disturbances = Disturbances()
     workers = [
         StormWorker(

@@ -11,6 +11,7 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from decimal import Decimal
 from functools import partial
@@ -19,7 +20,12 @@ from typing import NamedTuple, cast
 
 from typing_extensions import override
 
-from station.core.control.controller import ControllerBase, ControllerState
+from station.core.control.chainable_controller import (
+    ChainableController,
+    Reference,
+    ReferenceInterface,
+)
+from station.core.control.controller import ControllerState
 from station.core.control.switching import Strictness, SwitchRequest
 from station.core.errors import ControllerLoadError, ControllerStateError, StationError
 from station.core.facade.station import Station
@@ -30,6 +36,7 @@ from station.core.hardware.interfaces import (
 )
 from station.core.hardware.robot_hw import ControllerInfo, InterfaceResources, RobotHW
 from station.core.parameters import Parameters
+from station.memory.doubles import zeros
 from station.testing.hook_script import HookScript
 from station.testing.switch_observer import CommandPlace, SwitchObserver, command_places
 
@@ -138,10 +145,12 @@ class Mischief:
     place: int = 0
 
 
-class StormController(ControllerBase):
+class StormController(ChainableController):
     """Claims the resources in its parameters and moves them to and fro a little.
 
-    Parameters: `interface`, the wire name of a hardware interface; `resources`, names.
+    Parameters: `interface`, the wire name of a hardware interface; `resources`, names;
+    `reference`, the full name of a reference of another one, or "". It exports the
+    reference `value`.
 
     Attributes:
         mischief: Fault to commit next; None for none. Any thread may set it.
@@ -157,6 +166,11 @@ class StormController(ControllerBase):
         self._written: list[object] = []
         self._speed = 0.0
         self._cycles = 0
+        self._references = zeros(1)
+
+    @override
+    def on_export_reference_interfaces(self) -> Sequence[Reference]:
+        return (Reference("value", self._references),)
 
     @override
     def init_request(
@@ -176,7 +190,8 @@ class StormController(ControllerBase):
         resources = params.get_str_list("resources")
         if params.get_bool("mischief", default=False):
             raise ControllerLoadError("The storm lets this controller fail in init.")
-        self._places = command_places(hw)
+        # Those of the robot; what controllers export has a slash in its name.
+        self._places = [one for one in command_places(hw) if "/" not in one.claim[1]]
         wanted = {(interface, resource) for resource in resources}
         self._own = [place for place in self._places if place.claim in wanted]
         if {place.claim for place in self._own} != wanted:
@@ -184,6 +199,14 @@ class StormController(ControllerBase):
                 f"The robot has no commands {resources} in '{interface}'.",
                 remedy="Claim what it has.",
             )
+        reference, references = params.get_str("reference", ""), None
+        if reference:
+            references = hw.get(ReferenceInterface)
+        if references is not None:
+            handle = references.get_handle(reference)
+            claim = (ReferenceInterface.type_name, reference)
+            storage = cast("list[float]", handle.storage)
+            self._own.append(CommandPlace(claim, storage, handle.index, handle.rest))
         self._speed = _SPEED.get(interface, 0.0)
         self.state = ControllerState.INITIALIZED
         return (InterfaceResources(interface, tuple(sorted(resources))),)
@@ -388,10 +411,14 @@ class StormWorker:
             timeout=dice.choice([0.0, 0.05, 0.2]),
             dry_run=dice.random() < 0.05,
         )
+        # Such a switch may start and stop controllers of other threads, too.
+        is_wide = request.strictness.follows_chains
         try:
-            result = self._station.switch_controllers(request)
+            with self._disturbances if is_wide else nullcontext():
+                result = self._station.switch_controllers(request)
         except StationError as error:
-            self._look_at_refusal(request, running, error, stamp)
+            if not is_wide:
+                self._look_at_refusal(request, running, error, stamp)
             raise
         if request.dry_run:
             return
@@ -430,6 +457,8 @@ class StormWorker:
         dice = self._dice
         name = dice.choice(self._names)
         claim = dice.choice(self._claims)
+        others = [one for one in self._listed() if one != name]
+        chained = others and dice.random() < 0.4
         stamp = self._disturbances.stamp()
         self._station.load_controller(
             name,
@@ -437,6 +466,7 @@ class StormWorker:
             {
                 "interface": claim.interface,
                 "resources": list(claim.resources),
+                "reference": f"{dice.choice(sorted(others))}/value" if chained else "",
                 "mischief": dice.random() < 0.05,
             },
         )

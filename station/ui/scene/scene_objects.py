@@ -13,6 +13,11 @@ _SMALLEST_STEP = 1e-4
 """Smallest change of a position [m] or of a quaternion that is shown."""
 _FIXED = (176, 160, 140)
 _MOVABLE = (217, 128, 52)
+_OF_ROLE = {"keep_out": (196, 50, 50), "fence": (60, 120, 200)}
+_OPACITY = 0.25
+"""Of a place that is no body: what is behind it stays visible."""
+_WALL = 2.0
+"""Edge of the part of a half-space's surface that is drawn [m]."""
 Draw = Callable[
     [viser.SceneApi, str, SceneObject, tuple[int, int, int]], viser.SceneNodeHandle
 ]
@@ -21,7 +26,8 @@ Draw = Callable[
 class SceneObjects:
     """The objects in a Viser scene. To be used from Viser's event loop only.
 
-    Objects that can be pushed are orange, fixed objects are brown. A mesh whose file is
+    Objects that can be pushed are orange, fixed objects are brown; places to keep out
+    of are red, fences blue, both transparent. A mesh whose file is
     not on the dashboard's machine is shown as its name.
 
     Args:
@@ -40,7 +46,11 @@ class SceneObjects:
                 self._handles.pop(name).remove()
                 del self._shown[name]
             for thing in objects:
-                if not _looks_the_same(self._shown.get(thing.name), thing):
+                shown = self._shown.get(thing.name)
+                if shown is not None and _shape_of(shown) != _shape_of(thing):
+                    self._handles.pop(thing.name).remove()
+                    shown = None
+                if not _looks_the_same(shown, thing):
                     self._place(thing)
 
     def _place(self, thing: SceneObject) -> None:
@@ -48,13 +58,27 @@ class SceneObjects:
         x, y, z, w = (0.0 if value is None else value for value in thing.orientation)
         handle = self._handles.get(thing.name)
         if handle is None:
-            colour = _MOVABLE if thing.mass > 0.0 else _FIXED
             path = f"{_ROOT}/{thing.name}"
+            colour = _colour_of(thing)
             handle = _DRAW[thing.type](self._server.scene, path, thing, colour)
+            if not thing.solid and hasattr(handle, "opacity"):
+                handle.opacity = _OPACITY
             self._handles[thing.name] = handle
         handle.position = (position[0], position[1], position[2])
         handle.wxyz = (w, x, y, z)
         self._shown[thing.name] = thing
+
+
+def _colour_of(thing: SceneObject) -> tuple[int, int, int]:
+    if len(thing.colour) == 3:
+        red, green, blue = thing.colour
+        return red, green, blue
+    return _OF_ROLE.get(thing.role) or (_MOVABLE if thing.mass > 0.0 else _FIXED)
+
+
+def _shape_of(thing: SceneObject) -> object:
+    """Return what a drawing cannot change: it has to be made anew."""
+    return thing.type, thing.size, thing.file, thing.role, thing.colour
 
 
 def _looks_the_same(shown: SceneObject | None, thing: SceneObject) -> bool:
@@ -88,6 +112,24 @@ def _draw_cylinder(
     return scene.add_cylinder(path, radius, height, colour, cast_shadow=False)
 
 
+def _draw_capsule(
+    scene: viser.SceneApi, path: str, thing: SceneObject, colour: tuple[int, int, int]
+) -> viser.SceneNodeHandle:
+    radius, length = thing.size
+    mesh = trimesh.creation.capsule(height=length, radius=radius)
+    mesh.apply_translation(-mesh.bounds.mean(axis=0))
+    return scene.add_mesh_simple(
+        path, mesh.vertices, mesh.faces, color=colour, cast_shadow=False
+    )
+
+
+def _draw_half_space(
+    scene: viser.SceneApi, path: str, thing: SceneObject, colour: tuple[int, int, int]
+) -> viser.SceneNodeHandle:
+    del thing
+    return scene.add_box(path, colour, (_WALL, _WALL, 1e-3), cast_shadow=False)
+
+
 def _draw_mesh(
     scene: viser.SceneApi, path: str, thing: SceneObject, colour: tuple[int, int, int]
 ) -> viser.SceneNodeHandle:
@@ -104,5 +146,7 @@ _DRAW: Mapping[str, Draw] = {
     "table": _draw_box,
     "sphere": _draw_sphere,
     "cylinder": _draw_cylinder,
+    "capsule": _draw_capsule,
+    "half_space": _draw_half_space,
     "mesh": _draw_mesh,
 }

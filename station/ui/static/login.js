@@ -7,6 +7,16 @@ const REFUSALS = {
   link: "The station does not answer, so the token cannot be checked. Is it running?",
 };
 
+// Asked here once: whoever takes control, or has lessons checked, has this name.
+const person = document.getElementById("person");
+try {
+  person.value = JSON.parse(localStorage.getItem("station.person") ?? '""');
+  person.addEventListener("input", () => localStorage.setItem("station.person", JSON.stringify(person.value.trim())));
+} catch {
+  // A browser that keeps nothing asks again.
+}
+(person.value ? document.getElementById("token") : person).focus();
+
 const reason = new URLSearchParams(location.search).get("refused");
 if (reason in REFUSALS) {
   const line = document.getElementById("refusal");

@@ -10,7 +10,7 @@ const STOP_PATIENCE_MS = 5000;
 const MOTION = {
   armed: "allowed",
   stopped: "STOPPED",
-  released: "released, not allowed yet",
+  released: "not allowed yet",
 };
 
 const element = (id) => document.getElementById(id);
@@ -126,6 +126,7 @@ function render(polled) {
   show("robot", state.robot || "–");
   element("robot").dataset.real = String(state.robot.startsWith("REAL"));
   show("mode", state.mode || "–");
+  element("mode").title = state.mode;
   show("rate", state.rate_hz === null ? "–" : `${state.rate_hz.toFixed(0)} Hz`);
   const late = state.lateness_p99;
   show("lateness", late === null ? "–" : `${(late * 1e3).toFixed(2)} ms`);

@@ -1,12 +1,14 @@
 // The workspace: where the docks are, their sizes and folds, and what the strip's log,
 // the first minute and the progress line show. Each panel is a file in `panels/`.
+import { watchAgents } from "./lib/agents.js";
 import { alarms } from "./lib/alarms.js";
-import { h, kept, show } from "./lib/dom.js";
+import { h, isNarrow, kept, show } from "./lib/dom.js";
 import { control } from "./lib/control.js";
 import { refusals, remedyOf } from "./lib/refusals.js";
 import { act, teleoperation } from "./lib/station.js";
 import { enableSliders, stopController, store, switchTo } from "./lib/store.js";
 import { number } from "./lib/text.js";
+import { units } from "./lib/units.js";
 import { showTour } from "./lib/tour.js";
 import { watchScene } from "./lib/scene.js";
 import { showViewTools } from "./lib/view_tools.js";
@@ -20,21 +22,42 @@ import "./panels/tuning.js";
 import "./panels/plots.js";
 import "./panels/timeline.js";
 import "./panels/simulation.js";
+import "./panels/lessons.js";
 
 const DOCKS = [
-  { id: "joints", title: "Joints", place: "side" },
-  { id: "controllers", title: "Controllers", place: "side" },
-  { id: "gripper", title: "Gripper", place: "side" },
-  { id: "move", title: "Waypoints and moves", place: "side" },
-  { id: "tuning", title: "Tuning", place: "side" },
+  { id: "joints", title: "Joints", place: "first-column" },
+  { id: "controllers", title: "Controllers", place: "first-column" },
+  { id: "gripper", title: "Gripper", place: "second-column" },
+  { id: "move", title: "Waypoints and moves", place: "second-column" },
+  { id: "tuning", title: "Tuning", place: "second-column" },
+  { id: "lessons", title: "Lessons", place: "second-column" },
   { id: "plots", title: "Plots", place: "below" },
   { id: "timeline", title: "Timeline", place: "below" },
   { id: "simulation", title: "Simulation", place: "below" },
 ];
-const FOLDED_AT_FIRST = { move: true, tuning: true, simulation: true };
+// Which docks each layout opens, which it opens as well beside them in a second column, and the height of those below.
+const PRESETS = {
+  Operate: { open: ["joints", "controllers", "gripper", "plots", "timeline"], wide: ["move", "tuning"], below: 236 },
+  Tune: { open: ["joints", "tuning", "plots"], wide: ["controllers"], below: 300 },
+  Record: { open: ["joints", "move", "plots", "timeline"], wide: ["gripper", "tuning"], below: 300 },
+  Safety: { open: ["joints", "controllers", "timeline", "simulation"], wide: ["gripper", "move"], below: 300 },
+};
+const TWO_COLUMNS = 1600; // as in the style sheet [px]
+const SHRUNK = 220; // a dock may be made so low for another one [px]
+const NAME = /^.{1,40}$/;
 
 const element = (id) => document.getElementById(id);
-const layout = kept.get("layout", { side: 468, below: 236, folded: FOLDED_AT_FIRST, dock: "joints", heights: {} });
+const columns = () => (innerWidth >= TWO_COLUMNS ? 2 : 1);
+const sections = new Map(); // of the docks, by their ids
+const usedAt = new Map(); // when a dock was used last, by its id
+
+/** What a layout folds here: without a second column fewer docks are open. */
+function arranged({ open, wide = [], ...sizes }) {
+  const shown = columns() > 1 ? [...open, ...wide] : open;
+  return { ...sizes, folded: Object.fromEntries(DOCKS.map(({ id }) => [id, !shown.includes(id)])) };
+}
+
+const layout = { side: 468, dock: "joints", heights: {}, preset: "Operate", ...kept.get("layout", arranged(PRESETS.Operate)) };
 
 function keepLayout() {
   kept.set("layout", layout);
@@ -42,12 +65,42 @@ function keepLayout() {
 
 function applySizes() {
   const workspace = element("workspace");
-  const side = Math.min(Math.max(layout.side, 300), innerWidth - 320);
+  const side = Math.min(Math.max(layout.side, 300), (innerWidth - 320) / columns()) * columns();
   const below = Math.min(Math.max(layout.below, 90), innerHeight - 260);
   workspace.style.setProperty("--side", `${side}px`);
   workspace.style.setProperty("--below", `${below}px`);
   element("split-side").setAttribute("aria-valuenow", String(Math.round(side)));
   element("split-below").setAttribute("aria-valuenow", String(Math.round(below)));
+}
+
+/** The layouts of the station's makers, and those that somebody has kept in this browser. */
+function drawLayouts() {
+  const own = kept.get("layouts", {});
+  const choose = (name) => {
+    Object.assign(layout, { heights: {} }, name in own ? own[name] : arranged(PRESETS[name]), { preset: name });
+    for (const { id } of DOCKS) sections.get(id).dispatchEvent(new CustomEvent("fold", { detail: Boolean(layout.folded[id]) }));
+    layout.preset = name;
+    applySizes();
+    keepLayout();
+    drawLayouts();
+  };
+  const keep = (event) => {
+    const name = event.target.value.trim();
+    if (event.key !== "Enter" || !NAME.test(name) || name in PRESETS) return;
+    const { side, below, folded, heights } = layout;
+    kept.set("layouts", { ...own, [name]: { side, below, folded: { ...folded }, heights: { ...heights } } });
+    event.target.value = "";
+    layout.preset = name;
+    drawLayouts();
+  };
+  const forget = () => {
+    const { [layout.preset]: _, ...others } = own;
+    kept.set("layouts", others);
+    drawLayouts();
+  };
+  const button = (name) => html`<button class="s" type="button" aria-pressed=${String(name === layout.preset)} @click=${() => choose(name)}>${name}</button>`;
+  const remove = layout.preset in own ? html`<button class="s" type="button" aria-label="Forget the layout ${layout.preset}" @click=${forget}>✕</button>` : nothing;
+  render(html`${repeat([...Object.keys(PRESETS), ...Object.keys(own)], (name) => name, button)}${remove}<input class="name" placeholder="keep as …" aria-label="Keep this layout as" title="A name and Enter keep the folds and sizes in this browser." @keydown=${keep} />`, element("layouts"));
 }
 
 function splitter(id, key, grow) {
@@ -88,18 +141,46 @@ function makeDock(dock) {
     layout.folded[dock.id] = folded;
     section.classList.toggle("folded", folded);
     fold.setAttribute("aria-expanded", String(!folded));
-    keepLayout();
     if (body.built && body.isShown && store.docks) body.refresh(); // not at the next poll
   };
-  fold.addEventListener("click", () => setFolded(!layout.folded[dock.id]));
-  setFolded(Boolean(layout.folded[dock.id]));
-  section.addEventListener("open-dock", () => setFolded(false));
+  const change = (folded) => {
+    setFolded(folded);
+    if (!folded) makeRoom(section);
+    layout.preset = "";
+    drawLayouts();
+    keepLayout();
+  };
+  fold.addEventListener("click", () => change(!layout.folded[dock.id]));
+  section.addEventListener("fold", ({ detail }) => {
+    setFolded(detail);
+    section.style.height = layout.heights[dock.id] ?? "";
+  });
+  section.addEventListener("open-dock", () => layout.folded[dock.id] && change(false));
+  for (const name of ["pointerdown", "focusin"]) section.addEventListener(name, () => usedAt.set(dock.id, performance.now()));
   if (layout.heights[dock.id]) section.style.height = layout.heights[dock.id];
   new MutationObserver(() => {
     layout.heights[dock.id] = section.style.height;
     keepLayout();
   }).observe(section, { attributes: true, attributeFilter: ["style"] });
+  sections.set(dock.id, section);
+  usedAt.set(dock.id, -sections.size);
   element(dock.place).append(section);
+  setFolded(Boolean(layout.folded[dock.id]));
+}
+
+/** Fold what was used longest ago in the column of a dock that was opened, until each open one has room. */
+function makeRoom(section) {
+  const column = columns() > 1 ? section.parentElement : element("side");
+  if (!column.contains(section) || isNarrow()) return;
+  const needed = ({ firstElementChild: head, lastElementChild: body }) => head.offsetHeight + Math.min(body.scrollHeight, SHRUNK);
+  const docks = [...column.querySelectorAll(".dock")].filter(({ hidden }) => !hidden);
+  const others = docks.filter((one) => one !== section && !one.classList.contains("folded") && needed(one) >= SHRUNK);
+  // The joints go with whatever else is done, so they stay longest.
+  const rank = ({ dataset: { dock } }) => (dock === "joints" ? Infinity : usedAt.get(dock));
+  others.sort((a, b) => rank(a) - rank(b));
+  const room = element("side").clientHeight - element("layouts").offsetHeight;
+  while (others.length && docks.reduce((sum, one) => sum + needed(one) + 6, 0) > room)
+    others.shift().dispatchEvent(new CustomEvent("fold", { detail: true }));
 }
 
 // On a narrow screen one dock is shown at a time; these buttons choose it.
@@ -108,7 +189,7 @@ function makeNav() {
     const button = h("button", { class: "s", type: "button" }, dock.title);
     button.addEventListener("click", () => {
       layout.dock = dock.id;
-      document.querySelector(`.dock[data-dock="${dock.id}"]`).dispatchEvent(new Event("open-dock"));
+      sections.get(dock.id).dispatchEvent(new Event("open-dock"));
       chooseDock();
     });
     button.dataset.dock = dock.id;
@@ -141,7 +222,7 @@ function showDocks() {
 /** Unfold a dock and bring it into view. */
 export function openDock(id) {
   layout.dock = id;
-  const section = document.querySelector(`.dock[data-dock="${id}"]`);
+  const section = sections.get(id);
   section.dispatchEvent(new Event("open-dock"));
   chooseDock();
   section.scrollIntoView({ block: "nearest" });
@@ -182,8 +263,8 @@ function remedyButton(entry) {
 function logRow(entry) {
   const time = new Date(entry.at).toLocaleTimeString("en-GB");
   const count = entry.count > 1 ? ` (${entry.count} times)` : "";
-  const remedy = entry.remedy ? html`<span class="remedy">${entry.remedy}</span>` : nothing;
-  return html`<div class="row"><time>${time}</time><span class="cause">▲ ${entry.detail}${count}</span>${remedy}${remedyButton(entry)}</div>`;
+  const remedy = entry.remedy ? html`<span class="remedy">${units.words(entry.remedy)}</span>` : nothing;
+  return html`<div class="row"><time>${time}</time><span class="cause">▲ ${units.words(entry.detail)}${count}</span>${remedy}${remedyButton(entry)}</div>`;
 }
 
 function showLog() {
@@ -234,9 +315,10 @@ function showAge() {
 function start() {
   for (const dock of DOCKS) makeDock(dock);
   makeNav();
+  drawLayouts();
   applySizes();
   addEventListener("resize", applySizes);
-  splitter("split-side", "side", (event) => -event.movementX);
+  splitter("split-side", "side", (event) => -event.movementX / columns());
   splitter("split-below", "below", (event) => -event.movementY);
   window.addEventListener("station-bar", (event) => {
     const before = store.bar.role;
@@ -252,6 +334,7 @@ function start() {
     showLog();
   });
   refusals.addEventListener("change", showRefusal);
+  units.addEventListener("change", showLog);
   element("enable").addEventListener("click", enableSliders);
   store.addEventListener("docks", showEnable);
   store.addEventListener("docks", showTrouble);
@@ -260,10 +343,12 @@ function start() {
   setInterval(showAge, 100);
   store.addEventListener("joints", () => document.body.classList.contains("stale") && showAge());
   control.start();
+  watchAgents();
   alarms.start(element("alarms"), () => {
     openDock("timeline");
     element("dock-timeline").choose("alarms");
   });
+  window.addEventListener("show-dock", ({ detail }) => openDock(detail));
   watchScene(element("view"), element("progress"), () => store.docks);
   showViewTools(element("view-tools"));
   showTour(element("tour"), openDock);

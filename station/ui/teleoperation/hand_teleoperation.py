@@ -45,26 +45,29 @@ class HeldButtons:
     """The state of twelve buttons, one per direction of each axis."""
 
     def __init__(self) -> None:
-        self._held_at: dict[tuple[int, int], float] = {}
+        self._held: dict[tuple[int, bool], tuple[float, float]] = {}
         self._moving = False
 
-    def hold(self, axis: int, sign: int, now: float) -> None:
+    def hold(self, axis: int, sign: float, now: float) -> None:
         """Note that a button is held.
 
         Args:
             axis: Index in `TWIST`.
-            sign: 1 or -1.
+            sign: 1 or -1, or the deflection of a stick between them.
             now: Monotonic time [s].
         """
-        self._held_at[axis, sign] = now
+        # A stick has one deflection on its way; two buttons at once cancel.
+        if abs(sign) < 1.0:
+            self._held.pop((axis, sign <= 0.0), None)
+        self._held[axis, sign > 0.0] = (sign, now)
 
     def release(self) -> None:
         """Treat all buttons as released; the next twist is zero."""
-        self._held_at.clear()
+        self._held.clear()
 
     def let_go(self) -> None:
         """Treat all buttons as released, and send no more for them."""
-        self._held_at.clear()
+        self._held.clear()
         self._moving = False
 
     def twist(self, now: float, speed: HandSpeed) -> list[float] | None:
@@ -75,7 +78,7 @@ class HeldButtons:
             speed: Speed of the end effector.
         """
         twist = [0.0] * 6
-        for (axis, sign), held_at in self._held_at.items():
+        for (axis, _), (sign, held_at) in self._held.items():
             if now - held_at < HELD_FOR:
                 twist[axis] += sign
         moving = any(twist)
@@ -83,7 +86,7 @@ class HeldButtons:
             return None
         self._moving = moving
         along, about = twist[:_FIRST_TURN], twist[_FIRST_TURN:]
-        return [*_of_length(along, speed.along), *_of_length(about, speed.about)]
+        return [*_at_most(along, speed.along), *_at_most(about, speed.about)]
 
 
 class TargetPose:
@@ -187,12 +190,12 @@ class HandTeleoperation:
         about = self.jog.elements[_FIRST_TURN].maximum
         return None if along is None or about is None else HandSpeed(along, about)
 
-    def hold(self, axis: int, sign: int, now: float) -> str:
+    def hold(self, axis: int, sign: float, now: float) -> str:
         """Move along or about an axis for as long as its button is held.
 
         Args:
             axis: Index in `TWIST`.
-            sign: 1 or -1.
+            sign: 1 or -1, or the deflection of a stick between them.
             now: Monotonic time [s] at which the browser said so.
 
         Returns:
@@ -293,7 +296,7 @@ class HandsTeleoperation:
         """
         self._speed = HandSpeed(max(along, SLOWEST_HAND), max(about, SLOWEST_HAND))
 
-    def hold(self, arm: str, axis: int, sign: int, now: float) -> str:
+    def hold(self, arm: str, axis: int, sign: float, now: float) -> str:
         """Move one hand while a button is held; see `HandTeleoperation`."""
         hand = self.of(arm)
         return _no_arm(arm) if hand is None else hand.hold(axis, sign, now)
@@ -330,9 +333,9 @@ def distance(first: Sequence[float], second: Sequence[float]) -> float:
     return math.dist(first[:3], second[:3]) + 2.0 * math.acos(min(1.0, cosine))
 
 
-def _of_length(vector: Sequence[float], length: float) -> list[float]:
-    size = math.hypot(*vector)
-    return [length * value / size if size else 0.0 for value in vector]
+def _at_most(vector: Sequence[float], length: float) -> list[float]:
+    size = max(math.hypot(*vector), 1.0)
+    return [length * value / size for value in vector]
 
 
 def _no_arm(arm: str) -> str:

@@ -46,7 +46,7 @@ class _HandJog(_Message):
     do: Literal["hand"]
     arm: str
     axis: int = Field(ge=0, le=5)
-    sign: _Sign
+    sign: _Finite = Field(ge=-1, le=1)
 
 
 class _HandGo(_Message):

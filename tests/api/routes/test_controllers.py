@@ -40,8 +40,19 @@ def test_loading_answers_201_and_the_controller(operator):
         "fallback": [],
         "time": None,
         "notes": [],
+        "update_rate": 1000.0,
+        "async_update": None,
     }
     assert names(operator) == {"spring": "initialized"}
+
+
+def test_chains_are_no_controller_of_that_name(operator):
+    operator.post("/api/v1/controllers", json=SPRING)
+
+    answer = operator.get("/api/v1/controllers/chains").json()
+
+    assert [one["name"] for one in answer["controllers"]] == ["spring"]
+    assert answer["controllers"][0]["is_in_chained_mode"] is False
 
 
 def test_loading_the_same_again_answers_200(operator):

@@ -5,7 +5,7 @@ import pytest
 
 from station.api.app import create_app
 from station.api.auth import Authenticator
-from station.client import StationClient
+from station.client import ApiError, StationClient
 from tests.api.conftest import OPERATOR, URL, VIEWER, AppTransport
 from tests.franka_station import make_franka_station
 
@@ -46,4 +46,32 @@ def test_a_robot_without_a_scene_has_no_things(operator: httpx.Client):
         "objects": [],
         "contacts": [],
         "bases": [],
+        "clearances": [],
     }
+
+
+def test_places_are_put_moved_and_removed_while_the_station_runs():
+    station = make_franka_station(objects=[TABLE])
+    app = create_app(station, Authenticator(OPERATOR, VIEWER))
+    with StationClient(URL, OPERATOR, transport=AppTransport(app)) as client:
+        assert client.clearances() == []
+        wall = client.put_object(
+            "wall", type="box", size=[0.1, 1, 1], position=[1, 0, 0.5], role="keep_out"
+        )
+        changed = client.put_object("wall", position=[0.9, 0, 0.5], margin=0.1)
+        moved = client.put_object("table", position=[1.5, 0, 0.1])
+
+        assert (wall.role, wall.margin, wall.solid) == ("keep_out", 0.02, False)
+        assert (changed.size, changed.margin) == ([0.1, 1, 1], 0.1)
+        assert moved.position == pytest.approx([1.5, 0.0, 0.05])
+        for name, values, refusal in (
+            ("cube", {"type": "sphere", "size": [0.1]}, "built once"),
+            ("table", {"size": [1, 1, 0.2]}, "built once"),
+            ("wall", {"links": ["link9"]}, "does not have"),
+            ("wall", {"margin": -0.1}, "0 or more"),
+        ):
+            with pytest.raises(ApiError, match=refusal):
+                client.put_object(name, **values)
+        with pytest.raises(ApiError, match="no object 'wal'"):
+            client.remove_object("wal")
+        assert [one.name for one in client.remove_object("wall")] == ["table"]

@@ -134,3 +134,18 @@ def test_hardware_can_be_json(run, station):
     station.hardware = lambda: EXAMPLE
     told = json.loads(run("list_hardware_interfaces --json").out)
     assert told == EXAMPLE.model_dump(mode="json")
+
+
+def test_chains_are_drawn_for_graphviz(run):
+    graph = run("view_controller_chains --dot").out
+
+    assert '"diff" -> "wheel" [label="joint/velocity" style=solid];' in graph
+    assert '"wheel" [style=filled fillcolor="#d0e8d0"];' in graph
+
+
+def test_chains_are_listed_in_the_order_of_updates(run):
+    first, second = run("view_controller_chains").out.splitlines()[1:]
+
+    assert first.split() == ["1", "diff", "running", "-", "wheel", "-"]
+    assert second.split()[:5] == ["2", "wheel", "running", "chained", "-"]
+    assert "wheel/joint/velocity (diff)" in second

@@ -23,6 +23,7 @@ from station.core.hardware.interfaces import (
     PositionJointInterface,
 )
 from station.memory.doubles import zeros
+from station.reports import ExportedValue
 from station.testing.bench import Bench
 
 RUNNING = ControllerState.RUNNING
@@ -331,4 +332,30 @@ def test_best_effort_starts_nobody_without_the_one_it_commands(bench):
 
     bench.switch(start=["scale"], strictness=Strictness.BEST_EFFORT)
 
+    assert running(bench) == []
+
+
+def test_the_report_on_chains_says_who_commands_whom(bench):
+    load_chain(bench)
+    bench.load_controller("gauge", "test/Gauge", state="spring/j1/length")
+    bench.switch(start=["cascade", "spring"])
+
+    found = {one.name: one for one in bench.manager.chains().controllers}
+
+    assert list(found) == ["scale", "cascade", "spring", "gauge"]
+    assert found["cascade"].following == ("spring",)
+    assert found["spring"].references == (
+        ExportedValue("spring/j1/position", ("cascade",)),
+    )
+    assert found["spring"].states == (ExportedValue("spring/j1/length", ("gauge",)),)
+    assert [name for name in found if found[name].is_in_chained_mode] == ["spring"]
+
+
+def test_a_dry_run_tells_order_and_modes(bench):
+    load_chain(bench)
+
+    result = bench.switch(start=["cascade"], strictness=Strictness.AUTO, dry_run=True)
+
+    assert [info.name for info in result.plan.running] == ["cascade", "spring"]
+    assert result.plan.chained == ("spring",)
     assert running(bench) == []

@@ -3,7 +3,10 @@
 import pytest
 
 from station.core.control.controller import MultiInterfaceController
-from station.core.control.controller_factory import ControllerFactory
+from station.core.control.controller_factory import (
+    COMMON_PARAMETERS,
+    ControllerFactory,
+)
 from station.core.control.controller_loader import TableLoader
 from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.errors import (
@@ -153,7 +156,7 @@ def test_a_type_is_described_by_its_docstring_and_its_parameters(parameters):
 
     assert (found.type, found.description) == ("a/Declaring", "Pulls.")
     names = [one.name for one in found.parameters]
-    assert names == ["fallback", "allow_start_jump", "gain"]
+    assert names == [*(one.name for one in COMMON_PARAMETERS), "gain"]
     assert found.error is None
 
 

@@ -1,7 +1,7 @@
 // Numbers and names as people type them.
 import assert from "node:assert/strict";
 import test from "node:test";
-import { number, sharedPrefix, shortNames, typed } from "../../../station/ui/static/lib/text.js";
+import { inDegrees, number, sharedPrefix, shortNames, typed } from "../../../station/ui/static/lib/text.js";
 
 test("a number is read as people type it", () => {
   for (const [text, value] of [["0.3217", 0.3217], [" 18,5 ", 18.5], ["−2", -2], ["1e-3", 1e-3], ["+4", 4]]) assert.equal(typed(text), value);
@@ -13,6 +13,12 @@ test("a number is shown with its digits, and no number as a dash", () => {
   assert.equal(number(-0.0004, 2), "0.00");
   assert.equal(number(-0.4, 1), "-0.4");
   for (const value of [null, undefined, NaN, Infinity]) assert.equal(number(value, 2), "–");
+});
+
+test("angles of a sentence are shown in degrees", () => {
+  assert.equal(inDegrees("joint1 cannot go to 3 rad; allowed are -2.5 to 2.5 rad."), "joint1 cannot go to 171.89°; allowed are -143.24 to 143.24°.");
+  assert.equal(inDegrees("It moves with 1e-1 rad/s."), "It moves with 5.73°/s.");
+  for (const other of ["0.3 rad/s or m/s", "0.1 rad or m off", "200 Nm/rad", "0.5 m"]) assert.equal(inDegrees(other), other);
 });
 
 test("joints are named by what differs", () => {

@@ -50,3 +50,34 @@ test("what is shown does not depend on what came long before", () => {
   const part = transformed([trace("q", "rad", 0.02, values)], "smooth", 6, 9)[0].history;
   assert.ok(Math.abs(whole.nearest(6.5) - part.nearest(6.5)) < 1e-4);
 });
+
+test("a spectrum has each sine with its own frequency and amplitude, and no mean", () => {
+  const source = new History(Infinity);
+  for (let i = 0; i < 3000; i += 1) {
+    const time = 100 + i / 300;
+    source.add(time, 7 + 2 * Math.sin(2 * Math.PI * 12.34 * time) + 0.05 * Math.cos(2 * Math.PI * 40 * time));
+  }
+  const [{ history, unit }] = transformed([{ label: "a", unit: "Nm", history: source }], "spectrum", 100, 110);
+  assert.equal(unit, "Nm");
+  const peak = (from, to) => {
+    const first = history.indexAt(from);
+    const values = history.values.slice(first, history.indexAt(to));
+    const largest = Math.max(...values);
+    return [history.times[first + values.indexOf(largest)], largest];
+  };
+  const near = (found, wanted, part) => assert.ok(Math.abs(found - wanted) < part * wanted, `${found} is not ${wanted}`);
+  near(peak(1, 30)[0], 12.34, 0.002);
+  near(peak(1, 30)[1], 2, 0.015);
+  near(peak(35, 45)[0], 40, 0.002);
+  near(peak(35, 45)[1], 0.05, 0.015);
+  assert.ok(peak(0, 0.02)[1] < 0.01);
+  near(history.times.at(-1), 150, 0.01);
+});
+
+test("a spectrum is that of the time that is shown", () => {
+  const source = new History(Infinity);
+  for (let i = 0; i < 2000; i += 1) source.add(i / 100, Math.sin(2 * Math.PI * (i < 1000 ? 5 : 20) * (i / 100)));
+  const at = (begin, end, hz) => transformed([{ label: "a", unit: "", history: source }], "spectrum", begin, end)[0].history.nearest(hz);
+  assert.ok(at(0, 10, 5) > 0.98 && at(0, 10, 20) < 0.01);
+  assert.ok(at(10, 20, 20) > 0.98 && at(10, 20, 5) < 0.01);
+});

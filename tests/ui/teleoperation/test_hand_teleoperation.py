@@ -162,6 +162,18 @@ def test_several_buttons_share_the_speed():
     assert twist == pytest.approx([0.0707, 0.0707, 0, 0, 0, 0.4], abs=1e-4)
 
 
+def test_a_stick_moves_as_far_as_it_is_deflected():
+    buttons = HeldButtons()
+    buttons.hold(0, 0.5, now=0.0)
+    buttons.hold(5, -0.25, now=0.0)
+    wanted = pytest.approx([0.05, 0, 0, 0, 0, -0.1])
+    assert buttons.twist(0.1, SPEED) == wanted
+    buttons.hold(0, -0.2, now=0.1)
+    assert buttons.twist(0.1, SPEED)[0] == pytest.approx(-0.02)
+    buttons.hold(0, 0.0, now=0.1)
+    assert buttons.twist(0.1, SPEED)[0] == 0.0
+
+
 def test_letting_go_forgets_everything():
     buttons = HeldButtons()
     buttons.hold(0, 1, now=0.0)

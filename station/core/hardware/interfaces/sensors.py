@@ -21,6 +21,11 @@ class ForceTorqueSensorHandle(ResourceHandle):
         frame_id: Frame in which the values are expressed.
         force: The robot's storage of the force [N], shape (3,).
         torque: The robot's storage of the torque [Nm], shape (3,).
+        is_reaction: Whether the values are what holds the part behind the sensor;
+            otherwise they are what acts on it, which has the other sign.
+
+    Attributes:
+        is_reaction: As given.
 
     Raises:
         HardwareInterfaceError: A storage is None or too short.
@@ -32,8 +37,11 @@ class ForceTorqueSensorHandle(ResourceHandle):
         frame_id: str,
         force: list[float] | None,
         torque: list[float] | None,
+        *,
+        is_reaction: bool = False,
     ) -> None:
         super().__init__(name)
+        self.is_reaction = is_reaction
         self._frame_id = frame_id
         self._force = check_storage(name, "Force", force, 2)
         self._torque = check_storage(name, "Torque", torque, 2)

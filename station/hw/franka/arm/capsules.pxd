@@ -1,10 +1,7 @@
 cimport cython
 
-from station.core.geometry.distances cimport nearest_points
+from station.core.geometry.distances cimport nearest_points, place_segments
 
-cpdef void place_segments(
-    double[::1] capsules, long[::1] owners, double[::1] links, double[::1] segments
-) noexcept
 @cython.locals(best=double, point=double[::1], normal=double[::1])
 cpdef long nearest_pair(
     double[::1] capsules, double[::1] segments, long[::1] pairs, double[::1] found

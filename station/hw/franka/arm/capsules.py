@@ -4,7 +4,7 @@ A capsule is a segment with a radius. It has 7 numbers, the ends of its segment 
 frame of its link [m] and the radius [m].
 """
 
-from station.core.geometry.distances import nearest_points
+from station.core.geometry.distances import nearest_points, place_segments
 from station.memory.doubles import Doubles, Indices, Storage, zeros
 
 
@@ -42,33 +42,6 @@ class LinkDistances:
             first, second = self.pairs[2 * number], self.pairs[2 * number + 1]
             self.closest = first * len(self.owners) + second
         return self.found[0]
-
-
-def place_segments(
-    capsules: Doubles, owners: Indices, links: Storage, segments: Doubles
-) -> None:
-    """Write the segments of capsules in the base frame.
-
-    Args:
-        capsules: The capsules, 7 numbers each.
-        owners: For each capsule the index of its link; -1 for the base.
-        links: Poses of the links, 16 numbers each.
-        segments: Where both ends of each segment go [m], 6 numbers per capsule.
-    """
-    for capsule in range(len(owners)):
-        k = 16 * owners[capsule]
-        for end in range(2):
-            i, o = 7 * capsule + 3 * end, 6 * capsule + 3 * end
-            x, y, z = capsules[i], capsules[i + 1], capsules[i + 2]
-            if k < 0:
-                segments[o], segments[o + 1], segments[o + 2] = x, y, z
-                continue
-            segments[o] = links[k] * x + links[k + 4] * y + links[k + 8] * z
-            segments[o] += links[k + 12]
-            segments[o + 1] = links[k + 1] * x + links[k + 5] * y + links[k + 9] * z
-            segments[o + 1] += links[k + 13]
-            segments[o + 2] = links[k + 2] * x + links[k + 6] * y + links[k + 10] * z
-            segments[o + 2] += links[k + 14]
 
 
 def nearest_pair(

@@ -16,6 +16,7 @@ from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_model import FrankaModel
 from station.core.franka.franka_robot_state import RobotState
 from station.core.franka.franka_services import ArmSimulation, CollisionBehavior
+from station.core.franka.guard import Guard
 from station.core.franka.model_sources import ModelSource
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.receiver import Receiver
@@ -75,7 +76,11 @@ class RobotArm(ABC):
     Attributes:
         cycle_time: Time from one state of the arm to the next [s].
         state: The arm's state; one object for the life of the arm, see `RobotState`.
+        guard: Keeps the arm clear of its scene; None where there is nothing. Whoever
+            commands the arm asks it first.
     """
+
+    guard: Guard | None = None
 
     cycle_time: float
     state: RobotState

@@ -8,5 +8,6 @@ cpdef double velocity_towards_end(double highest, double a, double b, double roo
 cdef class VelocityCurves:
     cdef readonly Py_ssize_t size
     cdef double[::1] highest, a, b, upper, lower
-    @cython.locals(i=Py_ssize_t, most=double, a=double, b=double)
+    cdef double margin
+    @cython.locals(i=Py_ssize_t, most=double, a=double, b=double, fastest=double)
     cpdef void put(self, double[::1] q, double[::1] lowest, double[::1] highest) noexcept

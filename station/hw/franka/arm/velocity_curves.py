@@ -36,11 +36,17 @@ class VelocityCurves:
     Args:
         highest: The limits in the middle of the ranges [rad/s], shape (n,).
         curves: (a, b, upper end, lower end) of each joint.
+        margin: How far inside its limits a velocity stays [rad/s], >= 0; a range is
+            never turned inside out.
     """
 
     def __init__(
-        self, highest: Sequence[float], curves: Sequence[Sequence[float]]
+        self,
+        highest: Sequence[float],
+        curves: Sequence[Sequence[float]],
+        margin: float = 0.0,
     ) -> None:
+        self.margin = margin
         columns = [*zip(*curves, strict=True)] or [()] * 4
         self.size = len(curves)
         self.highest = own(highest)
@@ -56,6 +62,10 @@ class VelocityCurves:
         """
         for i in range(self.size):
             most, a, b = self.highest[i], self.a[i], self.b[i]
-            highest[i] = velocity_towards_end(most, a, b, self.upper[i] - q[i])
+            fastest = velocity_towards_end(most, a, b, self.upper[i] - q[i])
+            fastest -= self.margin
+            highest[i] = fastest if fastest > 0.0 else 0.0
+            fastest = velocity_towards_end(most, a, b, q[i] - self.lower[i])
+            fastest -= self.margin
             # Subtracted, so that no limit is -0.
-            lowest[i] = 0.0 - velocity_towards_end(most, a, b, q[i] - self.lower[i])
+            lowest[i] = 0.0 - (fastest if fastest > 0.0 else 0.0)

@@ -1,5 +1,6 @@
 cimport cython
 from station.core.franka.command_rates cimport limited, low_pass
+from station.core.franka.guard cimport Guard
 from station.core.numerics.rigid_motion cimport displace, rotation_between, twist_between
 from station.hw.franka.arm.receiver cimport Receiver
 from station.hw.franka.commands.pose_bridge cimport PoseBridge
@@ -7,6 +8,7 @@ from station.memory.functions cimport square_root
 from station.memory.vectors cimport copy_into
 
 cdef double _TINY
+cdef int _SLOWED
 
 cpdef void limit_vector(
     double[::1] vector,
@@ -31,6 +33,8 @@ cdef class PoseRates:
     cpdef void filter_pose(self, double[::1] pose, bint passes) noexcept
     cpdef void filter_twist(self, double[::1] twist) noexcept
     cpdef void filter_elbow(self, double[::1] elbow, bint passes) noexcept
+    cpdef void approach(self, double[::1] twist) noexcept
+    cpdef void slow(self, double[::1] twist) noexcept
     cpdef void limit(self, double[::1] twist, double rotation_share) noexcept
 
 cdef class CartesianSender:
@@ -40,7 +44,11 @@ cdef class CartesianSender:
     cdef PoseBridge bridge
     cdef double[::1] pose, twist, pose_elbow, twist_elbow
     cdef bint filters_first, is_first
-    @cython.locals(is_known=bint, is_first=bint, passes=bint, elbow=double[::1], bent=list)
+    cdef public Guard guard
+    @cython.locals(
+        is_known=bint, is_first=bint, passes=bint, elbow=double[::1], bent=list,
+        guard=Guard, verdict=int,
+    )
     cpdef send_pose(self, bint is_new)
-    @cython.locals(elbow=double[::1], bent=list)
+    @cython.locals(elbow=double[::1], bent=list, guard=Guard, verdict=int)
     cpdef send_twist(self)

@@ -7,7 +7,9 @@ src/rate_limiting.cpp, limitRate; src/control_loop.cpp, convertMotion.
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
+from station.core.errors import InvalidCommandError
 from station.core.franka.command_rates import limited, low_pass
+from station.core.franka.guard import SLOWED
 from station.core.numerics.rigid_motion import displace, rotation_between, twist_between
 from station.hw.franka.commands.pose_bridge import PoseBridge
 from station.memory.doubles import Doubles, own, zeros
@@ -16,10 +18,12 @@ from station.memory.vectors import copy_into
 
 if TYPE_CHECKING:
     from station.core.franka.franka_robot_state import RobotState
+    from station.core.franka.guard import Guard
     from station.hw.franka.arm.robot_arm import RobotArm
 
 # A shorter vector has no direction.
 _TINY = 1e-15
+_SLOWED = SLOWED  # as a C number, by the .pxd
 
 
 def limit_vector(
@@ -191,6 +195,25 @@ class PoseRates:
             )
             sent[0] = last[0] + velocity * self.period
 
+    def approach(self, twist: Doubles) -> None:
+        """Send the pose to which a twist leads within the limits.
+
+        Args:
+            twist: The twist [m/s, rad/s], shape (6,).
+        """
+        copy_into(self.way, 0, twist, 6)
+        self.limit(self.way, self.pose_share)
+        displace(self.pose, self.way, self.period, self.sent_pose)
+
+    def slow(self, twist: Doubles) -> None:
+        """Send a twist within the limits.
+
+        Args:
+            twist: The twist [m/s, rad/s], shape (6,).
+        """
+        copy_into(self.sent_twist, 0, twist, 6)
+        self.limit(self.sent_twist, 1.0)
+
     def limit(self, twist: Doubles, rotation_share: float) -> None:
         """Replace a twist by the nearest one that all limits allow.
 
@@ -215,6 +238,9 @@ class CartesianSender:
             of joint 4, or two zeros that leave it to the arm; shape (2,).
         twist_elbow: The elbow that goes with a twist.
         filters_first: Whether the low-pass acts on the first pose of a motion, too.
+
+    Attributes:
+        guard: Keeps the arm clear of what is around it; None where nothing is.
     """
 
     def __init__(
@@ -238,6 +264,7 @@ class CartesianSender:
         self.twist_elbow = twist_elbow
         self.filters_first = filters_first
         self.is_first = False
+        self.guard: Guard | None = None
 
     def begin_motion(self, gain: float, is_limiting: bool) -> None:  # noqa: FBT001 - C
         """Rest at the commanded pose; forget all earlier commands.
@@ -258,7 +285,8 @@ class CartesianSender:
             is_new: Whether controllers have updated since the last call.
 
         Raises:
-            InvalidCommandError: The arm refuses the pose or the elbow.
+            InvalidCommandError: The arm refuses the pose or the elbow, or cannot stop
+                clear of its scene.
         """
         rates, bridge = self.rates, self.bridge
         pose, elbow, is_known = self.pose, self.pose_elbow, False
@@ -282,6 +310,13 @@ class CartesianSender:
         passes = is_first and not self.filters_first
         if not is_known:
             rates.filter_pose(pose, passes)
+        guard = self.guard
+        if guard is not None:
+            verdict = guard.limit_pose(rates.sent_pose)
+            if verdict == _SLOWED:
+                rates.approach(guard.twist)
+            elif verdict:
+                raise InvalidCommandError(guard.reflex(), remedy="Move away.")
         if has_elbow(elbow):
             rates.filter_elbow(elbow, passes)
             bent = [rates.sent_elbow[0], rates.sent_elbow[1]]
@@ -293,11 +328,18 @@ class CartesianSender:
         """Send the commanded twist.
 
         Raises:
-            InvalidCommandError: The arm refuses the twist or the elbow.
+            InvalidCommandError: As for `send_pose`.
         """
         rates, elbow = self.rates, self.twist_elbow
         bent: list[float] | None = None
         rates.filter_twist(self.twist)
+        guard = self.guard
+        if guard is not None:
+            verdict = guard.limit_twist(rates.sent_twist)
+            if verdict == _SLOWED:
+                rates.slow(guard.twist)
+            elif verdict:
+                raise InvalidCommandError(guard.reflex(), remedy="Move away.")
         if has_elbow(elbow):
             rates.filter_elbow(elbow, False)  # noqa: FBT003 - positional in C
             bent = [rates.sent_elbow[0], rates.sent_elbow[1]]

@@ -1,14 +1,17 @@
 cimport cython
 from station.core.franka.command_rates cimport CommandRates
+from station.core.franka.guard cimport Guard
 from station.core.hardware.limits.enforced_limits cimport EnforcedLimits
 from station.hw.franka.arm.receiver cimport Receiver
+from station.hw.franka.arm.velocity_curves cimport VelocityCurves
 from station.hw.franka.commands.cartesian_sender cimport CartesianSender
 from station.memory.finite_check cimport FiniteCheck
 
 cdef int _MOVE
 
 cdef class CommandSender:
-    cdef object arm, joints, cartesian, update_ranges
+    cdef object arm, joints, cartesian
+    cdef VelocityCurves curves
     cdef Receiver receiver
     cdef double[::1] mode
     cdef CartesianSender cartesian_sender
@@ -17,10 +20,12 @@ cdef class CommandSender:
     cdef public bint is_active, is_waiting
     cdef bint has_positions, has_velocities, has_efforts, has_pose, has_twist
     cdef public object refusal
+    cdef readonly Guard guard
     @cython.locals(check=FiniteCheck, limits=EnforcedLimits)
     cpdef send_commands(self, double period)
     cpdef resend_commands(self)
     cpdef send_all(self, bint is_new)
     cpdef send_positions(self)
     cpdef send_velocities(self)
+    @cython.locals(guard=Guard)
     cpdef send_torques(self)

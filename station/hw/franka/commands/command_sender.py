@@ -1,6 +1,5 @@
 """Send the commands of controllers to an arm, limited and filtered."""
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from station.core.errors import InvalidCommandError
@@ -9,9 +8,11 @@ from station.hw.franka.arm import arm_codes as codes
 from station.memory.doubles import Doubles
 
 if TYPE_CHECKING:
+    from station.core.franka.guard import Guard
     from station.core.hardware.limits.enforced_limits import EnforcedLimits
     from station.hw.franka.arm.control_mode import ControlMode
     from station.hw.franka.arm.robot_arm import RobotArm
+    from station.hw.franka.arm.velocity_curves import VelocityCurves
     from station.hw.franka.commands.cartesian_commands import CartesianCommands
     from station.hw.franka.commands.command_settings import CommandSettings
     from station.hw.franka.commands.joint_commands import JointCommands
@@ -29,13 +30,14 @@ class CommandSender:
         joints: Joint commands and their limits.
         cartesian: Cartesian commands.
         rates: Filter and rate limits of the joint commands.
-        update_ranges: Tells `rates` the velocities that the present positions allow;
-            None where limits do not depend on the position.
+        curves: The velocities that positions allow; None where limits do not depend on
+            the position.
 
     Attributes:
         is_active: Whether controllers give any command.
         is_waiting: Whether the arm is coming to rest before it follows them.
         refusal: Why a command was not sent and the motion ended; None if all were sent.
+        guard: Keeps the arm clear of what is around it; None where nothing is.
     """
 
     def __init__(
@@ -45,7 +47,7 @@ class CommandSender:
         joints: "JointCommands",
         cartesian: "CartesianCommands",
         rates: CommandRates,
-        update_ranges: Callable[[], None] | None = None,
+        curves: "VelocityCurves | None" = None,
     ) -> None:
         self.arm = arm
         self.receiver = arm.receiver()
@@ -54,7 +56,7 @@ class CommandSender:
         self.cartesian = cartesian
         self.cartesian_sender = cartesian.sender
         self.rates = rates
-        self.update_ranges = update_ranges
+        self.curves = curves
         self.checks: list[FiniteCheck] = []
         self.limits: list[EnforcedLimits] = []
         self.is_active = self.is_waiting = False
@@ -64,6 +66,7 @@ class CommandSender:
         self.has_pose = False
         self.has_twist = False
         self.refusal: str | None = None
+        self.guard: Guard | None = None
 
     def begin_motion(self, mode: "ControlMode", settings: "CommandSettings") -> None:
         """Take commands of the kinds in `mode` from now on, seeded with rest.
@@ -85,6 +88,10 @@ class CommandSender:
         gain, is_limiting = settings.low_pass_gain, settings.rate_limiting
         self.rates.begin_motion(gain, is_limiting)
         self.cartesian_sender.begin_motion(gain, is_limiting)
+
+    def keep_clear(self, guard: "Guard | None") -> None:
+        """Let a guard slow all commands from now on; None for no guard."""
+        self.guard = self.cartesian_sender.guard = self.arm.guard = guard
 
     @property
     def bridges_gaps(self) -> bool:
@@ -153,9 +160,11 @@ class CommandSender:
     def send_positions(self) -> None:
         """Filter and send the commanded positions."""
         rates = self.rates
-        if self.update_ranges is not None:
-            self.update_ranges()
+        if self.curves is not None:
+            self.curves.put(rates.q_d, rates.lowest, rates.highest)
         rates.filter_positions()
+        if self.guard is not None:
+            self.guard.limit_positions(rates.result)
         # The receiver takes the usual command without a call of Python; the method of
         # the arm takes any other, or refuses it with a reason.
         if not self.receiver.receive_positions(rates.result):
@@ -164,9 +173,11 @@ class CommandSender:
     def send_velocities(self) -> None:
         """Filter and send the commanded velocities."""
         rates = self.rates
-        if self.update_ranges is not None:
-            self.update_ranges()
+        if self.curves is not None:
+            self.curves.put(rates.q_d, rates.lowest, rates.highest)
         rates.filter_velocities()
+        if self.guard is not None:
+            self.guard.limit_velocities(rates.result)
         if not self.receiver.receive_velocities(rates.result):
             self.arm.command_joint_velocities(rates.result)
 
@@ -174,6 +185,10 @@ class CommandSender:
         """Filter and send the commanded torques."""
         rates = self.rates
         rates.filter_torques()
+        guard = self.guard
+        if guard is not None and not guard.limit_torques(rates.result):
+            self.refuse(guard.reflex())
+            return
         if not self.receiver.receive_torques(rates.result):
             self.arm.command_joint_torques(rates.result)
 

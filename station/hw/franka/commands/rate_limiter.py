@@ -8,12 +8,12 @@ limitRate; include/franka/rate_limiting.h, the limits of the Panda; libfranka@0.
 the same files, for the FR3.
 """
 
-from collections.abc import Callable
 from math import pi
 
 from station.core.franka.command_rates import CommandRates
 from station.core.franka.franka_robot_state import RobotState
 from station.hw.franka.arm.arm_limits import ArmLimits, MotionLimits
+from station.hw.franka.arm.velocity_curves import VelocityCurves
 from station.hw.franka.commands.joint_commands import JointCommands
 
 PERIOD = 0.001
@@ -56,25 +56,6 @@ def with_margins(limits: MotionLimits, tolerated_losses: int) -> MotionLimits:
     return MotionLimits(
         limits.velocity - MARGIN - reserve, acceleration, limits.jerk - MARGIN
     )
-
-
-def velocity_range_of(limits: ArmLimits, joint: int, q_d: float) -> tuple[float, float]:
-    """Return the lowest and the highest velocity of a joint at a position [rad/s].
-
-    Limits that depend on the position have no reserve for lost packets.
-
-    Args:
-        limits: The arm's own limits.
-        joint: Index of the joint, 0 to 6.
-        q_d: Its desired position [rad].
-
-    Source:
-        libfranka@0.15.0 include/franka/rate_limiting.h,
-        computeUpperLimitsJointVelocity, computeLowerLimitsJointVelocity; differs: the
-        margin does not turn a range of 0 inside out.
-    """
-    lowest, highest = limits.velocity_range(joint, q_d)
-    return min(0.0, lowest + MARGIN), max(0.0, highest - MARGIN)
 
 
 def low_pass_gain(cutoff_frequency: float) -> float:
@@ -128,22 +109,20 @@ def make_joint_rates(
     )
 
 
-def make_range_update(
-    limits: ArmLimits, state: RobotState, rates: CommandRates
-) -> Callable[[], None] | None:
-    """Return a function that sets the velocities in `rates` allowed at `q_d`.
+def make_velocity_curves(limits: ArmLimits) -> VelocityCurves | None:
+    """Return the velocities that positions allow, with libfranka's margin.
 
-    None where limits do not depend on the position.
+    None where limits do not depend on the position. Those that do have no reserve for
+    lost packets.
 
     Args:
         limits: The arm's own limits.
-        state: The arm's state.
-        rates: The rate limits.
+
+    Source:
+        libfranka@0.15.0 include/franka/rate_limiting.h,
+        computeUpperLimitsJointVelocity, computeLowerLimitsJointVelocity; differs: the
+        margin does not turn a range of 0 inside out.
     """
-
-    def update() -> None:
-        for i, position in enumerate(state.q_d):
-            lowest, highest = velocity_range_of(limits, i, position)
-            rates.lowest[i], rates.highest[i] = lowest, highest
-
-    return update if limits.curves else None
+    if not limits.curves:
+        return None
+    return VelocityCurves(limits.velocity, limits.curves, MARGIN)

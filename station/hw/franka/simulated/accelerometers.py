@@ -24,7 +24,7 @@ from station.core.numerics.arm_chain import (
 )
 from station.hw.franka.arm.franka_kinematics import CHAIN
 from station.hw.franka.simulated.end_effector import as_transform
-from station.memory.doubles import Doubles, doubles, put, zeros
+from station.memory.doubles import Doubles, doubles, own, zeros
 
 # Place [m] in the frames of the links 0 to 5, and the turn about x from there [rad].
 _TOP: tuple[tuple[Vector3, float], ...] = (
@@ -58,38 +58,46 @@ class Accelerometers:
     """
 
     def __init__(self, state: RobotState, memory: JointMemory) -> None:
-        self._state = state
-        self._memory = memory
-        self._gravity = state.doubles("O_ddP_O")
-        self._links = new_links(CHAIN)
-        self._boards = _poses(_TOP), _poses(_BOTTOM)
-        self._readings = zeros(3 * len(_TOP)), zeros(3 * len(_BOTTOM))
-        self._last, self._ddq = zeros(memory.size), zeros(memory.size)
-        self._seen: float | None = None
+        self.state = state
+        self.memory = memory
+        self.gravity = state.doubles("O_ddP_O")
+        self.chain = own(CHAIN)
+        self.links = own(new_links(CHAIN))
+        self.top, self.bottom = own(_poses(_TOP)), own(_poses(_BOTTOM))
+        self.readings = zeros(3 * len(_TOP)), zeros(3 * len(_BOTTOM))
+        self.top_readings, self.bottom_readings = self.readings
+        none = [0.0] * memory.size
+        self.last, self.ddq = own(none), own(none)
+        self.has_read = False
+        self.seen = 0.0
 
     def read(self) -> tuple[Doubles, Doubles]:
         """Return the readings on top and bottom of the boards [m/s^2], each 6 x 3.
 
         The memory is the same at every call.
         """
-        memory, time = self._memory, self._state.time
-        elapsed = 0.0 if self._seen is None else time - self._seen
-        if self._seen is not None and elapsed <= 0.0:
-            return self._readings
+        memory = self.memory
+        time = self.state.time
+        elapsed = time - self.seen if self.has_read else 0.0
+        if self.has_read and elapsed <= 0.0:
+            return self.readings
         for i in range(memory.size):
-            change = memory.dtheta[i] - self._last[i]
-            self._ddq[i] = change / elapsed if elapsed else 0.0
-        put(self._last, memory.dtheta)
-        self._seen = time
-        place_links(CHAIN, memory.positions, self._links)
-        motion = self._links, memory.dtheta, self._ddq, self._gravity
-        for boards, readings in zip(self._boards, self._readings, strict=True):
-            measure_accelerations(*motion, boards, readings)
-        return self._readings
+            change = memory.dtheta[i] - self.last[i]
+            self.last[i] = memory.dtheta[i]
+            self.ddq[i] = change / elapsed if elapsed > 0.0 else 0.0
+        self.has_read = True
+        self.seen = time
+        links, dq, ddq, gravity = self.links, memory.dtheta, self.ddq, self.gravity
+        place_links(self.chain, memory.positions, links)
+        measure_accelerations(links, dq, ddq, gravity, self.top, self.top_readings)
+        measure_accelerations(
+            links, dq, ddq, gravity, self.bottom, self.bottom_readings
+        )
+        return self.readings
 
     def forget(self) -> None:
         """Begin anew: the arm has been put elsewhere."""
-        self._seen = None
+        self.has_read = False
 
 
 def _poses(boards: Iterable[tuple[Vector3, float]]) -> Doubles:

@@ -36,9 +36,8 @@ class Alarms extends EventTarget {
   }
 
   draw(unseen) {
-    this.button.hidden = !this.list.length;
     this.button.dataset.unseen = unseen ? "some" : "";
-    show(this.button, unseen ? `▲ Alarms ${unseen}` : `Alarms, ${this.list.length} seen`);
+    show(this.button, unseen ? `▲ Alarms ${unseen}` : this.list.length ? `Alarms, seen` : "No alarms");
     this.dispatchEvent(new Event("change"));
   }
 

@@ -56,7 +56,8 @@ class Control {
     element("control").setAttribute("aria-expanded", "true");
     this.drawn = "";
     this.draw();
-    this.panel.querySelector("input, button")?.focus();
+    // Who has said a name, here or at the login, is not asked again.
+    this.panel.querySelector(kept.get("person", "") ? "button" : "input, button")?.focus();
   }
 
   close() {
@@ -118,8 +119,7 @@ class Control {
 
   contentOfHolder(line, note) {
     const { owner, since, hand_over_to: heir } = this.state;
-    const to = h("input", { class: "name", name: "heir", maxLength: 100 });
-    to.setAttribute("aria-label", "Hand over to");
+    const to = h("input", { class: "name", name: "heir", maxLength: 100, ariaLabel: "Hand over to" });
     const offer = async () => to.value.trim() && (await this.ask("PATCH", { hand_over_to: to.value.trim() }));
     const at = new Date(since * 1e3).toLocaleTimeString("en-GB");
     return [

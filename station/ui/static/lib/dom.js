@@ -1,5 +1,6 @@
 // Small pieces of the page that every panel uses.
 import { html, render } from "../vendor/lit/lit-html.js";
+import { repeat } from "../vendor/lit/directives/repeat.js";
 
 /** Return an element: `h("button", {class: "s", onclick: f}, "text", child)`. */
 export function h(tag, props = {}, ...children) {
@@ -25,6 +26,21 @@ export function show(element, text) {
   if (element.textContent !== text) element.textContent = text;
 }
 
+/**
+ * Offer choices, texts or pairs of value and text; the chosen one stays chosen, and an open
+ * list stays open. Without any, `none` is shown and nothing can be chosen.
+ */
+export function offer(select, choices, none = "none saved yet") {
+  const pairs = choices.length ? choices.map((choice) => [choice].flat()) : [["", none]];
+  const key = JSON.stringify(pairs);
+  if (key === select.offered) return;
+  select.offered = key;
+  const chosen = select.value;
+  render(repeat(pairs, ([value]) => value, ([value, text = value]) => html`<option value=${value}>${text}</option>`), select);
+  if (pairs.some(([value]) => String(value) === chosen)) select.value = chosen;
+  select.disabled = !choices.length;
+}
+
 /** Return a long name, for a template, that may be broken after a sign and nowhere else. */
 export function breakable(text, sign) {
   return text.split(sign).map((part, i) => (i ? html`${sign}<wbr>${part}` : part));
@@ -36,8 +52,7 @@ export function breakable(text, sign) {
  * a value is typed or left.
  */
 export function valueField(label, send, changed = () => {}) {
-  const input = h("input", { class: "value", inputMode: "decimal", autocomplete: "off", spellcheck: false });
-  input.setAttribute("aria-label", label);
+  const input = h("input", { class: "value", inputMode: "decimal", autocomplete: "off", spellcheck: false, ariaLabel: label });
   const edit = (edited) => () => {
     input.edited = edited;
     changed();
@@ -63,8 +78,7 @@ export function valueField(label, send, changed = () => {}) {
  * disabled meanwhile, e.g. by a stop, has to be pressed anew.
  */
 export function holdButton(label, title, hold, release) {
-  const button = h("button", { class: "s hold", type: "button", title }, label);
-  button.setAttribute("aria-label", title);
+  const button = h("button", { class: "s hold", type: "button", title, ariaLabel: title }, label);
   let timer = null;
   const end = () => {
     if (timer === null) return;
@@ -96,6 +110,9 @@ export function holdButton(label, title, hold, release) {
   document.addEventListener("visibilitychange", end);
   return button;
 }
+
+/** Whether one dock is shown at a time, below the view. */
+export const isNarrow = () => matchMedia("(max-width: 999px)").matches;
 
 /** Keep something of this browser's user, e.g. the layout. */
 export const kept = {

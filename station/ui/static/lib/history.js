@@ -21,10 +21,11 @@ export class History {
     }
   }
 
-  /** Return the rate of change at a sample, over its two neighbours; null at an end. */
-  slope(i) {
-    if (i < 1 || i >= this.times.length - 1) return null;
-    return (this.values[i + 1] - this.values[i - 1]) / (this.times[i + 1] - this.times[i - 1]);
+  /** Return the rates of change, each over the neighbours of a sample; the ends have none. */
+  slopes() {
+    const made = new History(Infinity);
+    for (let i = 1; i < this.times.length - 1; i += 1) made.add(this.times[i], (this.values[i + 1] - this.values[i - 1]) / (this.times[i + 1] - this.times[i - 1]));
+    return made;
   }
 
   /** Return the same samples, to which nothing is added. */
@@ -61,8 +62,8 @@ export class History {
 }
 
 /** Return traces {label, unit, history} as CSV, one row per sample of the first from `begin` to `end` [s]. */
-export function csvOf(traces, begin, end) {
-  const lines = [["time [s]", ...traces.map((trace) => `${trace.label} [${trace.unit}]`)].join(",")];
+export function csvOf(traces, begin, end, over = "time [s]") {
+  const lines = [[over, ...traces.map((trace) => `${trace.label} [${trace.unit}]`)].join(",")];
   const first = traces[0]?.history;
   for (let i = first?.indexAt(begin) ?? 0; first && i < first.times.length && first.times[i] <= end; i += 1) {
     const time = first.times[i];

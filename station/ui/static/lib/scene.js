@@ -1,5 +1,5 @@
 // The progress line over the 3D view, and the notice of Viser that would cover it.
-import { show } from "./dom.js";
+import { isNarrow, show } from "./dom.js";
 
 const LOOK_MS = 250;
 const LONG_MS = 15000;
@@ -45,7 +45,7 @@ export function watchScene(view, line, docks) {
 
 // On a narrow screen Viser lays its panel over the picture and cannot be told to fold it.
 function showPanel(view, button) {
-  const narrow = matchMedia("(max-width: 700px)").matches;
+  const narrow = isNarrow();
   const hidden = narrow && button.getAttribute("aria-pressed") !== "true";
   for (const panel of view.contentWindow.document.querySelectorAll("#root .mantine-Paper-root:has([role=tab])")) {
     // What Viser shows and hides by itself stays as it is.

@@ -23,6 +23,15 @@ export function shortNames(joints) {
   return new Map(joints.map((joint) => [joint, joint.slice(prefix.length, suffixed ? -SUFFIX.length : undefined)]));
 }
 
+const NUMBER = "(-?\\d+(?:\\.\\d+)?(?:e[-+]?\\d+)?)";
+const ANGLES = new RegExp(`(?:${NUMBER}( to | and | and at most ))?${NUMBER} rad\\b(?!/?s? or m)`, "g");
+
+/** Return a sentence with its angles in degrees: `1 to 2 rad/s` is `57.3 to 114.59°/s`. */
+export function inDegrees(text) {
+  const turned = (value) => String(Number(((value * 180) / Math.PI).toFixed(2)));
+  return text.replace(ANGLES, (_, low, between, high) => `${low === undefined ? "" : turned(low) + between}${turned(high)}°`);
+}
+
 /** Read a number as people type it, or null; a comma counts as the decimal point. */
 export function typed(text) {
   const clean = text.trim().replace(",", ".").replace("−", "-");

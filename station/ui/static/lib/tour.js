@@ -1,5 +1,5 @@
 // Four steps for somebody who sees the page for the first time; gone after a click.
-import { h, kept } from "./dom.js";
+import { h, isNarrow, kept } from "./dom.js";
 
 const STEPS = [
   { mark: "#stop", text: "STOP, Escape or Space stops the robot at any time, from every dock. Afterwards: Release stop, then Allow motion." },
@@ -20,7 +20,7 @@ export function showTour(card, openDock) {
   const step = () => {
     unmark();
     const { mark, dock, text } = STEPS[at];
-    if (dock && matchMedia("(max-width: 700px)").matches) openDock(dock);
+    if (dock && isNarrow()) openDock(dock);
     document.querySelector(mark)?.classList.add("toured");
     const last = at === STEPS.length - 1;
     const next = h("button", { class: "s primary", type: "button" }, last ? "Done" : "Next");

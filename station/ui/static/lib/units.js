@@ -1,5 +1,6 @@
 // The unit of angles that a person chose for this browser.
 import { kept } from "./dom.js";
+import { inDegrees } from "./text.js";
 
 export const DEGREES = 180 / Math.PI;
 
@@ -19,6 +20,11 @@ class Units extends EventTarget {
   /** The factor from radians to the chosen unit. */
   get scale() {
     return this.angle === "deg" ? DEGREES : 1;
+  }
+
+  /** Return a sentence of the station with its angles in the chosen unit. */
+  words(text) {
+    return this.angle === "deg" ? inDegrees(text) : text;
   }
 
   /** The chosen unit's sign. */

@@ -1,6 +1,6 @@
 // The toolbar over the 3D view: from where to look, and what to lay over the robots.
 // The choice is this browser's; the gateway draws it in the views of this session alone.
-import { h, holdButton, kept } from "./dom.js";
+import { h, holdButton, isNarrow, kept, offer } from "./dom.js";
 import { refusals } from "./refusals.js";
 import { act, send } from "./station.js";
 import { store } from "./store.js";
@@ -13,26 +13,14 @@ const CAMERAS = [
   ["top", "Top", "Look from above."],
   ["hand", "Hand", "Look at the hand from near."],
 ];
+// Each with the colours in which it draws: [sign, words]. Only a Franka arm says what pushes it.
 const LAYERS = [
-  ["command", "Command", "Where the robot was told to be, while it is somewhere else (blue-green)."],
-  ["forces", "Forces", "External force on each arm (red) and where bodies touch (violet)."],
-  ["limits", "Limits", "Links whose joint is near a limit, in orange, with the angle that is left."],
-  ["trail", "Trail", "Where the hand was."],
-  ["frames", "Frames", "Base O, flange F, end effector EE and stiffness frame K."],
-  ["collision", "Collision", "The geometry that collides."],
-];
-// What the colours over the robots mean: [layer, sign, words], and which of them only a
-// Franka arm can have: no other says what pushes it.
-const KEY = [
-  ["command", "figure", "commanded pose"],
-  ["forces", "force", "force on the arm"],
-  ["forces", "contact", "contact"],
-  ["limits", "limit", "joint near its limit"],
-  ["trail", "trail", "path of the flange"],
-  ["frames", "axis-x", "x"],
-  ["frames", "axis-y", "y"],
-  ["frames", "axis-z", "z axis"],
-  ["collision", "hull", "collision geometry"],
+  ["command", "Command", "Where the robot was told to be, while it is somewhere else (blue-green).", ["figure", "commanded pose"]],
+  ["forces", "Forces", "External force on each arm (red) and where bodies touch (violet).", ["force", "force on the arm"], ["contact", "contact"]],
+  ["limits", "Limits", "Links whose joint is near a limit, in orange, with the angle that is left.", ["limit", "joint near its limit"]],
+  ["trail", "Trail", "Where the hand was.", ["trail", "path of the flange"]],
+  ["frames", "Frames", "Base O, flange F, end effector EE and stiffness frame K.", ["axis-x", "x"], ["axis-y", "y"], ["axis-z", "z axis"]],
+  ["collision", "Collision", "The geometry that collides.", ["hull", "collision geometry"]],
 ];
 const OF_FRANKA = ["force"];
 const AT_FIRST = ["command", "forces", "limits"];
@@ -50,21 +38,12 @@ function group(name, ...children) {
 
 const PUSH_S = 0.3; // one request pushes so long; a held button repeats it sooner
 const ALIVE_MS = 100;
-const DIRECTIONS = [
-  ["−x", [-1, 0, 0]],
-  ["+x", [1, 0, 0]],
-  ["−y", [0, -1, 0]],
-  ["+y", [0, 1, 0]],
-  ["−z", [0, 0, -1]],
-  ["+z", [0, 0, 1]],
-];
+const DIRECTIONS = ["x", "y", "z"].flatMap((axis, i) => [-1, 1].map((sign) => [`${sign < 0 ? "−" : "+"}${axis}`, [0, 0, 0].with(i, sign)]));
 
 /** Pushing a simulated arm: pull a link with the pointer, or hold a button. */
 function pushTools(tell) {
-  const arm = h("select", {});
-  arm.setAttribute("aria-label", "Arm to push");
-  const force = h("input", { class: "value", value: "15", inputMode: "decimal" });
-  force.setAttribute("aria-label", "Force of the push [N]");
+  const arm = h("select", { ariaLabel: "Arm to push" });
+  const force = h("input", { class: "value", value: "15", inputMode: "decimal", ariaLabel: "Force of the push [N]" });
   const push = (direction) => {
     const size = typed(force.value);
     if (size === null || size < 0 || size > 100) {
@@ -98,9 +77,7 @@ function pushTools(tell) {
         ? "Pull the robot with the pointer, in simulation."
         : "This session only watches. An operator's session can push.";
     arm.hidden = arms.length < 2;
-    if (arms.join() === arm.dataset.arms) return;
-    arm.dataset.arms = arms.join();
-    arm.replaceChildren(...arms.map((name) => h("option", {}, name)));
+    offer(arm, arms, "no arm");
   };
   store.addEventListener("docks", refresh);
   refresh();
@@ -124,12 +101,11 @@ export function showViewTools(place) {
   const cameras = CAMERAS.map(([name, label, title]) =>
     button(label, title, () => send("POST", "/ui/camera", { preset: name, covered: covered(place) }).catch((error) => console.warn(error.message))),
   );
-  const key = h("ul", { class: "key" });
-  key.setAttribute("aria-label", "What the colours mean");
+  const key = h("ul", { class: "key", ariaLabel: "What the colours mean" });
   const isThere = (sign) => store.docks?.arms.length || !OF_FRANKA.includes(sign);
   const explain = () =>
     key.replaceChildren(
-      ...KEY.filter(([layer, sign]) => shown.includes(layer) && isThere(sign)).map(([, sign, words]) => h("li", {}, h("i", { class: sign, ariaHidden: "true" }), words)),
+      ...LAYERS.filter(([layer]) => shown.includes(layer)).flatMap(([, , , ...signs]) => signs.filter(([sign]) => isThere(sign)).map(([sign, words]) => h("li", {}, h("i", { class: sign, ariaHidden: "true" }), words))),
     );
   explain();
   let arms = 0;
@@ -151,7 +127,7 @@ export function showViewTools(place) {
   });
   const fold = h("summary", { class: "s" }, "View");
   const folder = h("details", {}, fold, h("div", { class: "tools-body" }, group("Camera", ...cameras), group("Show", ...layers), key, group("Act", pushing.toggle), pushing.made));
-  folder.open = kept.get("view-tools", innerWidth > 700);
+  folder.open = kept.get("view-tools", !isNarrow());
   folder.addEventListener("toggle", () => kept.set("view-tools", folder.open));
   place.append(folder);
   const system = matchMedia("(prefers-color-scheme: dark)");

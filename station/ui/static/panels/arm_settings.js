@@ -48,8 +48,7 @@ class ArmSettings extends Panel {
   build() {
     this.inputs = []; // {input, of: what the arm says, or null}
     this.state = h("p", { class: "hint" }, "Refused while the arm moves. Vectors are typed with commas; one number fills all thresholds. The arm does not tell the thresholds that hold.");
-    this.guide = h("button", { class: "s", type: "button", title: "Press the guiding buttons, so that the simulated arm can be pushed by hand." }, "Guiding on");
-    this.guide.addEventListener("click", () => act("POST", `/robots/${this.armName}/guiding`, { pressed: !this.isGuided }).then(() => store.refresh()));
+    this.guide = h("button", { class: "s", type: "button", title: "Press the guiding buttons, so that the simulated arm can be pushed by hand.", onclick: () => act("POST", `/robots/${this.armName}/guiding`, { pressed: !this.isGuided }).then(() => store.refresh()) }, "Guiding on");
     this.details = h("details", { class: "arm" }, h("summary", {}, "Arm: collision thresholds, load, end effector"), this.state, h("div", { class: "line" }, this.guide), ...SETTINGS.map((setting) => this.group(setting)));
     this.details.addEventListener("toggle", () => this.details.open && this.read());
     this.append(this.details);
@@ -60,14 +59,12 @@ class ArmSettings extends Panel {
   group(setting) {
     const { title, fields } = setting;
     const inputs = fields.map(([label, unit, of, example]) => {
-      const input = h("input", { class: "value wide", placeholder: example ? `e.g. ${example}` : "" });
-      input.setAttribute("aria-label", `${title}: ${label}`);
+      const input = h("input", { class: "value wide", placeholder: example ? `e.g. ${example}` : "", ariaLabel: `${title}: ${label}` });
       input.dataset.was = "";
       this.inputs.push({ input, of });
       return { input, row: h("label", {}, `${label} `, input, ` ${unit}`) };
     });
-    const set = h("button", { class: "s", type: "button", onclick: () => this.set(setting, inputs.map(({ input }) => input)) }, "Set");
-    set.setAttribute("aria-label", `Set ${title}`);
+    const set = h("button", { class: "s", type: "button", onclick: () => this.set(setting, inputs.map(({ input }) => input)), ariaLabel: `Set ${title}` }, "Set");
     return h("div", { class: "group" }, h("b", {}, title), ...inputs.map(({ row }) => row), set);
   }
 

@@ -1,4 +1,5 @@
 // Controllers: a row for each, what a switch would do before the click, and loading.
+import "./chains.js";
 import "./load_form.js";
 import { breakable, h, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
@@ -15,8 +16,7 @@ const SIGNS = { Restart: "↻", Unload: "✕" };
 
 class Controllers extends Panel {
   build() {
-    const load = h("button", { class: "s", type: "button" }, "Load …");
-    load.addEventListener("click", () => this.form.toggle());
+    const load = h("button", { class: "s", type: "button", onclick: () => this.form.toggle() }, "Load …");
     this.tools.append(load);
     const heads = ["controller", "state", "claims", "update", ""].map((text) => h("th", {}, text));
     heads[3].title = "Median time that an update takes in the control cycle; 99 of 100 in the tooltip of each cell";
@@ -28,6 +28,7 @@ class Controllers extends Panel {
     this.append(
       this.preview,
       this.form,
+      h("st-chains", {}),
       h("div", { class: "scroll" }, h("table", { class: "controllers" }, h("thead", {}, h("tr", {}, ...heads)), this.body)),
     );
   }

@@ -1,5 +1,5 @@
 // Sets of gains, kept by the station: save, compare with the gains in force, apply.
-import { h, show } from "../lib/dom.js";
+import { h, offer, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { refusals } from "../lib/refusals.js";
 import { act, api } from "../lib/station.js";
@@ -11,12 +11,8 @@ const NAME = /^[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}$/;
 
 class GainSets extends Panel {
   build() {
-    this.sets = h("select", { title: "Saved sets of gains, kept by the station." });
-    this.sets.setAttribute("aria-label", "Set of gains");
-    this.sets.addEventListener("change", () => this.showDiff());
-    this.setName = h("input", { class: "name", placeholder: "name" });
-    this.setName.setAttribute("aria-label", "Name of the set");
-    this.setName.addEventListener("input", () => this.refresh());
+    this.sets = h("select", { title: "Saved sets of gains, kept by the station.", ariaLabel: "Set of gains", onchange: () => this.showDiff() });
+    this.setName = h("input", { class: "name", placeholder: "name", ariaLabel: "Name of the set", oninput: () => this.refresh() });
     this.setName.addEventListener("keydown", (event) => event.key === "Enter" && this.save());
     this.diff = h("p", { class: "hint" });
     const button = (label, title, run) => h("button", { class: "s", type: "button", title, onclick: run, disabled: true }, label);
@@ -68,8 +64,7 @@ class GainSets extends Panel {
     const told = await api("GET", "/gain-sets").catch(() => null); // a lost station is in the strip
     if (!told) return;
     const names = told.gain_sets;
-    this.sets.replaceChildren(...names.map((name) => h("option", {}, name)));
-    if (!names.length) this.sets.append(h("option", { value: "" }, "none saved yet"));
+    offer(this.sets, names);
     if (names.includes(chosen)) this.sets.value = chosen;
     this.refresh();
     await this.showDiff();

@@ -40,8 +40,7 @@ class Gripper extends Panel {
   add(arm, told) {
     this.none.hidden = true;
     const field = (label, value, unit) => {
-      const input = h("input", { class: "value", value, inputMode: "decimal" });
-      input.setAttribute("aria-label", `${label} [${unit}]`);
+      const input = h("input", { class: "value", value, inputMode: "decimal", ariaLabel: `${label} [${unit}]` });
       return { input, label: h("label", {}, `${label} `, input, ` ${unit}`) };
     };
     const width = field("object", "40", "mm");
@@ -65,8 +64,7 @@ class Gripper extends Panel {
       ["Hold still", "Stop the fingers; releases an object", go("stop")],
     ];
     const buttons = actions.map(([label, title, run]) => {
-      const button = h("button", { class: label === "Grasp" ? "s primary" : "s", type: "button", title, onclick: run }, label);
-      button.setAttribute("aria-label", store.docks.arms.length > 1 ? `${label}, ${arm}` : label);
+      const button = h("button", { class: label === "Grasp" ? "s primary" : "s", type: "button", title, onclick: run, ariaLabel: store.docks.arms.length > 1 ? `${label}, ${arm}` : label }, label);
       return button;
     });
     const state = h("p", { class: "state" });

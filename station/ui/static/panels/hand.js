@@ -1,5 +1,5 @@
 // The hand of one arm: held directions, steps, a typed pose, and how fast it may move.
-import { h, holdButton, kept, show, valueField } from "../lib/dom.js";
+import { h, holdButton, kept, offer, show, valueField } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { anglesOfMatrix, fromAngles, stepped, toAngles } from "../lib/pose_maths.js";
 import { refusals } from "../lib/refusals.js";
@@ -40,15 +40,11 @@ class Hand extends Panel {
     this.targets = AXES.slice(0, FIRST_TURN).map((axis) => valueField(`Hand ${axis} [m]`, () => this.go()));
     this.angles = ANGLES.map((angle) => valueField(`Hand ${angle}`, () => this.go()));
     this.angleUnit = h("span", {}, units.sign);
-    this.step = h("select", { title: "How far one press of a button moves the hand; while the hand takes targets." });
-    this.step.setAttribute("aria-label", "Step of the hand");
-    this.step.addEventListener("change", () => kept.set("hand-step", Number(this.step.value)));
+    this.step = h("select", { title: "How far one press of a button moves the hand; while the hand takes targets.", ariaLabel: "Step of the hand", onchange: () => kept.set("hand-step", Number(this.step.value)) });
     this.listSteps(kept.get("hand-step", 1));
     units.addEventListener("change", () => this.changeUnit());
     this.reach = h("button", { class: "s", type: "button", title: "Move the hand there; without angles it keeps its orientation.", onclick: () => this.go() }, "Go there");
-    this.axes = h("select", { title: "Frame along whose axes the buttons move the hand." }, ...FRAMES.map((frame, i) => h("option", { value: String(i) }, frame)));
-    this.axes.setAttribute("aria-label", "Axes of the jog");
-    this.axes.addEventListener("change", () => this.setFrame());
+    this.axes = h("select", { title: "Frame along whose axes the buttons move the hand.", ariaLabel: "Axes of the jog", onchange: () => this.setFrame() }, ...FRAMES.map((frame, i) => h("option", { value: String(i) }, frame)));
     const here = h("button", { class: "s", type: "button", title: "Fill in where the hand is.", onclick: () => this.fillIn() }, "Here");
     teleoperation.addEventListener("change", () => this.isShown && this.refresh());
     store.addEventListener("gains", () => (this.framed = "")); // the axes are a gain of the jog
@@ -70,11 +66,14 @@ class Hand extends Panel {
   }
 
   buildSpeeds() {
-    const slider = (key, label, unit, step) => {
-      const input = h("input", { type: "range", min: step, max: MOST[key], step, value: kept.get("hand-speed", SPEEDS)[key] });
-      input.setAttribute("aria-label", `${label} [${unit}]`);
+    const slider = (key, label, unitOf, step) => {
+      const input = h("input", { type: "range", min: step, max: MOST[key], step, value: kept.get("hand-speed", SPEEDS)[key], ariaLabel: label });
       const text = h("output", {});
-      const tell = () => show(text, `${number(Number(input.value), 2)} ${unit}`);
+      const tell = () => {
+        const { scale, sign, digits } = unitOf();
+        show(text, `${number(Number(input.value) * scale, digits)}${sign}`);
+        input.ariaValueText = text.textContent;
+      };
       input.addEventListener("input", () => {
         tell();
         kept.set("hand-speed", this.chosenSpeeds);
@@ -82,7 +81,7 @@ class Hand extends Panel {
       tell();
       return { input, tell, row: h("label", { class: "speed" }, `${label} `, input, text) };
     };
-    this.speeds = { along: slider("along", "Top speed of the hand", "m/s", 0.01), about: slider("about", "Top turning speed of the hand", "rad/s", 0.05) };
+    this.speeds = { along: slider("along", "Top speed of the hand", () => ({ scale: 1, sign: " m/s", digits: 2 }), 0.01), about: slider("about", "Top turning speed of the hand", () => ({ scale: units.scale, sign: `${units.sign}/s`, digits: units.angle === "deg" ? 0 : 2 }), 0.05) };
     return h("div", { class: "line" }, this.speeds.along.row, this.speeds.about.row);
   }
 
@@ -135,7 +134,7 @@ class Hand extends Panel {
 
   listSteps(chosen) {
     const angle = (value) => (units.angle === "deg" ? `${Number((value * DEGREES).toFixed(1))}°` : `${number(value, 4)} rad`);
-    this.step.replaceChildren(...STEPS.map(({ along, about }, i) => h("option", { value: String(i) }, `${along * 1e3} mm, ${angle(about)}`)));
+    offer(this.step, STEPS.map(({ along, about }, i) => [String(i), `${along * 1e3} mm, ${angle(about)}`]));
     this.step.value = String(chosen);
   }
 
@@ -148,6 +147,7 @@ class Hand extends Panel {
     }
     show(this.angleUnit, units.sign);
     this.listSteps(this.step.value);
+    this.speeds.about.tell();
   }
 
   angleText(value) {

@@ -1,16 +1,19 @@
 // Joints: where each is, what it is told, exact typed values, and hold-to-run buttons.
-import { h, holdButton, kept, show, valueField } from "../lib/dom.js";
+import { h, holdButton, kept, offer, show, valueField } from "../lib/dom.js";
 import { hideGhost, showGhost } from "../lib/ghost.js";
 import { JointSlider } from "../lib/joint_slider.js";
 import { Panel } from "../lib/panel.js";
 import { refusals } from "../lib/refusals.js";
-import { teleoperation, follow } from "../lib/station.js";
+import { act, api, follow, teleoperation } from "../lib/station.js";
 import { store } from "../lib/store.js";
 import { number, shortNames, typed } from "../lib/text.js";
 import { DEGREES, units } from "../lib/units.js";
 
 const NEAR_LIMIT = 0.05; // part of the range at each end
 const POSITIONS = ["rad", "m"]; // units of what a held button can move
+/** Where the station keeps the poses, and the seconds to one of them when they are played. */
+const POSES = "/waypoint-paths/poses";
+const POSE_S = 3;
 const SHOW_SENT_MS = 500; // until the dashboard says how far it is
 /** A typed value further away than this shows its ghost first [rad], [m]. */
 const FAR = { rad: 20 / DEGREES, m: 0.1 };
@@ -21,14 +24,12 @@ class Joints extends Panel {
     this.desired = new Map(); // what each joint is told, by its controller
     this.endsOfSamples = [];
     const choose = (unit) => {
-      const button = h("button", { class: "s", type: "button" }, unit);
-      button.addEventListener("click", () => units.choose(unit));
+      const button = h("button", { class: "s", type: "button", onclick: () => units.choose(unit) }, unit);
       button.dataset.unit = unit;
       return button;
     };
     this.units = [choose("deg"), choose("rad")];
-    this.speed = h("input", { type: "range", min: 2, max: 85, step: 1, value: kept.get("speed", 29), title: "Top speed of a joint on its way to a typed value, or while its button is held." });
-    this.speed.setAttribute("aria-label", "Top speed in degrees per second");
+    this.speed = h("input", { type: "range", min: 2, max: 85, step: 1, value: kept.get("speed", 29), title: "Top speed of a joint on its way to a typed value, or while its button is held.", ariaLabel: "Top speed in degrees per second" });
     this.speedText = h("output", {});
     this.speed.addEventListener("input", () => {
       this.showSpeed();
@@ -47,46 +48,53 @@ class Joints extends Panel {
     teleoperation.addEventListener("change", () => this.isShown && this.showState());
   }
 
+  /** The poses are the waypoints of a path at the station. */
   poses() {
-    this.poseName = h("input", { class: "name", placeholder: "name", title: "Name under which the present joints are kept in this browser." });
-    this.poseName.setAttribute("aria-label", "Name of the pose");
-    this.poseList = h("select", { title: "Poses kept in this browser." });
-    this.poseList.setAttribute("aria-label", "Pose");
-    const go = h("button", { class: "s", type: "button", title: "Move all joints to the pose, at the top speed above." }, "Go");
-    go.addEventListener("click", () => this.goToPose());
-    const save = h("button", { class: "s", type: "button" }, "Save pose");
-    save.addEventListener("click", () => this.savePose());
-    const forget = h("button", { class: "s", type: "button" }, "Forget");
-    forget.addEventListener("click", () => {
-      const all = kept.get("poses", {});
-      delete all[this.poseList.value];
-      kept.set("poses", all);
-      this.listPoses();
-    });
-    const line = h("div", { class: "line" }, "Poses", this.poseList, go, forget, this.poseName, save);
-    this.listPoses();
-    return line;
+    const button = (label, title, run) => h("button", { class: "s", type: "button", title, onclick: run, disabled: true }, label);
+    this.poseName = h("input", { class: "name", placeholder: "name", title: "Name under which the station keeps the present joints.", ariaLabel: "Name of the pose", oninput: () => this.showPoses() });
+    this.poseName.addEventListener("keydown", (event) => event.key === "Enter" && this.savePose());
+    this.poseList = h("select", { title: "Poses that the station keeps, as the waypoints of the path “poses”.", ariaLabel: "Pose" });
+    this.poseList.addEventListener("pointerdown", () => this.readPoses());
+    this.goButton = button("Go", "Move all joints to the pose, at the top speed above.", () => this.goToPose());
+    this.saveButton = button("Save pose", "Keep where the joints are under this name.", () => this.savePose());
+    this.forgetButton = button("Forget", "Delete the pose from the station.", () => this.writePoses(this.kept.filter(({ name }) => name !== this.poseList.value)));
+    this.kept = [];
+    return h("div", { class: "line" }, "Poses", this.poseList, this.goButton, this.forgetButton, this.poseName, this.saveButton);
   }
 
-  listPoses() {
-    const names = Object.keys(kept.get("poses", {})).sort();
-    this.poseList.replaceChildren(...names.map((name) => h("option", {}, name)));
-    if (!names.length) this.poseList.append(h("option", { value: "" }, "none saved yet"));
+  async readPoses() {
+    const told = await api("GET", POSES).catch(({ status }) => (status === 404 ? { waypoints: [] } : null));
+    if (told) this.kept = told.waypoints;
+    this.showPoses();
+    return told !== null;
   }
 
-  savePose() {
-    const name = this.poseName.value.trim() || `pose ${Object.keys(kept.get("poses", {})).length + 1}`;
-    const here = {};
-    for (const [joint, row] of this.rows) here[joint] = row.position;
-    kept.set("poses", { ...kept.get("poses", {}), [name]: here });
+  showPoses() {
+    offer(this.poseList, this.kept.map(({ name }) => name));
+    this.goButton.disabled = !this.kept.length || !this.may;
+    this.forgetButton.disabled = !this.kept.length || !store.isOperator;
+    this.saveButton.disabled = !this.poseName.value.trim() || !store.isOperator;
+  }
+
+  async writePoses(waypoints) {
+    const told = await (waypoints.length ? act("PUT", POSES, { waypoints }) : act("DELETE", POSES));
+    if (told) this.kept = waypoints;
+    this.showPoses();
+    return told;
+  }
+
+  async savePose() {
+    const name = this.poseName.value.trim();
+    if (!name || !(await this.readPoses())) return;
+    const positions = Object.fromEntries([...this.rows].map(([joint, { position }]) => [joint, position]));
+    if (!(await this.writePoses([...this.kept.filter((pose) => pose.name !== name), { name, duration: POSE_S, positions }]))) return;
     this.poseName.value = "";
-    this.listPoses();
     this.poseList.value = name;
+    this.showPoses();
   }
 
   goToPose() {
-    const pose = kept.get("poses", {})[this.poseList.value];
-    if (!pose) return;
+    const pose = this.kept.find(({ name }) => name === this.poseList.value)?.positions ?? {};
     const known = Object.fromEntries(Object.entries(pose).filter(([joint]) => this.rows.has(joint)));
     if (this.isAgreed(known)) this.move(known);
   }
@@ -186,7 +194,11 @@ class Joints extends Panel {
         follow(`controller_state/${name}`, "rate=12&fields=name,desired", ({ data }) => data.name.forEach((joint, i) => this.desired.set(joint, data.desired[i]))),
       );
     }
-    const may = operated.names.length > 0 && !operated.reason && store.isOperator;
+    const may = (this.may = operated.names.length > 0 && !operated.reason && store.isOperator);
+    if (docks.boot_id !== this.posesOf && docks.link === "live") {
+      this.posesOf = docks.boot_id;
+      this.readPoses();
+    } else this.showPoses();
     for (const [joint, row] of this.rows) {
       const element = operated.elements.find((e) => e.name === joint);
       const usable = may && Boolean(element);

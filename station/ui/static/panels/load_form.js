@@ -11,17 +11,14 @@ class LoadForm extends Panel {
   toggle() {
     this.hidden = !this.hidden;
     if (this.hidden) return;
-    const search = h("input", { type: "search", placeholder: "search a type, e.g. group position" });
-    search.setAttribute("aria-label", "Search controller types");
-    const list = h("div", { class: "types", role: "listbox" });
-    list.setAttribute("aria-label", "Controller types");
+    const search = h("input", { type: "search", placeholder: "search a type, e.g. group position", ariaLabel: "Search controller types" });
+    const list = h("div", { class: "types", role: "listbox", ariaLabel: "Controller types" });
     const fill = () => {
       const words = search.value.toLowerCase().split(/\s+/);
       const fits = store.docks.types.filter((type) => suitsRobot(type) && words.every((word) => type.toLowerCase().includes(word)));
       list.replaceChildren(
         ...fits.map((type) => {
-          const choice = h("button", { class: "type", type: "button", role: "option" }, type);
-          choice.addEventListener("click", () => this.chooseType(type));
+          const choice = h("button", { class: "type", type: "button", role: "option", onclick: () => this.chooseType(type) }, type);
           return choice;
         }),
       );
@@ -44,14 +41,12 @@ class LoadForm extends Panel {
     this.declared = known?.parameters ?? [];
     this.typeList.hidden = true;
     this.view = h("div", { class: "fields" });
-    this.text = h("textarea", { rows: 8, value: example.yaml, spellcheck: false });
-    this.text.setAttribute("aria-label", "Parameters in YAML");
+    this.text = h("textarea", { rows: 8, value: example.yaml, spellcheck: false, ariaLabel: "Parameters in YAML" });
     this.other = h("button", { class: "s", type: "button", onclick: () => this.changeView() });
     this.fill(example.params);
     this.other.hidden = !this.inputs.length;
     this.showView(!this.inputs.length);
-    const name = h("input", { value: example.name });
-    name.setAttribute("aria-label", "Name of the controller");
+    const name = h("input", { value: example.name, ariaLabel: "Name of the controller" });
     const button = (label, andStart) =>
       h("button", { class: andStart ? "s primary" : "s", type: "button", onclick: () => this.load(name.value.trim(), type, andStart), disabled: !store.isOperator }, label);
     const back = h("button", { class: "s", type: "button" }, "Back");

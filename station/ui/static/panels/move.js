@@ -1,18 +1,17 @@
 // Moves: waypoint paths; jog and target of a hand; what Franka Desk sets of an arm.
 import "./arm_settings.js";
+import "./gamepad.js";
 import "./hand.js";
 import "./path.js";
-import { h, kept } from "../lib/dom.js";
+import { h, kept, offer } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { store } from "../lib/store.js";
 
 class Move extends Panel {
   build() {
-    this.choice = h("select", { title: "Arm whose hand is moved and whose settings are shown." });
-    this.choice.setAttribute("aria-label", "Arm");
-    this.choice.addEventListener("change", () => this.choose(this.choice.value));
+    this.choice = h("select", { title: "Arm whose hand is moved and whose settings are shown.", ariaLabel: "Arm", onchange: () => this.choose(this.choice.value) });
     this.line = h("div", { class: "line", hidden: true }, h("label", {}, "arm ", this.choice));
-    this.parts = [h("st-hand"), h("st-arm-settings")];
+    this.parts = [h("st-hand"), h("st-gamepad"), h("st-arm-settings")];
     this.append(h("st-path"), this.line, ...this.parts);
   }
 
@@ -25,7 +24,7 @@ class Move extends Panel {
     const arms = store.docks.arms.map((arm) => arm.arm_id);
     if (arms.join() === this.arms) return;
     this.arms = arms.join();
-    this.choice.replaceChildren(...arms.map((name) => h("option", {}, name)));
+    offer(this.choice, arms, "no arm");
     this.line.hidden = arms.length < 2;
     for (const part of this.parts) part.hidden = !arms.length;
     if (!arms.length) return;

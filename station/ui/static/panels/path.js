@@ -1,6 +1,6 @@
 // Waypoint paths: captured, edited and played at the station, so they outlive this page.
 import { hideGhost, showGhost } from "../lib/ghost.js";
-import { h, show } from "../lib/dom.js";
+import { h, offer, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { refusals } from "../lib/refusals.js";
 import { act, api, Refusal } from "../lib/station.js";
@@ -20,12 +20,12 @@ class Path extends Panel {
     this.path = { name: "", waypoints: [] };
     this.list = h("ol", { class: "waypoints" });
     const button = (label, title, run, look = "s") => h("button", { class: look, type: "button", title, onclick: run }, label);
-    this.choice = h("select", { title: "Paths kept by the station." });
-    this.choice.setAttribute("aria-label", "Waypoint path");
-    this.choice.addEventListener("change", () => this.open(this.choice.value));
-    this.newName = h("input", { class: "name", placeholder: "new path" });
-    this.newName.setAttribute("aria-label", "Name of a new path");
+    this.choice = h("select", { title: "Paths kept by the station.", ariaLabel: "Waypoint path", onchange: () => this.open(this.choice.value) });
+    this.newName = h("input", { class: "name", placeholder: "new path", ariaLabel: "Name of a new path" });
     this.newName.addEventListener("keydown", (event) => event.key === "Enter" && this.make());
+    this.newName.addEventListener("input", () => this.showPlayback(this.playback));
+    this.newButton = button("New", "Begin a path of this name", () => this.make());
+    this.deleteButton = button("Delete", "Delete the chosen path from the station", () => this.remove());
     this.captureButton = button("+ Capture", "Keep the present joints as the next waypoint", () => this.capture());
     this.playButton = button("▶ Play", "Move through all waypoints in order", () => this.play(), "s primary");
     this.previewButton = button("Preview", "Let a translucent robot pass the waypoints; the robot does not move", () => this.preview());
@@ -34,16 +34,14 @@ class Path extends Panel {
     this.cancelButton = button("Cancel", "End the motion; the joints hold where they are", () => this.cancel());
     this.loop = button("Loop", "Begin again at the end, until it is switched off", () => this.setLoop());
     this.loop.setAttribute("aria-pressed", "false");
-    this.speed = h("input", { type: "range", min: 10, max: 200, step: 5, value: 100, title: "Factor of all speeds of the path; also while it plays." });
-    this.speed.setAttribute("aria-label", "Speed of the path in percent");
+    this.speed = h("input", { type: "range", min: 10, max: 200, step: 5, value: 100, title: "Factor of all speeds of the path; also while it plays.", ariaLabel: "Speed of the path in percent" });
     this.speedText = h("output", {}, "100 %");
     this.speed.addEventListener("input", () => show(this.speedText, `${this.speed.value} %`));
     this.speed.addEventListener("change", () => this.isActive && this.change({ speed: this.speed.value / 100 }));
-    this.progress = h("progress", { max: 1, value: 0, hidden: true });
-    this.progress.setAttribute("aria-label", "Progress of the path");
+    this.progress = h("progress", { max: 1, value: 0, hidden: true, ariaLabel: "Progress of the path" });
     this.state = h("p", { class: "hint state", role: "status" }, "Capture where the arm is, move it, capture again, then Play.");
     this.append(
-      h("div", { class: "line" }, this.choice, this.newName, button("New", "Begin a path of this name", () => this.make()), button("Delete", "Delete the chosen path from the station", () => this.remove())),
+      h("div", { class: "line" }, this.choice, this.newName, this.newButton, this.deleteButton),
       h("div", { class: "line" }, this.captureButton, this.previewButton, this.playButton, this.pauseButton, this.cancelButton, this.loop),
       h("div", { class: "line" }, h("label", { class: "speed" }, "speed ", this.speed, this.speedText), this.progress),
       this.list,
@@ -51,6 +49,16 @@ class Path extends Panel {
     );
     this.showPlayback(null);
     this.watch();
+    // Both hands are at the arm while it is guided: one key, wherever the focus is.
+    addEventListener("keydown", ({ key, target, repeat }) => {
+      const isFree = !repeat && !target.matches?.("input:not([type=range]), textarea, select");
+      if (key === "c" && isFree && this.guided && store.isOperator) this.capture();
+    });
+  }
+
+  /** Whether somebody guides an arm by hand. */
+  get guided() {
+    return store.docks?.arms.some((arm) => arm.robot_mode === "guiding");
   }
 
   get isActive() {
@@ -65,10 +73,7 @@ class Path extends Panel {
   async read() {
     const { waypoint_paths: names } = await api("GET", "/waypoint-paths");
     if (this.path.name && !names.includes(this.path.name) && !this.path.waypoints.length) names.push(this.path.name);
-    if (names.join() !== this.names) {
-      this.names = names.join();
-      this.choice.replaceChildren(...(names.length ? names.map((name) => h("option", {}, name)) : [h("option", { value: "" }, "none saved yet")]));
-    }
+    offer(this.choice, names);
     const wanted = names.includes(this.path.name) ? this.path.name : names[0];
     this.choice.value = wanted ?? "";
     if (!wanted) return this.draw({ name: "", waypoints: [] });
@@ -89,7 +94,6 @@ class Path extends Panel {
     const name = this.newName.value.trim().replace(/\s+/g, "-");
     if (!name) return this.newName.focus();
     this.newName.value = "";
-    this.names = null;
     this.draw({ name, waypoints: [] });
     this.read().catch(() => {});
   }
@@ -97,6 +101,7 @@ class Path extends Panel {
   async capture() {
     const told = await act("POST", `${this.url}/capture`, {});
     if (told) this.draw(told);
+    if (told) show(this.state, `Captured ${told.waypoints.at(-1).name} of ${told.name}.`);
     this.read().catch(() => {});
   }
 
@@ -167,7 +172,6 @@ class Path extends Panel {
   preview() {
     if (this.previewTimer) return this.endPreview();
     const { waypoints } = this.path;
-    if (!waypoints.length) return show(this.state, "There is no waypoint yet: Capture where the arm is.");
     const here = Object.fromEntries(Object.keys(waypoints[0].positions).map((joint) => [joint, store.joints.position[store.joints.name.indexOf(joint)]]));
     const began = performance.now();
     this.previewButton.setAttribute("aria-pressed", "true");
@@ -192,7 +196,6 @@ class Path extends Panel {
 
   /** Play the path, or with `only` go to one waypoint; starts a controller if none runs. */
   async play(only) {
-    if (!this.path.waypoints.length) return show(this.state, "There is no waypoint yet: Capture where the arm is.");
     const body = { speed: this.speed.value / 100, loop: only === undefined && this.loop.getAttribute("aria-pressed") === "true" };
     if (only !== undefined) Object.assign(body, { first: only, last: only });
     const path = `${this.url}/play`;
@@ -244,7 +247,11 @@ class Path extends Panel {
     this.playback = playback;
     const active = this.isActive;
     this.pauseButton.disabled = this.cancelButton.disabled = !active || !store.isOperator;
-    this.playButton.disabled = this.captureButton.disabled = !store.isOperator;
+    this.captureButton.disabled = !store.isOperator;
+    this.newButton.disabled = !store.isOperator || !this.newName.value.trim();
+    this.deleteButton.disabled = !store.isOperator || !this.choice.value;
+    this.playButton.disabled = !store.isOperator || !this.path.waypoints.length;
+    this.previewButton.disabled = !this.path.waypoints.length;
     show(this.pauseButton, playback?.state === "paused" ? "Resume" : "Pause");
     this.progress.hidden = !active;
     if (!playback) return;

@@ -1,19 +1,23 @@
-// Plots: any channels of the streams, several plots, pause, zoom, cursor, markers, CSV.
+// Plots: any channels of the streams or of a recording, several plots, zoom, cursor, marks, CSV.
+import "./replay_bar.js";
 import { described, numbersIn } from "../lib/channel_maths.js";
 import { Channels, sample, sources } from "../lib/channels.js";
 import { h, kept, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { History } from "../lib/history.js";
+import { layoutMenu, layoutOf } from "../lib/plot_layouts.js";
 import { Plot, download } from "../lib/plot.js";
+import { Run, ofLink } from "../lib/recorded.js";
+import { replay } from "../lib/replay.js";
 import { follow } from "../lib/station.js";
 import { store } from "../lib/store.js";
 import { number, shortNames } from "../lib/text.js";
 import { dashOf } from "../lib/traces.js";
-import { TRANSFORMS, transformed } from "../lib/transforms.js";
+import { SPECTRUM, TRANSFORMS, transformed } from "../lib/transforms.js";
 
 const DRAW_HZ = 15;
-const SAMPLE_UNITS = { desired: "rad", actual: "rad", error: "rad", output: "Nm" };
 const DERIVATIVE = "d/dt ";
+const SAMPLE_UNITS = { desired: "rad", actual: "rad", error: "rad", output: "Nm" };
 const SHOWN_AT_FIRST = [["position"], ["effort"]];
 
 class Plots extends Panel {
@@ -31,9 +35,18 @@ class Plots extends Panel {
       this.addPlot([]);
       this.keep();
     });
-    this.tools.append(this.pause, add);
+    const layouts = layoutMenu(() => this.settings(), (plots) => this.showSettings(plots));
+    this.tools.append(this.pause, add, layouts);
     this.row = h("div", { class: "plots" });
-    this.append(this.row);
+    this.bar = h("st-replay-bar");
+    this.bar.shown = () => this.range;
+    this.bar.layout = layouts.linked;
+    this.bar.addEventListener("compare-live", () => this.compareLive());
+    this.append(this.bar, this.row);
+    this.tools.prepend(this.bar.tools);
+    replay.addEventListener("runs", () => this.showRuns());
+    replay.addEventListener("samples", () => this.plots.forEach((entry) => this.apply(entry)));
+    replay.addEventListener("change", () => this.plots.forEach(({ plot }) => replay.isOpen && (plot.fixed = replay.time)));
     store.addEventListener("marker", () => {
       if (!this.paused) for (const { plot } of this.plots) plot.markers = store.markers;
     });
@@ -44,6 +57,43 @@ class Plots extends Panel {
     setInterval(() => this.draw(), 1000 / DRAW_HZ);
   }
 
+  /** Open what the address of the page names: a recording, its moment, and the plots. */
+  async openLink() {
+    const wanted = ofLink(location.hash);
+    if (!wanted) return;
+    const plots = wanted.layout && (await layoutOf(wanted.layout));
+    if (plots) this.showSettings(plots);
+    if ((await replay.open(wanted)) && wanted.other) await replay.open(wanted.other);
+  }
+
+  /** Lay what this page has seen of the robot over the recording that is open. */
+  compareLive() {
+    const end = store.stationTime;
+    const run = new Run({ id: "last minute", begin: end - 60, end, events: store.markers.map(({ at, text }) => ({ time: at, text })) });
+    for (const key of this.wanted) run.kept.set(key, this.history(key).copy());
+    run.begin = Math.max(run.begin, ...[...run.kept.values()].flatMap(({ times }) => times.slice(0, 1)));
+    replay.put(run, { isOther: true });
+  }
+
+  /** Draw the recordings that are open in place of the robot, or the robot again. */
+  showRuns() {
+    const wasOpen = this.pause.hidden;
+    for (const entry of this.plots) {
+      if (!wasOpen) entry.liveSpan = entry.plot.span;
+      if (!replay.isOpen) entry.plot.span = entry.liveSpan ?? entry.plot.span;
+    }
+    const range = wasOpen && replay.isOpen ? this.range : [0, replay.duration];
+    this.pause.hidden = replay.isOpen;
+    this.setPaused(replay.isOpen);
+    if (replay.isOpen) this.zoomTo(...range);
+  }
+
+  /** The time that the plots show while they hold a picture [s]. */
+  get range() {
+    const plot = this.plots[0]?.plot;
+    return plot?.end == null ? [0, replay.duration] : [plot.end - plot.span, plot.end];
+  }
+
   setPaused(paused) {
     this.paused = paused;
     this.isZoomed = false;
@@ -51,10 +101,18 @@ class Plots extends Panel {
     this.pause.setAttribute("aria-pressed", String(paused));
     this.frozen.clear();
     for (const entry of this.plots) {
-      entry.plot.end = paused ? store.stationTime : null;
-      entry.plot.markers = paused ? [...store.markers] : store.markers;
+      Object.assign(entry.plot, this.held(paused));
       this.apply(entry);
     }
+  }
+
+  /** Return how a plot shows the robot, now or at the pause, or the recordings that are open. */
+  held(paused = this.paused) {
+    if (replay.isOpen) {
+      const [begin, end] = this.range;
+      return { end, span: end - begin, markers: replay.marks(), seek: (time) => replay.seek(time), fixed: replay.time, longest: replay.duration };
+    }
+    return { end: paused ? store.stationTime : null, markers: paused ? [...store.markers] : store.markers, seek: null, fixed: null, longest: undefined };
   }
 
   /** Return the samples to draw: while paused, those of the pause. */
@@ -68,10 +126,26 @@ class Plots extends Panel {
     this.listChannels();
     if (this.plots.length || !store.docks.joints.length) return;
     const saved = kept.get("plots-2", null);
-    if (saved?.length) for (const { keys, xy, span, how } of saved) this.addPlot(keys ?? [], xy, span, how);
+    if (saved?.length) this.showSettings(saved);
     else
       for (const [quantity] of SHOWN_AT_FIRST)
         this.addPlot(store.docks.joints.slice(0, 7).map((joint) => `${quantity}/${joint}`));
+    if (!this.isLinkOpened) this.openLink();
+    this.isLinkOpened = true;
+  }
+
+  /** Show these plots in place of those that are there. */
+  showSettings(plots) {
+    for (const { plot } of this.plots) plot.forget();
+    this.plots = [];
+    this.row.replaceChildren();
+    for (const { keys, xy, span, how, transform } of plots) this.addPlot(keys ?? [], xy, span, transform ?? how);
+    this.keep();
+  }
+
+  /** Return the plots as the station keeps them. */
+  settings() {
+    return this.plots.map(({ keys, plot, how, liveSpan }) => ({ keys, xy: plot.xy, span: this.pause.hidden ? (liveSpan ?? 10) : plot.span, transform: how }));
   }
 
   listChannels() {
@@ -119,7 +193,6 @@ class Plots extends Panel {
         if (arm) this.history(key).add(arm.stamp, arm[second]?.[Number(index)]);
       }
     }
-    this.derive();
   }
 
   hearSample(frame) {
@@ -138,9 +211,10 @@ class Plots extends Panel {
     legend.setAttribute("aria-label", "Channels of the plot");
     const button = (label, title, run) => h("button", { class: "s", type: "button", title, onclick: run }, label);
     const entry = { keys, legend, values: [], how };
-    entry.plot = new Plot(canvas, { group: "plots", moved: () => this.tell(entry), chosen: (begin, end) => this.zoomTo(begin, end) });
+    entry.plot = new Plot(canvas, { group: "plots", moved: () => this.tell(entry), chosen: (begin, end) => this.zoomTo(begin, end), zoomed: () => this.paused && this.zoomTo(entry.plot.end - entry.plot.span, entry.plot.end) });
     Object.assign(entry.plot, { xy, span });
-    if (this.paused) entry.plot.end = store.stationTime;
+    entry.liveSpan = span;
+    Object.assign(entry.plot, this.held());
     const across = button("XY", "Draw the other channels over the first one instead of over time", () => {
       entry.plot.xy = !entry.plot.xy;
       this.apply(entry);
@@ -175,12 +249,12 @@ class Plots extends Panel {
     summary.setAttribute("aria-label", "Choose channels");
     const menu = h("details", { class: "picker" }, summary, h("div", {}, tools, h("div", { class: "choices" })));
     entry.menu = menu;
-    entry.plot.markers = store.markers;
     const box = h("div", { class: "plot" }, h("div", { class: "plot-head" }, legend, menu), canvas);
     box.addEventListener("dragover", (event) => this.dragged && event.preventDefault());
     box.addEventListener("drop", (event) => this.drop(event, entry));
     menu.addEventListener("toggle", () => menu.open && this.fillMenu(entry));
     canvas.addEventListener("dblclick", () => {
+      if (replay.isOpen) return this.zoomTo(0, replay.duration);
       if (this.isZoomed) this.setPaused(false);
       for (const { plot } of this.plots) plot.span = 10;
       this.keep();
@@ -196,7 +270,8 @@ class Plots extends Panel {
     const search = h("input", { type: "search", placeholder: "search, e.g. tau_J_d or p99" });
     search.setAttribute("aria-label", "Search channels");
     const usual = h("div", {}, ...[...this.channels].map(([key, { label, unit }]) => this.choice(entry, key, label, unit)));
-    const groups = sources().map((source) => this.sourceGroup(entry, source));
+    const recorded = replay.runs.slice(0, 1).map(({ name, columns }) => ({ id: "recorded", title: `recorded in ${name}`, columns: columns.slice(4) }));
+    const groups = [...recorded, ...sources()].map((source) => this.sourceGroup(entry, source));
     const sift = (rows) => {
       const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
       for (const row of rows) row.hidden = !words.every((word) => row.textContent.toLowerCase().includes(word));
@@ -226,8 +301,8 @@ class Plots extends Panel {
     const details = h("details", { class: "source" }, h("summary", {}, source.title), rows);
     let asked = null;
     const load = () =>
-      (asked ??= sample(source).then((data) => {
-        const keys = data ? numbersIn(data).map((path) => `${source.id}|${path}`) : [];
+      (asked ??= Promise.resolve(source.columns ?? sample(source).then((data) => (data ? numbersIn(data) : []))).then((paths) => {
+        const keys = paths.map((path) => `${source.id}|${path}`);
         rows.replaceChildren(...keys.map((key) => this.choice(entry, key, described(key).label, described(key).unit)));
         if (keys.length) return;
         rows.append(h("p", { class: "hint" }, "No numbers at the moment: a controller that does not run has none."));
@@ -282,8 +357,8 @@ class Plots extends Panel {
   /** Write the values at the cursor, else the newest ones, into the legend. */
   tell({ plot, values, time }) {
     const { cursor, fixed } = plot;
-    const since = cursor === null || fixed === null ? "" : `, Δ ${number(cursor - fixed, 3)} s`;
-    show(time, cursor === null ? "" : ` at ${number(cursor, 3)} s${since}`);
+    const since = cursor === null || fixed === null || plot.isSpectrum ? "" : `, Δ ${number(cursor - fixed, 3)} s`;
+    show(time, cursor === null ? "" : ` at ${number(cursor, 3)} ${plot.isSpectrum ? "Hz" : "s"}${since}`);
     plot.traces.forEach((trace, i) => {
       const { value, change } = plot.valueOf(trace);
       show(values[i], value === undefined ? "–" : number(value, 4) + (change === null ? "" : ` (Δ ${number(change, 4)})`));
@@ -300,12 +375,14 @@ class Plots extends Panel {
 
   apply(entry) {
     const known = entry.keys.filter((key) => this.channel(key));
-    entry.sources = known.map((key) => ({ ...this.channel(key), history: this.drawnHistory(key) }));
+    entry.sources = this.sourcesOf(known);
+    entry.made = null;
     this.transform(entry);
     const units = [...new Set(entry.plot.traces.map((t) => t.unit).filter(Boolean))].join(", ");
     const labels = entry.plot.traces.map((trace) => trace.label);
     const shared = sharedStart(labels);
-    const keys = labels.length === known.length ? known : entry.how === "difference" ? known.slice(1) : [];
+    const drawn = entry.sources.map(({ key }) => key);
+    const keys = labels.length === drawn.length ? drawn : entry.how === "difference" ? drawn.slice(1) : [];
     entry.time = h("span", {});
     entry.values = labels.map(() => h("output", {}));
     entry.legend.replaceChildren(
@@ -318,32 +395,36 @@ class Plots extends Panel {
     this.note();
   }
 
+  /** Return the channels with their samples: of the robot, or of every recording that is open. */
+  sourcesOf(keys) {
+    const source = (key, letter, read) => ({ ...this.channel(key), label: this.channel(key).label + letter, key, history: read(key.replace(DERIVATIVE, "")) });
+    if (!replay.isOpen) return keys.map((key) => source(key, "", (name) => this.drawnHistory(name)));
+    return replay.runs.flatMap((run, i) => keys.map((key) => source(key, replay.runs.length > 1 ? ` ${"AB"[i]}` : "", (name) => run.history(name))));
+  }
+
   /** Make what is drawn of the channels; an XY plot has them as they are. */
-  transform({ plot, sources, how }) {
+  transform(entry) {
+    const { plot, sources, how } = entry;
     const end = plot.end ?? store.stationTime;
-    plot.traces = plot.xy ? sources : transformed(sources, how, end - plot.span, end);
+    const made = [how, plot.xy, end, plot.span].join();
+    if (made === entry.made) return; // a picture that is held needs no second look
+    entry.made = made;
+    plot.isSpectrum = how === SPECTRUM && !plot.xy;
+    const channels = sources.map((source) => (source.key.startsWith(DERIVATIVE) ? { ...source, history: source.history.slopes() } : source));
+    plot.traces = plot.xy ? channels : transformed(channels, how, end - plot.span, end);
   }
 
   keep() {
-    kept.set("plots-2", this.plots.map(({ keys, plot, how }) => ({ keys, xy: plot.xy, span: plot.span, how })));
+    kept.set("plots-2", this.settings());
     this.note();
   }
 
   /** Note which channels the plots need; a derivative needs the channel it is one of. */
   note() {
     const keys = this.plots.flatMap((entry) => entry.keys);
-    this.derived = new Set(keys.filter((key) => key.startsWith(DERIVATIVE)));
     this.wanted = new Set(keys.map((key) => key.replace(DERIVATIVE, "")));
     this.streamed.want(this.wanted);
-  }
-
-  /** Add the newest slopes; the newest sample itself has only one neighbour yet. */
-  derive() {
-    for (const key of this.derived ?? []) {
-      const source = this.history(key.slice(DERIVATIVE.length));
-      const i = source.times.length - 2;
-      if (i > 0) this.history(key).add(source.times[i], source.slope(i));
-    }
+    replay.want([...this.wanted]);
   }
 
   draw() {

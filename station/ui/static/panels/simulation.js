@@ -1,6 +1,6 @@
 // Simulation: pause, step, speed, reset, pushes and faults, and where the objects of the
 // scene are; absent on a real robot.
-import { h, show } from "../lib/dom.js";
+import { h, offer, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { refusals } from "../lib/refusals.js";
 import { act, api } from "../lib/station.js";
@@ -18,20 +18,14 @@ class Simulation extends Panel {
     this.state = h("p", { class: "hint state" });
     this.done = h("p", { class: "hint", role: "status" });
     this.pause = button("Pause", "Simulated time stands still; stops and switches still work.", () => this.changePause());
-    this.steps = h("input", { class: "value", value: "100", inputMode: "numeric" });
-    this.steps.setAttribute("aria-label", "Cycles to step");
+    this.steps = h("input", { class: "value", value: "100", inputMode: "numeric", ariaLabel: "Cycles to step" });
     this.step = button("Step", "Run so many cycles while paused.", () => this.stepOn());
-    this.factor = h("input", { class: "value", value: "1", inputMode: "decimal" });
-    this.factor.setAttribute("aria-label", "Speed of simulated time");
+    this.factor = h("input", { class: "value", value: "1", inputMode: "decimal", ariaLabel: "Speed of simulated time" });
     this.factor.addEventListener("keydown", (event) => event.key === "Enter" && this.setFactor());
-    this.keyframe = h("select", {});
-    this.keyframe.setAttribute("aria-label", "Where the reset goes to");
-    this.arm = h("select", {});
-    this.arm.setAttribute("aria-label", "Arm of the fault or push");
-    this.fault = h("select", {}, ...FAULTS.map((name) => h("option", { value: name }, name.replaceAll("_", " "))));
-    this.fault.setAttribute("aria-label", "Fault");
-    this.force = h("input", { class: "value force", value: "0, 0, 20" });
-    this.force.setAttribute("aria-label", "Force of the push, x, y, z [N]");
+    this.keyframe = h("select", { ariaLabel: "Where the reset goes to" });
+    this.arm = h("select", { ariaLabel: "Arm of the fault or push" });
+    this.fault = h("select", { ariaLabel: "Fault" }, ...FAULTS.map((name) => h("option", { value: name }, name.replaceAll("_", " "))));
+    this.force = h("input", { class: "value force", value: "0, 0, 20", ariaLabel: "Force of the push, x, y, z [N]" });
     this.controls = h(
       "div",
       {},
@@ -120,8 +114,8 @@ class Simulation extends Panel {
     const key = [...simulation.keyframes, ...arms.map((arm) => arm.arm_id)].join();
     if (key === this.listed) return;
     this.listed = key;
-    this.keyframe.replaceChildren(h("option", { value: "" }, "start"), ...simulation.keyframes.map((name) => h("option", {}, name)));
-    this.arm.replaceChildren(...arms.map((arm) => h("option", {}, arm.arm_id)));
+    offer(this.keyframe, [["", "start"], ...simulation.keyframes]);
+    offer(this.arm, arms.map((arm) => arm.arm_id), "no arm");
     this.arm.hidden = arms.length < 2;
     for (const line of this.querySelectorAll(".arms")) line.hidden = !arms.length;
   }

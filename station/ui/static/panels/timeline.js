@@ -1,8 +1,9 @@
 // Timeline: what happened, recordings and incidents, as far as the station offers them.
 import { alarmRows, alarms } from "../lib/alarms.js";
 import { h, show } from "../lib/dom.js";
-import { hideGhost, showGhost } from "../lib/ghost.js";
+import { deedOf } from "../lib/deeds.js";
 import { Panel } from "../lib/panel.js";
+import { replay } from "../lib/replay.js";
 import { act, api, follow } from "../lib/station.js";
 import { store } from "../lib/store.js";
 import { html, nothing, render } from "../vendor/lit/lit-html.js";
@@ -31,74 +32,13 @@ class Timeline extends Panel {
     this.record.addEventListener("click", () => this.toggleRecording());
     this.list = h("div", { class: "log", tabIndex: 0 });
     this.list.setAttribute("aria-label", "What happened");
-    this.append(h("div", { class: "tabs" }, ...this.buttons, this.record), this.buildReplay(), this.list);
-    store.addEventListener("marker", () => this.chosen === "events" && !this.offered && this.drawOwn());
+    this.append(h("div", { class: "tabs" }, ...this.buttons, this.record), this.list);
+    replay.addEventListener("runs", () => this.ask());
     alarms.addEventListener("change", () => this.chosen === "alarms" && this.drawAlarms());
     this.events = new Map(); // by number: a frame may come twice after a reconnection
     this.choose("events");
     this.look();
     follow("events", "rate=10", (frame) => this.hear([frame.data]));
-  }
-
-  /** The time slider of a replay: it shows a second robot and cannot move the first. */
-  buildReplay() {
-    this.slider = h("input", { type: "range", min: 0, max: 1, step: 0.01, value: 0 });
-    this.slider.setAttribute("aria-label", "Time of the replay");
-    this.slider.addEventListener("input", () => this.showAt(Number(this.slider.value)));
-    this.replayTime = h("output", {});
-    this.run = h("button", { class: "s", type: "button", title: "Let the second robot move as recorded." }, "Play");
-    this.run.addEventListener("click", () => this.runReplay());
-    const end = h("button", { class: "s", type: "button" }, "End replay");
-    end.addEventListener("click", () => this.endReplay());
-    this.replayed = h("b", {});
-    this.replay = h("div", { class: "line replay", hidden: true }, this.replayed, this.run, this.slider, this.replayTime, end, h("span", { class: "hint" }, "A picture in the 3D view; the robot does not move."));
-    return this.replay;
-  }
-
-  async openReplay(name) {
-    const told = await act("GET", `/${this.chosen}/${encodeURIComponent(name)}/trajectory?rate=30`);
-    if (!told) return;
-    this.endReplay();
-    this.motion = told;
-    this.replayed.textContent = name;
-    this.slider.max = told.time.at(-1) - told.time[0];
-    this.replay.hidden = false;
-    this.showAt(0);
-  }
-
-  showAt(time) {
-    const { name, time: times, position } = this.motion;
-    let i = times.findIndex((each) => each - times[0] >= time);
-    if (i < 0) i = times.length - 1;
-    this.slider.value = time;
-    const text = `${time.toFixed(1)} of ${Number(this.slider.max).toFixed(1)} s`;
-    show(this.replayTime, text);
-    showGhost(Object.fromEntries(name.map((joint, j) => [joint, position[i][j]]).filter(([, q]) => q !== null)), `recorded, ${text}`);
-  }
-
-  runReplay() {
-    if (this.replayTimer) return this.pauseReplay();
-    show(this.run, "Pause");
-    const atEnd = Number(this.slider.value) >= Number(this.slider.max) - 0.01;
-    const from = atEnd ? 0 : Number(this.slider.value);
-    const began = performance.now();
-    this.replayTimer = setInterval(() => {
-      const time = from + (performance.now() - began) / 1000;
-      this.showAt(Math.min(time, Number(this.slider.max)));
-      if (time >= Number(this.slider.max)) this.pauseReplay();
-    }, 50);
-  }
-
-  pauseReplay() {
-    clearInterval(this.replayTimer);
-    this.replayTimer = null;
-    show(this.run, "Play");
-  }
-
-  endReplay() {
-    this.pauseReplay();
-    if (!this.replay.hidden) hideGhost();
-    this.replay.hidden = true;
   }
 
   /** Keep events that have come, from the list or the stream, and show them. */
@@ -143,26 +83,14 @@ class Timeline extends Panel {
       const path = id === "events" ? `/events?limit=${SHOWN}` : `/${id}`;
       const told = await api("GET", path, undefined, { Accept: "application/json" });
       if (id !== this.chosen) return;
-      this.offered = true;
       this.record.hidden = id !== "recordings" || !store.isOperator;
       if (id === "events") this.hear(told.events);
       else this.draw(told.recordings);
     } catch (error) {
       if (id !== this.chosen || error.status === 0 || error.status >= 500) return; // The strip says so.
-      if (error.status !== 404) return this.tell(`${error.detail} ${error.remedy}`);
-      this.offered = false;
       this.record.hidden = true;
-      this.drawOwn();
+      this.tell(`${error.detail} ${error.remedy}`);
     }
-  }
-
-  /** Show what this page has noticed itself; the station keeps no such list. */
-  drawOwn() {
-    const what = SOURCES.find((source) => source.id === this.chosen).title;
-    const notes = this.chosen === "events" ? [...store.markers].reverse().slice(0, SHOWN) : [];
-    const rows = notes.map(({ at, text }) => html`<div class="row"><time>${at.toFixed(1)} s</time>${text}</div>`);
-    const since = this.chosen === "events" ? " Below is what this page has noticed since it was opened, in station time." : "";
-    this.tell(`${what}: not offered by this station.${since}`, rows);
   }
 
   draw(items) {
@@ -177,12 +105,13 @@ class Timeline extends Panel {
 
   row(item) {
     const at = new Date(item.started_at ?? item.time * 1e3);
-    const row = (content) => html`<div class="row ${item.severity ?? ""}" title=${JSON.stringify(item, null, 1)}><time title=${at.toISOString()}>${at.toLocaleTimeString("en-GB")}</time>${content}</div>`;
+    const row = (content) => html`<div class="row ${item.severity ?? ""}" title=${JSON.stringify(item, null, 1)}><time title=${at.toISOString()}>${at.toDateString() === new Date().toDateString() ? "" : `${at.toLocaleDateString("en-GB", { weekday: "short", day: "numeric", month: "short" })} `}${at.toLocaleTimeString("en-GB")}</time>${content}</div>`;
     if (this.chosen === "events") {
       const sign = { warning: "▲ ", error: "✖ " }[item.severity] ?? "";
       const since = item.times > 1 ? ` (${item.times} alike since ${new Date(item.since * 1e3).toLocaleTimeString("en-GB")})` : "";
-      const who = item.who && !item.text.includes(item.who) ? html`<b>${item.who} </b>` : nothing;
-      return row(html`${who}<span>${sign}${item.text || `${item.kind} ${item.what} ${item.result}`}${since}</span>`);
+      const deed = deedOf(item);
+      const who = item.who && !deed.includes(item.who) ? html`<b>${item.who} </b>` : nothing;
+      return row(html`${who}<span>${sign}${deed}${since}</span>`);
     }
     const name = item.identifier;
     const size = `${(item.size / 1e6).toFixed(1)} MB, ${item.duration.toFixed(1)} s`;
@@ -192,7 +121,13 @@ class Timeline extends Panel {
     if (item.state === "recording") return row(html`<span>${what}</span>`);
     const file = `/api/v1/${this.chosen}/${encodeURIComponent(name)}/file`;
     return row(html`<span>${what} </span><a href=${file} download="${name}.mcap">download</a>
-      <button class="s" type="button" title="Show the recorded motion as a second robot in the 3D view." aria-label="Replay ${name}" @click=${() => this.openReplay(name)}>Replay</button>`);
+      <button class="s" type="button" title="Open it in the plots, and as a ghost in the 3D view." aria-label="Replay ${name}" @click=${() => this.open(name, false)}>Replay</button>
+      ${replay.isOpen && replay.runs[0].id !== name ? html`<button class="s" type="button" title="Lay it over the recording that is open." aria-label="Compare with ${name}" @click=${() => this.open(name, true)}>Compare</button>` : nothing}`);
+  }
+
+  open(id, isOther) {
+    window.dispatchEvent(new CustomEvent("show-dock", { detail: "plots" }));
+    return replay.open({ kind: this.chosen, id, isOther });
   }
 
   async toggleRecording() {

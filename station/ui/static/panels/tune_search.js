@@ -22,8 +22,7 @@ class TuneSearch extends Panel {
   build() {
     const button = (label, title, run, look = "s") => h("button", { class: look, type: "button", title, onclick: run }, label);
     const field = (label, value, unit) => {
-      const input = h("input", { class: "value", value, inputMode: "decimal" });
-      input.setAttribute("aria-label", `${label} of the search [${unit}]`);
+      const input = h("input", { class: "value", value, inputMode: "decimal", ariaLabel: `${label} of the search [${unit}]` });
       return [input, h("label", {}, `${label} `, input, ` ${unit}`)];
     };
     const [trials, trialsLabel] = field("trials", "40", "");
@@ -35,8 +34,7 @@ class TuneSearch extends Panel {
     this.cancelButton = button("Cancel search", "End the search; the best so far stays", () => this.act("cancel"));
     this.previewButton = button("Preview gains …", "Show which gains would change", () => this.preview());
     this.applyButton = button("Apply these", "Put the shown gains into force in one cycle; Undo takes them back", () => this.apply(), "s primary");
-    this.progress = h("progress", { max: 1, value: 0 });
-    this.progress.setAttribute("aria-label", "Progress of the search");
+    this.progress = h("progress", { max: 1, value: 0, ariaLabel: "Progress of the search" });
     this.state = h("p", { class: "hint state", role: "status" }, "");
     this.diff = h("p", { class: "hint" });
     const chart = h("div", { class: "chart response" });

@@ -1,38 +1,34 @@
 // Tuning: gains of one controller, changed together; undo; sets; a bench for one joint.
+import "./bench.js";
 import "./gain_sets.js";
 import "./tune_search.js";
-import { h, kept, show } from "../lib/dom.js";
+import { h, offer, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
-import { History } from "../lib/history.js";
-import { Plot } from "../lib/plot.js";
 import { refusals } from "../lib/refusals.js";
 import { act, api, Refusal } from "../lib/station.js";
 import { store } from "../lib/store.js";
-import { number, sharedPrefix, typed } from "../lib/text.js";
-
-/** What each kind of test asks for besides its size and duration. */
-const EXCITATIONS = { step: [], sine: ["frequency"], chirp: ["first", "last"], relay: ["hysteresis"] };
-/** The size that each kind begins with [rad]: with 0.1 a chirp comes near an arm's velocity limit, and below it friction hides a step. */
-const SIZES = { step: 0.1, sine: 0.1, chirp: 0.05, relay: 0.05 };
+import { sharedPrefix, typed } from "../lib/text.js";
 
 class Tuning extends Panel {
   build() {
-    this.choice = h("select", { title: "Controller whose gains are shown." });
-    this.choice.setAttribute("aria-label", "Controller to tune");
-    this.choice.addEventListener("change", () => this.read());
-    this.joint = h("select", { title: "Joint whose gains are shown." });
-    this.joint.setAttribute("aria-label", "Joint to tune");
-    this.joint.addEventListener("change", () => this.drawGains());
+    this.choice = h("select", { title: "Controller whose gains are shown.", ariaLabel: "Controller to tune", onchange: () => this.read() });
+    this.joint = h("select", { title: "Joint of tests and of the search.", ariaLabel: "Joint to tune" });
+    this.joint.addEventListener("change", () => {
+      this.markJoint();
+      this.bench.choose();
+      this.bench.drawProposals();
+    });
     this.undo = h("button", { class: "s", type: "button", title: "Take the last change of gains back." }, "Undo");
     this.undo.addEventListener("click", async () => {
       await act("POST", "/gain-sets/undo");
       this.reread();
     });
-    this.apply = h("button", { class: "s primary", type: "button", title: "All changed values take effect in the same cycle." }, "Apply");
-    this.apply.addEventListener("click", () => this.patch());
-    this.fields = h("div", { class: "fields gains" });
+    this.apply = h("button", { class: "s primary", type: "button", title: "All changed values take effect in the same cycle.", onclick: () => this.patch() }, "Apply");
+    this.fields = h("div", { class: "gains", oninput: () => this.showApply() });
     this.state = h("p", { class: "hint state" }, "");
     this.sets = h("st-gain-sets");
+    this.bench = h("st-bench", { class: "bench" });
+    this.bench.tuning = this;
     this.search = h("st-tune-search");
     this.search.tuning = this;
     this.append(
@@ -40,7 +36,7 @@ class Tuning extends Panel {
       this.fields,
       this.state,
       this.sets,
-      this.buildBench(),
+      this.bench,
       this.search,
     );
     // Gains are changed by scripts and other pages, too, and are others after a restart.
@@ -61,6 +57,13 @@ class Tuning extends Panel {
     return { controller: this.choice.value, joint: this.joint.value };
   }
 
+  /** p, i and d of the joint that is tuned, as far as its controller has them. */
+  gainsOfJoint() {
+    const values = this.gains?.values ?? {};
+    const start = `${this.joint.value}/p` in values ? `${this.joint.value}/` : "";
+    return Object.fromEntries(["p", "i", "d"].filter((key) => start + key in values).map((key) => [key, values[start + key]]));
+  }
+
   /** Read the gains anew; what was typed and not applied is given up. */
   reread() {
     this.drawnFor = null;
@@ -73,9 +76,7 @@ class Tuning extends Panel {
     if (this.isOld && store.docks.link === "live") this.read();
     if (names.join() === this.names) return this.follow();
     this.names = names.join();
-    const chosen = this.choice.value;
-    this.choice.replaceChildren(...names.map((name) => h("option", {}, name)));
-    if (names.includes(chosen)) this.choice.value = chosen;
+    offer(this.choice, names, "none loaded");
     this.follow();
     this.read();
     this.sets.list();
@@ -103,16 +104,14 @@ class Tuning extends Panel {
     this.gains = gains;
     const joints = [...new Set(Object.keys(this.gains.values).map((key) => key.split("/")).filter((parts) => parts.length > 1).map((parts) => parts[0]))];
     const prefix = sharedPrefix(joints);
-    const chosen = this.joint.value;
-    this.joint.replaceChildren(...joints.map((joint) => h("option", { value: joint }, joint.slice(prefix.length))));
+    this.joints = new Map(joints.map((joint) => [joint, joint.slice(prefix.length)]));
+    offer(this.joint, [...this.joints], "no joint");
     this.joint.hidden = joints.length === 0;
-    if (joints.includes(chosen)) this.joint.value = chosen;
     this.drawGains();
   }
 
   drawGains() {
-    const joint = this.joint.value;
-    const keys = Object.keys(this.gains.values).filter((key) => !key.includes("/") || key.startsWith(`${joint}/`));
+    const keys = Object.keys(this.gains.values);
     const drawnFor = `${this.choice.value} ${keys.join()}`;
     if (drawnFor === this.drawnFor) {
       // The fields stay: somebody may be typing into one of them. What was typed and not applied outlives the answer.
@@ -124,39 +123,63 @@ class Tuning extends Panel {
     } else {
       this.drawnFor = drawnFor;
       this.inputs = new Map();
-      this.fields.replaceChildren(...keys.map((key) => this.field(key)));
+      const single = keys.filter((key) => !key.includes("/"));
+      const fields = single.map((key) => h("label", { title: this.titleOf(key) }, h("span", {}, key), this.input(key), h("small", {}, this.gains.schema[key].unit)));
+      this.fields.replaceChildren(h("div", { class: "fields" }, ...fields), ...(keys.length > single.length ? [this.gainTable(keys)] : []));
+      this.markJoint();
       this.showHint(keys);
     }
     this.undo.disabled = !store.isOperator;
-    this.apply.disabled = this.undo.disabled || !keys.length;
+    this.showApply();
     this.search.hidden = !keys.length && !this.search.name;
-    this.showRun();
+    this.bench.choose();
+    this.bench.refresh();
+    this.bench.drawProposals();
   }
 
   showHint(keys) {
     show(this.state, keys.length ? "Change values, then Apply: they take effect together, and Undo takes them back." : "This controller has no gains that can be changed while it runs.");
   }
 
-  /** A test needs the joint that it moves: there is none until the gains have come. */
-  showRun() {
-    this.runButton.disabled = this.isMeasuring || !this.joint.value;
-    show(this.runButton, this.isMeasuring ? "Measuring …" : "Run test");
+  /** Gains as a table: a row for each joint, a column for each gain. */
+  gainTable(keys) {
+    const gains = [...new Set(keys.filter((key) => key.includes("/")).map((key) => key.slice(key.indexOf("/") + 1)))];
+    const has = (joint, gain) => `${joint}/${gain}` in this.gains.values;
+    const unitOf = (gain) => this.gains.schema[keys.find((key) => key.endsWith(`/${gain}`))].unit;
+    const head = gains.map((gain) => h("th", { title: this.titleOf(keys.find((key) => key.endsWith(`/${gain}`))) }, gain, h("small", {}, unitOf(gain))));
+    const rows = [...this.joints].map(([joint, label]) =>
+      h("tr", { data: { joint } }, h("th", { scope: "row" }, label), ...gains.map((gain) => h("td", {}, has(joint, gain) ? this.input(`${joint}/${gain}`) : "–"))),
+    );
+    return h("div", { class: "scroll" }, h("table", {}, h("thead", {}, h("tr", {}, h("th", {}, "joint"), ...head)), h("tbody", {}, ...rows)));
   }
 
-  field(key) {
+  /** Show which joint tests and the search move. */
+  markJoint() {
+    for (const row of this.fields.querySelectorAll("tr[data-joint]")) row.classList.toggle("chosen", row.dataset.joint === this.joint.value);
+  }
+
+  showApply() {
+    this.apply.disabled = !store.isOperator || !this.isTyped;
+  }
+
+  titleOf(key) {
     const schema = this.gains.schema[key];
-    const value = this.gains.values[key];
-    const choices = choicesOf(schema);
+    const range = schema.minimum != null || schema.maximum != null ? `, ${schema.minimum ?? "−∞"} to ${schema.maximum ?? "∞"}` : "";
+    return `${schema.description} [${schema.unit || "no unit"}]${range}`;
+  }
+
+  input(key) {
+    const choices = choicesOf(this.gains.schema[key]);
     const input = choices
       ? h("select", {}, ...choices.map(([number, text]) => h("option", { value: number }, text)))
       : h("input", { class: "value", inputMode: "decimal", autocomplete: "off" });
-    input.value = input.dataset.was = String(value);
-    const short = key.split("/").at(-1);
-    input.setAttribute("aria-label", `${short} of ${key.includes("/") ? key.split("/")[0] : this.choice.value}`);
+    input.value = input.dataset.was = String(this.gains.values[key]);
+    const parts = key.split("/");
+    input.setAttribute("aria-label", `${parts.at(-1)} of ${parts.length > 1 ? parts[0] : this.choice.value}`);
+    input.title = this.titleOf(key);
     input.addEventListener("keydown", (event) => event.key === "Enter" && this.patch());
-    const range = schema.minimum != null || schema.maximum != null ? `, ${schema.minimum ?? "−∞"} to ${schema.maximum ?? "∞"}` : "";
     this.inputs.set(key, input);
-    return h("label", { title: `${schema.description} [${schema.unit || "no unit"}]${range}` }, h("span", {}, short), input, h("small", {}, schema.unit));
+    return input;
   }
 
   async patch() {
@@ -175,7 +198,7 @@ class Tuning extends Panel {
       const done = await api("PATCH", path, { values }, { "If-Match": this.gains.etag });
       const what = Object.entries(values).map(([key, value]) => `${key} ${done.previous[key]} → ${value}`);
       store.explain(`PATCH ${path}`, `gains ${what.join(", ")}`);
-      this.drawnFor = null;
+      for (const key of Object.keys(values)) this.inputs.get(key).value = this.inputs.get(key).dataset.was; // shows what the station has
       await this.read();
       show(this.state, `Applied in cycle ${done.cycle}: ${what.join(", ")}.`);
     } catch (error) {
@@ -184,90 +207,6 @@ class Tuning extends Panel {
       await this.read();
       if (error.status === 412) show(this.state, "Somebody has changed these gains meanwhile. They were read anew, and what you typed is still here: look, then Apply again.");
     }
-  }
-
-  buildBench() {
-    this.kind = h("select", {}, ...Object.keys(EXCITATIONS).map((kind) => h("option", {}, kind)));
-    this.kind.setAttribute("aria-label", "Kind of test");
-    const field = (label, value, unit) => {
-      const input = h("input", { class: "value", value, inputMode: "decimal" });
-      input.setAttribute("aria-label", `${label} [${unit}]`);
-      return { input, label: h("label", {}, `${label} `, input, ` ${unit}`) };
-    };
-    this.bench = {
-      amplitude: field("size", "", "rad"),
-      duration: field("for", "2", "s"),
-      frequency: field("at", "0.5", "Hz"),
-      first: field("from", "0.2", "Hz"),
-      last: field("to", "2", "Hz"),
-      hysteresis: field("hysteresis", "0.005", "rad"),
-    };
-    let isTyped = false;
-    this.bench.amplitude.input.addEventListener("input", () => (isTyped = true));
-    const choose = () => {
-      if (!isTyped) this.bench.amplitude.input.value = String(SIZES[this.kind.value]);
-      const used = ["amplitude", "duration", ...EXCITATIONS[this.kind.value]];
-      for (const [name, { label }] of Object.entries(this.bench)) label.hidden = !used.includes(name);
-    };
-    this.kind.addEventListener("change", choose);
-    choose();
-    this.runButton = h("button", { class: "s primary", type: "button", title: "Moves the chosen joint through the running controller, at most 0.3 rad, and leads it back.", disabled: true }, "Run test");
-    this.runButton.addEventListener("click", () => this.run());
-    const chart = h("div", { class: "chart response" });
-    chart.setAttribute("role", "img");
-    chart.setAttribute("aria-label", "The last two tests, A and B, over each other");
-    this.response = new Plot(chart);
-    this.runs = [];
-    this.table = h("tbody", {});
-    const heads = ["run", "rise", "overshoot", "settling", "steady error", "RMS", "peak"];
-    this.results = h("div", { hidden: true }, chart, h("table", { class: "metrics" }, h("thead", {}, h("tr", {}, ...heads.map((text) => h("th", {}, text)))), this.table));
-    setInterval(() => this.isShown && this.runs.length && this.response.draw(this.response.end), 200);
-    return h("div", { class: "bench" }, h("div", { class: "line" }, h("b", {}, "Test"), this.kind, ...Object.values(this.bench).map(({ label }) => label), this.runButton), this.results);
-  }
-
-  async run() {
-    const value = (name) => typed(this.bench[name].input.value);
-    const kind = this.kind.value;
-    const excitation = { kind, joint: this.joint.value, amplitude: value("amplitude") };
-    for (const name of EXCITATIONS[kind]) excitation[name] = value(name);
-    this.isMeasuring = true;
-    this.showRun();
-    const told = await act("POST", `/controllers/${this.choice.value}/bench`, { excitation, duration: value("duration") });
-    if (told) {
-      this.runs = [...this.runs, { ...told, size: excitation.amplitude }].slice(-2);
-      this.drawRuns();
-    }
-    this.isMeasuring = false;
-    this.showRun();
-  }
-
-  drawRuns() {
-    this.results.hidden = false;
-    const traces = [];
-    this.runs.forEach((run, i) => {
-      const letter = "AB"[i + 2 - this.runs.length === 0 ? 0 : i];
-      const forward = Math.sign(run.size) || 1;
-      const start = run.position[0];
-      for (const [field, label] of [["position", letter], ...(i === this.runs.length - 1 ? [["desired", "command"]] : [])]) {
-        const history = new History(1e6);
-        run.time.forEach((time, j) => run[field][j] != null && history.add(time, (run[field][j] - start) * forward));
-        traces.push({ label, unit: "rad", history });
-      }
-    });
-    this.response.traces = traces;
-    const last = this.runs.at(-1).time;
-    this.response.end = last.at(-1);
-    this.response.span = last.at(-1) - last[0];
-    const ms = (value) => (value == null ? "–" : `${number(value * 1e3, 0)} ms`);
-    this.table.replaceChildren(
-      ...this.runs.map(({ metrics: m, joint, gains, kind }, i) => {
-        const changed = ["p", "i", "d"].map((key) => `${key} ${gains[`${joint}/${key}`] ?? "–"}`).join(", ");
-        const mrad = (value) => (value == null ? "–" : `${number(value * 1e3, 2)} mrad`);
-        const cells = [`${"AB"[i]} ${kind} ${joint.replace(/^.*_/, "")}: ${changed}`, ms(m.rise_time), m.overshoot == null ? "–" : `${number(m.overshoot * 100, 1)} %`, ms(m.settling_time), mrad(m.steady_error), mrad(m.rms_error), m.effort_peak == null ? "–" : number(m.effort_peak, 1)];
-        return h("tr", {}, ...cells.map((text) => h("td", {}, text)));
-      }),
-    );
-    kept.set("last-metrics", this.runs.at(-1).metrics);
   }
 }
 

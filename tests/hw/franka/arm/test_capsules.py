@@ -3,9 +3,10 @@
 import pytest
 from hypothesis import given, settings
 
+from station.core.geometry.distances import place_segments
 from station.hw.franka.arm import capsules
 from station.memory.doubles import doubles, indices, zeros
-from tests.both_modes import arrays, assert_same, needs_both
+from tests.both_modes import arrays, assert_same, needs_both, sibling
 
 LINKS = [
     0.0, 1.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.5, 0.0, 0.25, 1.0,
@@ -15,7 +16,7 @@ LINKS = [
 def test_segments_are_placed_with_their_links():
     shapes = doubles([0.1, 0.0, 0.0, 0.0, 0.2, 0.3, 0.05] * 2)
     segments = zeros(12)
-    capsules.place_segments(shapes, indices([-1, 0]), doubles(LINKS), segments)
+    place_segments(shapes, indices([-1, 0]), doubles(LINKS), segments)
 
     assert segments[:6].tolist() == [0.1, 0.0, 0.0, 0.0, 0.2, 0.3]
     assert segments[6:].tolist() == pytest.approx([0.5, 0.1, 0.25, 0.3, 0.0, 0.55])
@@ -43,7 +44,9 @@ def test_the_closest_of_the_pairs_is_found():
 def test_both_modes_agree_bit_for_bit(shapes, links):
     def scenario(module):
         shapes_, segments, found = doubles(shapes), zeros(18), zeros(7)
-        module.place_segments(shapes_, indices([-1, 0, 1]), doubles(links), segments)
+        sibling(module, "distances").place_segments(
+            shapes_, indices([-1, 0, 1]), doubles(links), segments
+        )
         pairs = indices([0, 1, 0, 2, 1, 2])
         number = module.nearest_pair(shapes_, segments, pairs, found)
         return [float(number), found[0], *segments]

@@ -19,7 +19,7 @@ from station.hw.franka.commands.rate_limiter import (
     PERIOD,
     low_pass_gain,
     make_joint_rates,
-    make_range_update,
+    make_velocity_curves,
     rate_limits_of,
 )
 from station.memory.doubles import doubles, put
@@ -103,7 +103,7 @@ class Filter:
     def __init__(self, arm, state, cutoff_frequency, rate_limiting) -> None:
         self.commands = JointCommands(state, [f"joint{i}" for i in range(7)])
         self.rates = make_joint_rates(arm, state, self.commands)
-        self.update_ranges = make_range_update(arm, state, self.rates)
+        self.state, self.curves = state, make_velocity_curves(arm)
         self.rates.begin_motion(low_pass_gain(cutoff_frequency), rate_limiting)
 
     def positions(self, q, state, *, goals) -> list[float]:
@@ -126,8 +126,9 @@ class Filter:
         return [*self.rates.result]
 
     def _update_ranges(self) -> None:
-        if self.update_ranges is not None:
-            self.update_ranges()
+        if self.curves is not None:
+            q_d = self.state.doubles("q_d")
+            self.curves.put(q_d, self.rates.lowest, self.rates.highest)
 
 
 def follow(state: RobotState, q: list[float]) -> None:

@@ -10,9 +10,11 @@ import socket
 import ssl
 import subprocess
 import threading
+from collections.abc import Callable
 from concurrent.futures import Future
 from functools import partial
 from pathlib import Path
+from typing import Protocol
 
 import uvicorn
 
@@ -28,7 +30,6 @@ from station.hw.franka.fci.desk.desk_state import (
     profile_of,
 )
 from station.hw.franka.fci.server.client_port import FciPortError
-from station.hw.franka.fci.server.fci_server import FciServer
 from station.hw.franka.hand.hand_services import HandServices
 from station.hw.franka.simulated.simulated_arm import SimulatedArm
 
@@ -46,6 +47,16 @@ class DeskCertificateError(StationError):
     code = "desk_certificate"
 
 
+class ServerOfDesk(Protocol):
+    """A server of libfranka's programs, as Desk needs it. Any thread."""
+
+    def change(self, action: Callable[[], None]) -> Future[None]:
+        """Let something be done between two cycles of the arm."""
+
+    def open_or_close(self, *, is_open: bool) -> Future[None]:
+        """Let programs of libfranka connect, or send them away and refuse them."""
+
+
 class ServedArm:
     """Desk's way to the arm that a server serves; see `DeskArm`. Any thread.
 
@@ -57,7 +68,11 @@ class ServedArm:
     """
 
     def __init__(
-        self, server: FciServer, arm: SimulatedArm, hand: HandServices | None, kind: str
+        self,
+        server: ServerOfDesk,
+        arm: SimulatedArm,
+        hand: HandServices | None,
+        kind: str,
     ) -> None:
         self._server, self._arm, self._hand = server, arm, hand
         self.kind = kind
@@ -69,7 +84,7 @@ class ServedArm:
 
     def set_fci(self, *, active: bool) -> Future[None]:
         """Let programs of libfranka connect, or not."""
-        return self._server.change(partial(self._server.set_open, is_open=active))
+        return self._server.open_or_close(is_open=active)
 
     def set_end_effector(self, load: Load, frame: tuple[float, ...]) -> Future[None]:
         """Let the state tell of another end effector."""
@@ -94,8 +109,14 @@ class ServedArm:
             self._hand.homing()
 
 
-def new_desk(arm: ServedArm) -> Desk:
-    """Return a Desk with the end effector that is mounted, brakes closed, FCI off."""
+def new_desk(arm: ServedArm, *, is_ready: bool = False) -> Desk:
+    """Return a Desk with the end effector that is mounted.
+
+    Args:
+        arm: The arm.
+        is_ready: Whether the brakes are open and FCI is active already; else the brakes
+            are closed and FCI is off.
+    """
     desk = Desk(
         arm,
         {
@@ -103,7 +124,10 @@ def new_desk(arm: ServedArm) -> Desk:
             NO_END_EFFECTOR: profile_of("No End Effector", Load(), IDENTITY),
         },
     )
-    desk.reboot()
+    if is_ready:
+        desk.are_brakes_closed, desk.is_fci_active = False, True
+    else:
+        desk.reboot()
     return desk
 
 

@@ -121,6 +121,10 @@ class FciGuest(_Guest[RobotSession]):
         """Return whether a motion of the client runs."""
         return self._session is not None and self._session.is_moving
 
+    def take_reason(self) -> str:
+        """Return the reason for the last refusal once; empty if there is none."""
+        return "" if self._session is None else self._session.take_reason()
+
     @override
     def open(self) -> None:
         super().open()

@@ -4,11 +4,13 @@ The cycle is the arm's clock. A cycle that begins late is not caught up: a real 
 never late, and a client must not lose packets for a server that was.
 """
 
+import logging
 import select
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
+from functools import partial
 from queue import SimpleQueue
 from typing import TYPE_CHECKING
 
@@ -28,6 +30,7 @@ from station.hw.franka.hand.hand_services import HandServices
 if TYPE_CHECKING:
     import socket
 
+_logger = logging.getLogger(__name__)
 _SHORTEST_WAIT = 0.5
 """Part of a period for which a client may answer even when the server is late."""
 
@@ -95,6 +98,7 @@ class FciServer:
         self._settings = settings
         self._clock = clock
         self._message_id = 0
+        self._mode = arm.state.robot_mode
         self._changes: SimpleQueue[tuple[Callable[[], None], Future[None]]]
         self._changes = SimpleQueue()
         self.counts = FciCounts()
@@ -139,12 +143,15 @@ class FciServer:
         self._changes.put((action, done))
         return done
 
-    def set_open(self, *, is_open: bool) -> None:
+    def open_or_close(self, *, is_open: bool) -> Future[None]:
         """Listen at both ports, or send the clients away and refuse connections.
 
-        Raises:
-            OSError: Somebody else listens at a port meanwhile.
+        Returns:
+            When it was done; an OSError if somebody else listens at a port meanwhile.
         """
+        return self.change(partial(self._set_open, is_open=is_open))
+
+    def _set_open(self, *, is_open: bool) -> None:
         self._robot_port.set_open(is_open=is_open)
         if self._gripper_port is not None:
             self._gripper_port.set_open(is_open=is_open)
@@ -184,9 +191,19 @@ class FciServer:
             # reads the answer.
             port.send_datagram(session.state(self._message_id))
             port.send(answers)
+            if reason := session.take_reason():
+                _logger.warning("Robot: %s", reason)
+        self._tell_errors()
         if self._hand is not None:
             self._hand.advance()
         self._serve_gripper()
+
+    def _tell_errors(self) -> None:
+        """Write the reasons of a new reflex to the log: clients get names alone."""
+        before, self._mode = self._mode, self._arm.state.robot_mode
+        if self._mode is RobotMode.REFLEX and before is not RobotMode.REFLEX:
+            causes = "; ".join(error.description for error in self._arm.errors())
+            _logger.warning("Robot: the arm has stopped by a reflex: %s", causes)
 
     def _serve_gripper(self) -> None:
         port = self._gripper_port

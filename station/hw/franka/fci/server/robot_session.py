@@ -36,6 +36,7 @@ from station.hw.franka.arm.robot_arm import (
     RobotArm,
     SingularStartError,
 )
+from station.hw.franka.commands.arm_guard import slowed
 from station.hw.franka.fci.server.arm_settings import SETTERS
 from station.hw.franka.fci.server.message_reader import (
     MessageReader,
@@ -136,6 +137,7 @@ _RECOVERIES = {
     RobotMode.OTHER: RecoveryStatus.ABORTED,
 }
 _NOTHING: Mapping[str, Any] = MappingProxyType({})
+_TAKEN = "The controllers of the station command the arm, or the station is stopped."
 
 
 def _no_library(_architecture: int, _system: int) -> None:
@@ -179,6 +181,7 @@ class RobotSession:
         self._command: Mapping[str, Any] | None = None
         self._answered = 0  # message_id of the newest command
         self._is_finishing = False
+        self._reason = ""
         # Largest velocities of a motion that the arm plans itself; None in others.
         self._fastest: Sequence[float] | None = None
         self.udp_port: int | None = None
@@ -201,6 +204,11 @@ class RobotSession:
         """
         is_begun = self._motion is not None and self._answered > 0
         return is_begun and self._fastest is None
+
+    def take_reason(self) -> str:
+        """Return the reason for the last refusal once; empty if there is none."""
+        reason, self._reason = self._reason, ""
+        return reason
 
     def receive(self, data: bytes) -> bytes:
         """Take bytes of the TCP stream; return the answers that are due at once.
@@ -320,39 +328,59 @@ class RobotSession:
 
     def _start_motion(self, request: Request[Command]) -> bytes:
         values = request.values
-        try:
-            controller = MoveController(values["controller_mode"])
-            generator = MoveGenerator(values["motion_generator_mode"])
-        except ValueError:
-            return self._say(request, MoveStatus.INVALID_ARGUMENT_REJECTED)
-        if generator not in self._protocol.generators:
-            return self._say(request, MoveStatus.INVALID_ARGUMENT_REJECTED)
-        fastest = None
-        if values.get("use_async_motion_generator"):
-            fastest = values["maximum_velocity"]
-            is_possible = (
-                generator is MoveGenerator.JOINT_POSITION
-                and controller is not MoveController.EXTERNAL_CONTROLLER
-                and all(isfinite(value) and value > 0.0 for value in fastest)
-            )
-            if not is_possible:
-                return self._say(request, MoveStatus.INVALID_ARGUMENT_REJECTED)
-        allowed = (*values["maximum_path_deviation"],)
-        allowed += (*values["maximum_goal_pose_deviation"],)
-        if not all(isfinite(value) and value >= 0.0 for value in allowed):
-            return self._say(request, MoveStatus.INVALID_ARGUMENT_REJECTED)
+        problem = self._problem_of(values)
+        if problem is not None:
+            return self._refuse(request, MoveStatus.INVALID_ARGUMENT_REJECTED, problem)
+        controller = MoveController(values["controller_mode"])
+        generator = MoveGenerator(values["motion_generator_mode"])
+        is_planned = values.get("use_async_motion_generator")
+        fastest = values["maximum_velocity"] if is_planned else None
+        status = MoveStatus.COMMAND_NOT_POSSIBLE_REJECTED
         if not self._is_free():
-            return self._say(request, MoveStatus.COMMAND_NOT_POSSIBLE_REJECTED)
+            return self._refuse(request, status, _TAKEN)
         try:
             self._arm.start_motion(_CONTROLLERS[controller], _GENERATORS[generator])
-        except SingularStartError:
-            return self._say(request, MoveStatus.START_AT_SINGULAR_POSE_REJECTED)
-        except ArmCommandError:
-            return self._say(request, MoveStatus.COMMAND_NOT_POSSIBLE_REJECTED)
+        except SingularStartError as error:
+            status = MoveStatus.START_AT_SINGULAR_POSE_REJECTED
+            return self._refuse(request, status, error.message)
+        except ArmCommandError as error:
+            return self._refuse(request, status, error.message)
         self._motion, self._command, self._fastest = request, None, fastest
         self._answered, self._is_finishing = 0, False
         self._generator, self._controller = 1 + generator, controller
         return self._say(request, MoveStatus.MOTION_STARTED)
+
+    def _problem_of(self, values: Mapping[str, Any]) -> str | None:
+        """Return the reason why no arm makes such a motion; None if one can."""
+        controller, generator = (
+            values["controller_mode"],
+            values["motion_generator_mode"],
+        )
+        if controller not in list(MoveController):
+            return f"There is no controller mode {controller}."
+        if generator not in self._protocol.generators:
+            version = self._protocol.version
+            return f"Version {version} has no motion generator mode {generator}."
+        deviations = (
+            *values["maximum_path_deviation"],
+            *values["maximum_goal_pose_deviation"],
+        )
+        if not all(isfinite(value) and value >= 0.0 for value in deviations):
+            return "A deviation is negative or not finite."
+        if not values.get("use_async_motion_generator"):
+            return None
+        if (
+            generator != MoveGenerator.JOINT_POSITION
+            or controller == MoveController.EXTERNAL_CONTROLLER
+        ):
+            return "The arm plans joint positions with a controller of its own alone."
+        if not all(isfinite(one) and one > 0.0 for one in values["maximum_velocity"]):
+            return "A maximum velocity is not above 0 or not finite."
+        return None
+
+    def _refuse(self, request: Request[Command], status: int, reason: str) -> bytes:
+        self._reason = f"{request.command.name} is refused: {reason}"
+        return self._say(request, status)
 
     def _stop_motion(self, request: Request[Command]) -> bytes:
         answers = b""
@@ -368,13 +396,16 @@ class RobotSession:
     def _change_setting(self, request: Request[Command]) -> bytes:
         status = SetterStatus.SUCCESS
         if self._arm.state.robot_mode is RobotMode.MOVE:
-            return self._say(request, SetterStatus.COMMAND_NOT_POSSIBLE_REJECTED)
+            status = SetterStatus.COMMAND_NOT_POSSIBLE_REJECTED
+            return self._refuse(request, status, "The arm moves.")
         try:
             SETTERS[request.command](self._arm, request.values)
-        except InvalidCommandError:
+        except InvalidCommandError as error:
             status = SetterStatus.INVALID_ARGUMENT_REJECTED
-        except ArmCommandError:
+            return self._refuse(request, status, error.message)
+        except ArmCommandError as error:
             status = SetterStatus.COMMAND_NOT_POSSIBLE_REJECTED
+            return self._refuse(request, status, error.message)
         return self._say(request, status)
 
     def _cartesian_limit(self, request: Request[Command]) -> bytes:
@@ -389,8 +420,8 @@ class RobotSession:
             return self._say(request, rejected)
         try:
             arm.automatic_error_recovery()
-        except ArmCommandError:
-            return self._say(request, rejected)
+        except ArmCommandError as error:
+            return self._refuse(request, rejected, error.message)
         self._recovery = request
         return self._advance_recovery()
 
@@ -425,25 +456,32 @@ class RobotSession:
         """Pass a command on to the arm.
 
         Raises:
-            InvalidCommandError: A number is not finite, or a pose is no transform.
+            InvalidCommandError: A number is not finite, a pose is no transform, or the
+                arm has to stop at once to stay clear of its scene.
         """
         arm = self._arm
         if self._fastest is not None:
             if not self._is_finishing:  # the last command of a planned motion has none
                 arm.plan_joint_positions([*command["q_c"]], self._fastest)
             return
+        guard = arm.guard
+
+        def clear(field: str) -> list[float]:
+            values = [*command[field]]
+            return values if guard is None else slowed(guard, field, values)
+
         if self._controller == MoveController.EXTERNAL_CONTROLLER:
-            arm.command_joint_torques([*command["tau_J_d"]])
+            arm.command_joint_torques(clear("tau_J_d"))
         elbow = [*command["elbow_c"]] if command["valid_elbow"] else None
         match MoveGenerator(self._generator - 1):
             case MoveGenerator.JOINT_POSITION:
-                arm.command_joint_positions([*command["q_c"]])
+                arm.command_joint_positions(clear("q_c"))
             case MoveGenerator.JOINT_VELOCITY:
-                arm.command_joint_velocities([*command["dq_c"]])
+                arm.command_joint_velocities(clear("dq_c"))
             case MoveGenerator.CARTESIAN_POSITION:
-                arm.command_cartesian_pose([*command["O_T_EE_c"]], elbow)
+                arm.command_cartesian_pose(clear("O_T_EE_c"), elbow)
             case MoveGenerator.CARTESIAN_VELOCITY:
-                arm.command_cartesian_velocity([*command["O_dP_EE_c"]], elbow)
+                arm.command_cartesian_velocity(clear("O_dP_EE_c"), elbow)
 
     def _say(
         self,

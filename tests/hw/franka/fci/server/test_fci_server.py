@@ -7,7 +7,8 @@ some cycles.
 import pytest
 
 from station.core.franka import RobotMode
-from station.hw.franka.fci.wire.robot_protocol import PANDA
+from station.hw.franka.fci.wire.robot_protocol import PANDA, Command
+from tests.hw.franka.fci.server.robot_client import request
 from tests.hw.franka.fci.server.server_bench import Bench, command, newest
 
 
@@ -49,6 +50,22 @@ def test_state_with_an_error_goes_out_before_the_answer(bench, monkeypatch):
     bench.arm.fail("joint_reflex")
     bench.run(2)
     assert sent == [RobotMode.REFLEX.value, "answer", RobotMode.REFLEX.value]
+
+
+def test_reasons_of_refusals_and_reflexes_are_in_the_log(bench, caplog):
+    tcp, _ = bench.connect()
+    bench.move(tcp)
+    tcp.sendall(request(Command.SET_JOINT_IMPEDANCE, 3, {"K_theta": [9.0] * 7}))
+    bench.run(2)
+    bench.arm.fail("joint_reflex")
+    bench.run(5)
+    told = [
+        record.message for record in caplog.records if record.levelname == "WARNING"
+    ]
+    assert told == [
+        "Robot: SET_JOINT_IMPEDANCE is refused: The arm moves.",
+        "Robot: the arm has stopped by a reflex: joint_reflex (cycle 0)",
+    ]
 
 
 def test_commands_count_once_and_missing_ones_are_lost(bench):

@@ -1,0 +1,326 @@
+"""The seat of agents: what a program with an agent's token may do, and who allows it.
+
+An agent asks, and a person answers. A request that can move the robot waits here until
+somebody with the operator role has allowed or refused it; nothing of it has begun by
+then. Texts that an agent has read, or has been told, decide nothing: neither the list
+of its operations nor its envelope can be changed through the agent's token.
+"""
+
+import asyncio
+import secrets
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from fastapi import Request
+
+from station.api.auth import Access
+from station.core.errors import StationError, suggest
+from station.core.facade.station import Station
+from station.events import EventKind, EventLog, Origin, Severity
+from station.reports import AgentRequest, LoopState, Verdict
+
+FREE = frozenset([
+    "stop",
+    "take_control",
+    "renew_control",
+    "release_control",
+    "start_recording",
+    "stop_recording",
+    "cancel_goal",
+    "stop_gripper",
+    "cancel_playback",
+])
+"""Operations of agents that need nobody's leave: they move nothing, or end a motion."""
+_NOT_READ = frozenset(["list_tokens", "stream_needs_websocket"])
+ASKED = frozenset([
+    "load_controller",
+    "unload_controller",
+    "switch_controllers",
+    "patch_gains",
+    "patch_gains_of_controllers",
+    "undo_gains",
+    "apply_gain_set",
+    "put_command",
+    "submit_goal",
+    "follow_trajectory",
+    "measure_response",
+    "play_waypoint_path",
+    "error_recovery",
+    "home_gripper",
+    "move_gripper",
+    "grasp",
+    "step",
+])
+"""Operations of agents that a person allows. All others are refused to agents."""
+MOST_WAITING = 4
+"""Most requests of one agent that wait at a time: more would bury the first one."""
+MOST_KEPT = 200
+"""Most requests that are kept, decided ones too."""
+
+
+def seat_of(method: str, operation: Mapping[str, Any]) -> str | None:
+    """Return the seat of an operation for agents; None when they are not offered it.
+
+    Args:
+        method: HTTP method, in small letters.
+        operation: Its part of the API's document.
+
+    Returns:
+        `read`; `free`, without asking; or `asked`, when a person has allowed it. The
+        document says it as `x-agent`.
+    """
+    name = operation["operationId"]
+    if method == "get":
+        # Files are for programs, and tokens are for people.
+        content = operation["responses"].get("200", {}).get("content", {})
+        is_read = "application/json" in content and name not in _NOT_READ
+        return "read" if is_read else None
+    if name in FREE:
+        return "free"
+    return "asked" if name in ASKED else None
+
+
+class AgentRefusedError(StationError, PermissionError):
+    """An agent may not do this, or nobody has allowed it."""
+
+    code = "agent_refused"
+
+
+class TooManyAgentRequestsError(StationError, RuntimeError):
+    """Too many requests of one agent wait for a person."""
+
+    code = "too_many_agent_requests"
+
+
+class AgentRequestNotFoundError(StationError, KeyError):
+    """There is no request of an agent with that number."""
+
+    code = "agent_request_not_found"
+
+
+class AgentRequestDecidedError(StationError, RuntimeError):
+    """A request of an agent has been decided, and cannot be once more."""
+
+    code = "agent_request_decided"
+
+
+@dataclass(frozen=True, slots=True)
+class AgentPolicy:
+    """Rules of a station for its agents.
+
+    Attributes:
+        approval: Whether a person allows each motion. False is for a simulation that is
+            stepped, in which nothing moves by itself.
+        wait: How long a request waits for a person [s], > 0.
+        grant: Length of an allowance for the time to come [s].
+    """
+
+    approval: bool = True
+    wait: float = 60.0
+    grant: float = 600.0
+
+
+@dataclass(slots=True)
+class _Waiting:
+    report: AgentRequest
+    decided: asyncio.Event = field(default_factory=asyncio.Event)
+
+
+class Agents:
+    """Requests of agents, and the answers of people. For one event loop.
+
+    Args:
+        station: The station.
+        log: Takes who asked for what, and who allowed it.
+        policy: What is asked of agents.
+        now: Wall time [s since 1970].
+    """
+
+    def __init__(
+        self,
+        station: Station,
+        log: EventLog,
+        policy: AgentPolicy,
+        now: Callable[[], float] = time.time,
+    ) -> None:
+        self._station = station
+        self._log = log
+        self._policy = policy
+        self._now = now
+        self._requests: dict[str, _Waiting] = {}
+        self._granted: dict[str, tuple[float, int]] = {}
+
+    def requests(self) -> list[AgentRequest]:
+        """Return the latest requests, oldest first; those that wait have no verdict."""
+        return [waiting.report for waiting in self._requests.values()]
+
+    def check(self, operation: str, access: Access) -> None:
+        """Refuse an operation that no agent has.
+
+        Raises:
+            AgentRefusedError: It is none of theirs.
+        """
+        if operation not in FREE | ASKED:
+            raise AgentRefusedError(
+                f"The agent {access.name} may not call '{operation}'. "
+                f"{suggest(operation, FREE | ASKED)}",
+                remedy="Ask a person to do it.",
+            )
+
+    async def admit(self, request: Request, access: Access, origin: Origin) -> None:
+        """Wait until a person allows a request; return at once where none is needed.
+
+        Args:
+            request: The request; its route names the operation.
+            access: Rights of the agent.
+            origin: The agent, and its address.
+
+        Raises:
+            AgentRefusedError: A person refused, nobody answered in time, or the robot
+                was stopped meanwhile.
+            TooManyAgentRequestsError: Too many requests of this agent wait.
+        """
+        operation = request.scope["route"].name
+        body = await request.json() if await request.body() else {}
+        is_preview = isinstance(body, dict) and body.get("dry_run") is True
+        if operation not in ASKED or is_preview:
+            return
+        if not self._policy.approval:
+            self._check_stepped()
+            return
+        until, epoch = self._granted.get(access.name, (0.0, -1))
+        if until > self._now() and epoch == self._station.epoch:
+            return
+        target = ", ".join(request.path_params.values())
+        asked = self._put(operation, target, body, access)
+        self._record(asked.report, "asked", f"The agent {access.name} asks:", origin)
+        await self._wait(asked, origin)
+
+    async def _wait(self, asked: _Waiting, origin: Origin) -> None:
+        epoch = self._station.epoch
+        try:
+            await asyncio.wait_for(asked.decided.wait(), self._policy.wait)
+        except TimeoutError:
+            self._end(asked, Verdict.EXPIRED, "", origin)
+        except asyncio.CancelledError:
+            # The agent has hung up: an answer would allow what nobody waits for.
+            self._end(asked, Verdict.EXPIRED, "", origin)
+            raise
+        if self._station.epoch != epoch:
+            raise _refused(
+                "The robot was stopped, reset or recovered while the request waited.",
+                "Look at the robot, then ask again.",
+            )
+        report = asked.report
+        if report.verdict is Verdict.EXPIRED:
+            raise _refused(
+                f"Nobody answered within {self._policy.wait:g} s.",
+                "Ask again when a person is at the dashboard.",
+            )
+        if report.verdict is Verdict.REFUSED:
+            raise _refused(f"{report.decided_by} refused it.", "Ask the person why.")
+
+    def decide(self, number: str, verdict: Verdict, origin: Origin) -> AgentRequest:
+        """Allow or refuse a request that waits.
+
+        Args:
+            number: The request.
+            verdict: `ALLOWED`, `ALLOWED_FOR_A_TIME` or `REFUSED`.
+            origin: The person.
+
+        Raises:
+            AgentRequestNotFoundError: There is no such request.
+            AgentRequestDecidedError: It was decided before, or nobody waits any more.
+        """
+        asked = self._requests.get(number)
+        if asked is None:
+            raise AgentRequestNotFoundError(
+                f"There is no request '{number:.80}' of an agent.",
+                remedy="List them: GET /api/v1/agents/requests.",
+            )
+        if asked.report.verdict is not None:
+            raise AgentRequestDecidedError(
+                f"Request '{number}' is {asked.report.verdict} already.",
+                remedy="The agent has to ask again.",
+            )
+        self._end(asked, verdict, origin.who, origin)
+        if verdict is Verdict.ALLOWED_FOR_A_TIME:
+            until = self._now() + self._policy.grant
+            self._granted[asked.report.agent] = (until, self._station.epoch)
+        return asked.report
+
+    def withdraw(self) -> None:
+        """End every allowance for a time to come: control has changed hands."""
+        self._granted.clear()
+
+    def _check_stepped(self) -> None:
+        loop = self._station.loop
+        if loop.state is LoopState.RUNNING and not loop.pace.paused:
+            raise _refused(
+                "This station lets agents move without approval, which is for a paused "
+                "simulation alone; it runs.",
+                "Pause the simulation and step it, or set agents.approval to 'always'.",
+            )
+
+    def _put(
+        self, operation: str, target: str, body: object, access: Access
+    ) -> _Waiting:
+        waiting = [
+            number
+            for number, one in self._requests.items()
+            if one.report.verdict is None and one.report.agent == access.name
+        ]
+        if len(waiting) >= MOST_WAITING:
+            raise TooManyAgentRequestsError(
+                f"{MOST_WAITING} requests of {access.name} wait for a person already.",
+                remedy="Wait for their answers.",
+            )
+        now = self._now()
+        number = secrets.token_hex(6)
+        asked = _Waiting(
+            AgentRequest(
+                number=number,
+                agent=access.name,
+                operation=operation,
+                target=target,
+                request=body,
+                asked_at=now,
+                expires_at=now + self._policy.wait,
+            )
+        )
+        self._requests[number] = asked
+        for old, one in list(self._requests.items()):
+            if len(self._requests) > MOST_KEPT and one.report.verdict is not None:
+                del self._requests[old]
+        return asked
+
+    def _end(self, asked: _Waiting, verdict: Verdict, who: str, origin: Origin) -> None:
+        asked.report = replace(asked.report, verdict=verdict, decided_by=who)
+        asked.decided.set()
+        self._record(
+            asked.report, verdict.value, f"{who or 'Nobody'} answered:", origin
+        )
+
+    def _record(
+        self, report: AgentRequest, result: str, begin: str, origin: Origin
+    ) -> None:
+        self._log.record(
+            EventKind.AGENT,
+            f"{begin} {result}, {report.operation} {report.target}".strip() + ".",
+            severity=Severity.INFO,
+            what=report.agent,
+            result=result,
+            details={
+                "number": report.number,
+                "operation": report.operation,
+                "target": report.target,
+                "request": report.request,
+            },
+            origin=origin,
+        )
+
+
+def _refused(detail: str, remedy: str) -> AgentRefusedError:
+    return AgentRefusedError(f"{detail} Nothing was done.", remedy=remedy)

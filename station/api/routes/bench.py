@@ -1,0 +1,175 @@
+"""The bench: responses of joints, those that were kept, and parts of recordings."""
+
+from functools import partial
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+from fastapi import APIRouter, Path
+
+from station.api.dependencies import (
+    AccessDep,
+    LeaseKey,
+    Operator,
+    ServicesDep,
+    Viewer,
+)
+from station.api.json_route import JsonRoute
+from station.api.routes.problems import problems
+from station.api.routes.recordings import Id, IncidentsDep, RecorderDep, ended
+from station.api.services import Services
+from station.core.errors import RecordingRefusedError, suggest
+from station.trials.bench_analysis import excitation_of_part, joint_test
+from station.trials.trace import Trace
+from station.wire.base import FileName
+from station.wire.excitations import BenchRequest, BenchResponse, BenchRuns, PartRequest
+
+if TYPE_CHECKING:
+    from station.records.record_store import RecordStore
+
+_LONGEST_PART = 120_000
+"""Most cycles of a part of a recording that is read as a test."""
+_STATES = ("position", "velocity", "effort")
+router = APIRouter(tags=["bench"], dependencies=[Viewer], route_class=JsonRoute)
+RunName = Annotated[FileName, Path(description="Name of the run.", examples=["soft"])]
+
+
+@router.post(
+    "/controllers/{name}/bench",
+    dependencies=[Operator],
+    responses=problems(404, 409, 413, 422, 423),
+)
+def measure_response(
+    name: str,
+    request: BenchRequest,
+    services: ServicesDep,
+    access: AccessDep,
+    key: LeaseKey = None,
+) -> BenchResponse:
+    """Excite one joint through a running controller, and return how it follows.
+
+    The answer comes when the joint is back where it began, and is kept as a run. Before
+    anything moves the excitation is checked: size, rate, and distance from the joint's
+    limits. A stop, a loss of control, or a joint that leaves the envelope ends it.
+    """
+    admit = partial(services.control.admit, access, key, name)
+    found = services.bench.measure(name, request, admit)
+    return services.bench_runs.keep(found, request.name)
+
+
+@router.get("/bench-runs", responses=problems())
+def list_bench_runs(services: ServicesDep) -> BenchRuns:
+    """List the kept runs with their figures, the oldest first."""
+    return BenchRuns(runs=services.bench_runs.list())
+
+
+@router.get("/bench-runs/{name}", responses=problems(404, 422))
+def get_bench_run(name: RunName, services: ServicesDep) -> BenchResponse:
+    """Return a run with its curves."""
+    return services.bench_runs.get(name)
+
+
+@router.delete(
+    "/bench-runs/{name}", dependencies=[Operator], responses=problems(404, 422)
+)
+def delete_bench_run(name: RunName, services: ServicesDep) -> BenchResponse:
+    """Delete a run; return its last content."""
+    return services.bench_runs.delete(name)
+
+
+@router.post(
+    "/recordings/{identifier}/bench",
+    dependencies=[Operator],
+    responses=problems(404, 409, 413, 422),
+)
+def measure_recording(
+    identifier: Id,
+    request: PartRequest,
+    recorder: RecorderDep,
+    services: ServicesDep,
+) -> BenchResponse:
+    """Read a part of a recording that has ended as a test of a joint; keep the run."""
+    return _measured(recorder.store, identifier, request, services)
+
+
+@router.post(
+    "/incidents/{identifier}/bench",
+    dependencies=[Operator],
+    responses=problems(404, 409, 413, 422),
+)
+def measure_incident(
+    identifier: Id, request: PartRequest, store: IncidentsDep, services: ServicesDep
+) -> BenchResponse:
+    """Read a part of an incident as a test of a joint; keep the run."""
+    return _measured(store, identifier, request, services)
+
+
+def _measured(
+    store: "RecordStore", identifier: str, part: PartRequest, services: Services
+) -> BenchResponse:
+    trace = _trace(store, identifier, part, services)
+    excitation, script, trace = excitation_of_part(part, trace)
+    # Gains are not among the channels of a recording.
+    limits = services.station.loop.hw.joint_limits()
+    found = joint_test(trace, excitation, script, {}, limits)
+    return services.bench_runs.keep(found, part.name)
+
+
+def _trace(
+    store: "RecordStore", identifier: str, part: PartRequest, services: Services
+) -> Trace:
+    """Return the motion of a joint in a part of a recording.
+
+    Raises:
+        RecordingRefusedError: The recording has no such joint or controller, or the
+            part no cycle, too many, or a gap.
+        RecordingFileError: The file is no whole recording.
+    """
+    # Imported late: an application without a recorder needs no reader of MCAP.
+    from station.records.cycle_messages import CONTROLLERS, JOINT_STATES
+    from station.records.recording_table import Choice, RecordingTable
+
+    info = ended(store, identifier)
+    controller = f"{CONTROLLERS}{part.controller}"
+    choice = Choice((JOINT_STATES, controller), (part.joint,))
+    pause = services.station.loop.right_of_way.give
+    table = RecordingTable(store.file(info.identifier), choice, pause)
+    joints, samples = JOINT_STATES.strip("/"), controller.strip("/")
+    wanted = ["cycle", "time", "period"]
+    wanted += [f"{joints}/{each}/{part.joint}" for each in _STATES]
+    wanted += [f"{samples}/{each}/{part.joint}" for each in ("desired", "output")]
+    for name in wanted:
+        if name not in table.names:
+            raise RecordingRefusedError(
+                f"The recording '{info.identifier}' has no column '{name}'.",
+                remedy=suggest(name, table.names),
+                details={"column": name},
+            )
+    columns = [table.names.index(name) for name in wanted]
+    begin = -np.inf if part.begin is None else part.begin
+    end = np.inf if part.end is None else part.end
+    rows = []
+    for row in table.rows():
+        if begin <= row[columns[1]] <= end and row[columns[6]] == row[columns[6]]:
+            rows.append([row[column] for column in columns])
+            if len(rows) > _LONGEST_PART:
+                break
+    if not 2 <= len(rows) <= _LONGEST_PART or rows[-1][0] - rows[0][0] >= len(rows):
+        raise RecordingRefusedError(
+            f"The part of '{info.identifier}' has {len(rows)} cycles in which "
+            f"'{part.controller}' commanded '{part.joint}'; a test has 2 to "
+            f"{_LONGEST_PART}, without a gap.",
+            remedy="Choose `begin` and `end` within one run of the controller.",
+        )
+    values = np.array(rows)
+    position, velocity, effort, desired, output = values[:, 3:].T[:, :, None]
+    return Trace(
+        joints=(part.joint,),
+        period=float(np.median(values[:, 2])),
+        time=values[:, 1] - values[0, 1],
+        position=position,
+        velocity=velocity,
+        effort=effort,
+        desired=desired,
+        error=desired - position,
+        output=output,
+    )

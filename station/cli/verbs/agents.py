@@ -1,0 +1,131 @@
+"""Verbs of agents: `agents`, a person's answers, and `mcp`, the agent's own seat."""
+
+import asyncio
+import secrets
+import sys
+from argparse import Namespace
+from contextlib import contextmanager
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from station.cli.connection import locate, open_client
+from station.cli.errors import UsageError
+from station.cli.output import say, say_model, say_models, say_table
+from station.core.installation import MissingExtraError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from station.cli.parser import Parser
+
+    Verdict = Literal["allowed", "allowed_for_a_time", "refused"]
+
+VERDICTS: "Mapping[str, Verdict]" = {
+    "allow": "allowed",
+    "allow-for-10-min": "allowed_for_a_time",
+    "refuse": "refused",
+}
+
+
+def add_agents(parser: "Parser") -> None:
+    """Add the arguments of `agents`."""
+    parser.add_argument(
+        "action", nargs="?", choices=("list", *VERDICTS), default="list"
+    )
+    parser.add_argument("number", nargs="?", metavar="NUMBER", help="which request")
+
+
+def agents(options: Namespace) -> int:
+    """List the requests of agents, or answer one.
+
+    Raises:
+        UsageError: An answer without the number of a request.
+    """
+    if options.action != "list" and options.number is None:
+        raise UsageError(
+            "Which request? An answer needs its number.", remedy="station agents list"
+        )
+    with open_client(options) as client:
+        if options.action != "list":
+            answered = client.agents.answer(options.number, VERDICTS[options.action])
+            say_model(answered) if options.json else say(f"It is {answered.verdict}.")
+            return 0
+        found = client.agents.requests()
+        if options.json:
+            say_models(found)
+        else:
+            rows = [
+                (r.number, r.agent, r.operation, r.target, r.verdict or "waits")
+                for r in found
+            ]
+            say_table(("number", "agent", "operation", "target", "verdict"), rows)
+    return 0
+
+
+def add_mcp(parser: "Parser") -> None:
+    """Add the arguments of `mcp`."""
+    parser.add_argument(
+        "--name", metavar="NAME", help="name of the agent, for people and events"
+    )
+    parser.add_argument(
+        "--journal", metavar="FILE", type=Path, help="write every call to this file"
+    )
+    parser.add_argument(
+        "--replay",
+        metavar="FILE",
+        type=Path,
+        help="make the calls of a journal again, print the answers, and end",
+    )
+
+
+def mcp(options: Namespace) -> int:
+    """Serve an agent over stdin and stdout, with a token of its own.
+
+    Raises:
+        MissingExtraError: The library of the protocol is not installed.
+    """
+    if find_spec("mcp") is None:
+        raise MissingExtraError("mcp")
+    from station.mcp.server import serve
+
+    with _own_token(options) as (url, token):
+        if options.replay is None:
+            asyncio.run(serve(url, token, options.ca, options.journal))
+            return 0
+        return asyncio.run(_replay(url, token, options))
+
+
+async def _replay(url: str, token: str, options: Namespace) -> int:
+    from station.mcp.server import replay
+
+    refused = 0
+    async for tool, is_refused, answer in replay(
+        url, token, options.ca, options.replay
+    ):
+        refused += is_refused
+        say(f"{tool}: {answer}")
+    return 1 if refused else 0
+
+
+@contextmanager
+def _own_token(options: Namespace) -> "Iterator[tuple[str, str]]":
+    """Return the address of the station, and a token of an agent.
+
+    An agent's token is used as it is. With an operator's, a token is made for the time
+    that the agent is served: the agent never has the operator's rights.
+    """
+    url, token = locate(options.url, options.token)
+    options.url, options.token = url, token
+    with open_client(options) as client:
+        role = client.session().role
+        if role == "agent" and token is not None:
+            yield url, token
+            return
+        name = options.name or f"agent-{secrets.token_hex(2)}"
+        made = client.tokens.create(name, "agent")
+        sys.stderr.write(f"The agent is called {name}.\n")
+        try:
+            yield url, made.token
+        finally:
+            client.tokens.revoke(name)

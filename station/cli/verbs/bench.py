@@ -1,0 +1,208 @@
+"""Verb `bench`: excite a joint, read a part of a recording as a test, look at runs."""
+
+from argparse import Namespace
+from typing import TYPE_CHECKING
+
+from station.cli.connection import open_client
+from station.cli.errors import UsageError
+from station.cli.output import say, say_model, say_models, say_table
+
+if TYPE_CHECKING:
+    from station.cli.parser import Parser
+    from station.client import StationClient
+    from station.wire.excitations import BenchResponse, GainProposal
+
+_KINDS = ("step", "sine", "chirp", "multisine", "relay")
+_RUNS = ("list", "show", "delete", "apply")
+_SIZES = {"step": 0.1, "sine": 0.1, "chirp": 0.02, "multisine": 0.05, "relay": 0.1}
+_FREQUENCIES = (0.5, 0.9, 1.5, 2.3, 3.7, 5.9)
+
+
+def add_bench(parser: "Parser") -> None:
+    """Add the arguments of `bench`."""
+    parser.add_argument("action", choices=(*_KINDS, *_RUNS))
+    parser.add_argument(
+        "name",
+        nargs="?",
+        metavar="NAME",
+        help="the joint of a test; the run to show, delete or apply",
+    )
+    parser.add_argument(
+        "--controller",
+        default="effort_group_position_controller",
+        help="what moves the joint, and runs",
+    )
+    parser.add_argument("--amplitude", type=float, metavar="A", help="[rad or m]")
+    parser.add_argument("--duration", type=float, default=4.0, metavar="S")
+    parser.add_argument(
+        "--frequency",
+        nargs="+",
+        type=float,
+        metavar="HZ",
+        help="of a sine; of all sines of a multisine; first and last of a chirp",
+    )
+    parser.add_argument("--hysteresis", type=float, default=0.0005, help="of a relay")
+    parser.add_argument(
+        "--relay-gain",
+        type=float,
+        metavar="P",
+        help="p of the joint during a relay test, with i and d 0, so that gains can be "
+        "proposed; without it the gains in force stay",
+    )
+    parser.add_argument("--keep-as", metavar="RUN", help="name of the run")
+    parser.add_argument("--rule", help="apply: the rule, e.g. tyreus_luyben_pid")
+    parser.add_argument(
+        "--recording", metavar="ID", help="read a part of it; the robot does not move"
+    )
+    parser.add_argument("--incident", metavar="ID", help="likewise")
+    parser.add_argument("--begin", type=float, metavar="S", help="of the part")
+    parser.add_argument("--end", type=float, metavar="S", help="of the part")
+
+
+def bench(options: Namespace) -> int:
+    """Excite a joint, read a part of a recording as a test, or look at kept runs.
+
+    Raises:
+        UsageError: A word is missing or too much.
+    """
+    if (options.name is None) != (options.action == "list"):
+        raise UsageError(
+            f"`bench {options.action}` needs "
+            f"{'no more words' if options.action == 'list' else 'a name'}.",
+            remedy="station bench relay panda_joint1 --relay-gain 50, station bench "
+            "list, station bench apply RUN --rule tyreus_luyben_pid.",
+        )
+    with open_client(options) as client:
+        if options.action == "list":
+            return _list(client, options)
+        if options.action == "delete":
+            found = client.bench_runs.delete(options.name)
+        elif options.action in _RUNS:
+            found = client.bench_runs.get(options.name)
+        else:
+            found = _measure(client, options)
+        if options.action == "apply":
+            return _apply(client, found, options)
+    if options.json:
+        say_model(found)
+    else:
+        _tell(found)
+    return 0
+
+
+def _measure(client: "StationClient", options: Namespace) -> "BenchResponse":
+    """Return a test of the robot, or of a part of a recording.
+
+    Raises:
+        UsageError: The frequencies do not fit the kind of test.
+    """
+    from pydantic import TypeAdapter, ValidationError
+
+    from station.wire.excitations import Excitation, PartRequest
+
+    kind, given = options.action, options.frequency
+    wanted = {"sine": 1, "chirp": 2}.get(kind)
+    if given and wanted not in {len(given), None}:
+        raise UsageError(
+            f"A {kind} has {wanted} frequencies; {len(given)} are given.",
+            remedy="--frequency 1.5 for a sine, --frequency 0.5 8 for a chirp.",
+        )
+    values: dict[str, object] = {}
+    frequencies = given or {"sine": (1.0,), "chirp": (0.5, 8.0)}.get(kind, _FREQUENCIES)
+    if options.recording or options.incident:
+        store = client.recordings if options.recording else client.incidents
+        part = PartRequest(
+            controller=options.controller,
+            joint=options.name,
+            kind=kind,
+            begin=options.begin,
+            end=options.end,
+            low=min(frequencies),
+            high=max(frequencies),
+            name=options.keep_as,
+        )
+        return store.bench(options.recording or options.incident, part)
+    if kind == "sine":
+        values["frequency"] = frequencies[0]
+    elif kind == "chirp":
+        values["first"], values["last"] = frequencies
+    elif kind == "multisine":
+        values["frequencies"] = frequencies
+    elif kind == "relay":
+        values["hysteresis"] = options.hysteresis
+    size = _SIZES[kind] if options.amplitude is None else options.amplitude
+    data = {"kind": kind, "joint": options.name, "amplitude": size, **values}
+    try:
+        excitation = TypeAdapter(Excitation).validate_python(data)
+        return client.bench(
+            options.controller,
+            excitation,
+            duration=options.duration,
+            relay_gain=options.relay_gain,
+            run=options.keep_as,
+        )
+    except ValidationError as error:
+        reasons = "; ".join(
+            f"{'.'.join(map(str, each['loc']))}: {each['msg']}"
+            for each in error.errors()
+        )
+        raise UsageError(
+            f"This is no {kind} test: {reasons}.", remedy="station bench --help"
+        ) from error
+
+
+def _list(client: "StationClient", options: Namespace) -> int:
+    runs = client.bench_runs.list()
+    if options.json:
+        say_models(runs)
+    elif runs:
+        rows = [[r.name, r.kind, r.joint, r.controller, r.created_at] for r in runs]
+        say_table(["run", "kind", "joint", "controller", "measured"], rows)
+    else:
+        say("No run is kept.")
+    return 0
+
+
+def _tell(run: "BenchResponse") -> None:
+    say(f"{run.name}: {run.kind} of {run.joint} by {run.controller}")
+    units = run.units
+    rows = [[k, f"{v:.4g}", units.get(k, "") or "-"] for k, v in run.metrics.items()]
+    say_table(["figure", "value", "unit"], rows)
+    if run.proposals:
+        say("")
+        names = list(run.proposals[0].gains)
+        say_table(
+            ["rule", *names],
+            [[p.rule, *(f"{p.gains[n]:g}" for n in names)] for p in run.proposals],
+        )
+        say(f"Put one into force: station bench apply {run.name} --rule RULE.")
+
+
+def _apply(client: "StationClient", run: "BenchResponse", options: Namespace) -> int:
+    """Put the gains of a rule into force.
+
+    Raises:
+        UsageError: The run proposes nothing, or there is no such rule.
+    """
+    rules: dict[str, GainProposal] = {one.rule: one for one in run.proposals}
+    if options.rule not in rules:
+        raise UsageError(
+            f"The run '{run.name}' has no gains by the rule {options.rule!r}.",
+            remedy=f"--rule with one of: {', '.join(rules)}."
+            if rules
+            else "Only a relay test with --relay-gain proposes gains.",
+        )
+    change = client.set_gains(run.controller, rules[options.rule].gains)
+    if options.json:
+        say_model(change)
+        return 0
+    say_table(
+        ["gain", "before", "now"],
+        [
+            [name, f"{change.previous[name]:g}", f"{change.values[name]:g}"]
+            for name in rules[options.rule].gains
+        ],
+    )
+    for note in filter(None, (rules[options.rule].note, *change.notes)):
+        say(f"Note: {note}")
+    return 0

@@ -1,0 +1,107 @@
+"""Verb `lesson`: exercises that the station checks on the student's own run."""
+
+import getpass
+from argparse import Namespace
+from typing import TYPE_CHECKING
+
+from station.cli.connection import open_client
+from station.cli.errors import UsageError
+from station.cli.output import say, say_model, say_models, say_table
+from station.cli.verbs.identification import read_number
+
+if TYPE_CHECKING:
+    from station.cli.parser import Parser
+    from station.client import StationClient
+    from station.wire.lessons import Lesson
+
+
+def add_lesson(parser: "Parser") -> None:
+    """Add the arguments of `lesson`."""
+    parser.add_argument("action", choices=("list", "show", "begin", "check"))
+    parser.add_argument("name", nargs="?", metavar="NAME", help="the lesson")
+    parser.add_argument(
+        "answers", nargs="*", metavar="ANSWER=VALUE", help="check: worked-out numbers"
+    )
+    parser.add_argument(
+        "--person",
+        default=getpass.getuser(),
+        help="whose progress is kept; the user of this machine when left out",
+    )
+
+
+def lesson(options: Namespace) -> int:
+    """List or show lessons, begin one, or check it; 1 when it is not solved.
+
+    Raises:
+        UsageError: A word is missing or too much.
+    """
+    needs_name = options.action != "list"
+    if (options.name is not None) != needs_name or (
+        options.answers and options.action != "check"
+    ):
+        raise UsageError(
+            f"The words after `lesson {options.action}` are too few or too many.",
+            remedy="station lesson list, station lesson begin p_alone, "
+            "station lesson check p_alone steady_error=5.1.",
+        )
+    answers = dict(map(read_number, options.answers))
+    with open_client(options) as client:
+        if options.action == "check":
+            return _check(client, options, answers)
+        if options.action == "list":
+            return _list(client, options)
+        if options.action == "begin":
+            found = client.lessons.begin(options.name, options.person)
+        else:
+            found = _find(client, options)
+    if options.json:
+        say_model(found)
+    else:
+        say(f"{found.title}\n\n{found.text}")
+        for answer in found.answers:
+            say(f"Answer: {answer.name}=… [{answer.unit}] {answer.label}")
+    return 0
+
+
+def _find(client: "StationClient", options: Namespace) -> "Lesson":
+    """Return a lesson.
+
+    Raises:
+        UsageError: There is none of that name.
+    """
+    known = {one.name: one for one in client.lessons.list(options.person).lessons}
+    if options.name not in known:
+        raise UsageError(
+            f"There is no lesson {options.name!r}.",
+            remedy=f"There are: {', '.join(known)}.",
+        )
+    return known[options.name]
+
+
+def _list(client: "StationClient", options: Namespace) -> int:
+    found = client.lessons.list(options.person)
+    if options.json:
+        say_models(found.lessons)
+        return 0
+    rows = [
+        ["✔" if one.is_solved else "", one.name, one.title] for one in found.lessons
+    ]
+    say_table(["", "lesson", "title"], rows)
+    for reason in found.unusable:
+        say(f"Left out: {reason}")
+    return 0
+
+
+def _check(
+    client: "StationClient", options: Namespace, answers: dict[str, float]
+) -> int:
+    result = client.lessons.check(options.name, options.person, answers)
+    if options.json:
+        say_model(result)
+    else:
+        for one in result.verdicts:
+            say(f"{'✔' if one.is_met else '✖'} {one.says}")
+            if one.hint:
+                say(f"  {one.hint}")
+        say("Solved." if result.is_solved else "Not solved yet.")
+    return 0 if result.is_solved else 1

@@ -1,0 +1,224 @@
+"""Parameter files written for ROS 2: nodes, wildcards, and names of ros2_controllers.
+
+A file of ROS 2 has the parameters of nodes below `ros__parameters`. The node of a
+controller manager tells the types of controllers, each of which is a node, too. A key
+of a node may be a pattern: `*` stands for one name, `**` for any number of them. Where
+several keys fit a node, values that come later in the file win.
+
+Source: ros2 rcl_yaml_param_parser; ros2_controllers@4.x, the parameters of each.
+"""
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+from station.core.errors import ConfigError, show
+
+_KEY = "ros__parameters"
+_MANAGER = "controller_manager"
+_TYPE = re.compile(r"[A-Za-z_][\w.]*[/:]+[A-Za-z_]\w*")
+Values = dict[str, Any]
+
+
+def is_ros2(values: object) -> bool:
+    """Return whether a mapping has the parameters of a node of ROS 2 somewhere."""
+    return isinstance(values, Mapping) and (
+        _KEY in values or any(is_ros2(child) for child in values.values())
+    )
+
+
+def read_ros2(
+    files: Sequence[Mapping[str, object]], name: str
+) -> tuple[dict[str, Values], Values]:
+    """Return the controllers and the other nodes of files of ROS 2.
+
+    Controllers have the types and the parameters that the station has for them. A
+    controller has its own name; of two in different namespaces with the same name, each
+    has its namespace in front of it, as `left_arm`.
+
+    Args:
+        files: The content of each; what comes later wins, as in one file.
+        name: The files, for messages.
+
+    Returns:
+        The parameters of each controller, `type` among them, by name, and those of
+        every other node, by its name.
+
+    Raises:
+        ConfigError: A node has no parameters, or parameters of a controller do not fit
+            its type.
+    """
+    nodes = [node for values in files for node in _nodes(values, (), name)]
+    found: dict[tuple[str, ...], Values] = {}
+    for path, params in nodes:
+        own = {"": params} if isinstance(params.get("type"), str) else {}
+        is_manager = path[-1] == _MANAGER
+        # A pattern for a whole namespace has no namespace of its own.
+        space = tuple(part for part in path[:-1] if "*" not in part)
+        for key, value in params.items() if is_manager else own.items():
+            if isinstance(value, dict) and _is_type(value.get("type")):
+                place = (*space, key or path[-1])
+                found[place] = {**found.get(place, {}), "type": value["type"]}
+    for place, params in found.items():
+        for path, more in nodes:
+            if _fits(path, place):
+                _merge(params, more)
+    last = [place[-1] for place in found]
+    controllers = {
+        place[-1] if last.count(place[-1]) == 1 else "_".join(place): translate(
+            params, f"{name}: {'/'.join(place)}"
+        )
+        for place, params in found.items()
+    }
+    used = {path for path, _ in nodes for place in found if _fits(path, place)}
+    others = {
+        path[-1]: params
+        for path, params in nodes
+        if path not in used and "*" not in path[-1]
+    }
+    return controllers, others
+
+
+def _nodes(
+    values: Mapping[str, object], path: tuple[str, ...], name: str
+) -> Iterator[tuple[tuple[str, ...], Values]]:
+    for key, value in values.items():
+        place = (*path, *(part for part in str(key).split("/") if part))
+        if key == _KEY:
+            if not isinstance(value, dict):
+                raise ConfigError(
+                    [f"{name}: /{'/'.join(path)}/{_KEY} is {show(value)}."],
+                    remedy="Write the parameters of the node below it.",
+                )
+            yield path or ("**",), _nested(value)
+        elif isinstance(value, Mapping):
+            yield from _nodes(value, place, name)
+
+
+def _nested(values: Mapping[str, object]) -> Values:
+    """Return values in which `a.b: 1` is `a: {b: 1}`."""
+    result: Values = {}
+    for key, value in values.items():
+        inner = _nested(value) if isinstance(value, dict) else value
+        for part in reversed(str(key).split(".")):
+            inner = {part: inner}
+        _merge(result, inner)  # type: ignore[arg-type]  # a key has at least one part
+    return result
+
+
+def _merge(into: Values, more: Values) -> None:
+    for key, value in more.items():
+        before = into.get(key)
+        if isinstance(before, dict) and isinstance(value, dict):
+            into[key] = dict(before)
+            _merge(into[key], value)
+        else:
+            into[key] = value
+
+
+def _fits(pattern: tuple[str, ...], path: tuple[str, ...]) -> bool:
+    if not pattern or not path:
+        return pattern in {(), ("**",)} and not path
+    if pattern[0] == "**":
+        return _fits(pattern[1:], path) or _fits(pattern, path[1:])
+    return pattern[0] in {"*", path[0]} and _fits(pattern[1:], path[1:])
+
+
+def _is_type(value: object) -> bool:
+    return isinstance(value, str) and _TYPE.fullmatch(value) is not None
+
+
+def translate(params: Values, place: str) -> Values:
+    """Return the parameters of a controller under the station's type and names.
+
+    A type that the station has under the same name, or that it does not have, stays.
+
+    Args:
+        params: The parameters, `type` among them.
+        place: Where they are, for messages.
+
+    Raises:
+        ConfigError: The commanded interfaces fit no controller of the station.
+    """
+    change = _TRANSLATIONS.get(str(params["type"]))
+    return dict(params) if change is None else change(dict(params), place)
+
+
+_KINDS = {
+    ("position",): "position_controllers",
+    ("velocity",): "velocity_controllers",
+    ("effort",): "effort_controllers",
+    ("position", "velocity"): "pos_vel_controllers",
+    ("position", "velocity", "acceleration"): "pos_vel_acc_controllers",
+}
+
+
+def _kind(interfaces: object, place: str) -> str:
+    if isinstance(interfaces, list):
+        kind = _KINDS.get(tuple(map(str, interfaces)))
+        if kind is not None:
+            return kind
+    known = "; ".join(", ".join(each) for each in _KINDS)
+    raise ConfigError(
+        [f"{place}: the commanded interfaces are {show(interfaces)}."],
+        remedy=f"Command one of these: {known}.",
+    )
+
+
+def _trajectory(params: Values, place: str) -> Values:
+    kind = _kind(params.pop("command_interfaces", None), place)
+    params["type"] = f"{kind}/JointTrajectoryController"
+    params.pop("state_interfaces", None)
+    joints = params.pop("command_joints", None) or params.get("joints")
+    params["joints"] = joints
+    # One of two places has the gain of the desired velocity.
+    for joint, gains in (params.get("gains") or {}).items():
+        scale = gains.pop("ff_velocity_scale", None)
+        if scale is not None:
+            params.setdefault("velocity_ff", {})[joint] = scale
+    return params
+
+
+def _forward(params: Values, place: str) -> Values:
+    kind = _kind([params.pop("interface_name", None)], place)
+    quantity = kind.partition("_")[0].title()
+    params["type"] = f"{kind}/JointGroup{quantity}Controller"
+    return params
+
+
+def _joint_states(params: Values, place: str) -> Values:  # noqa: ARG001 - as the others
+    params["type"] = "joint_state_controller/JointStateController"
+    params.setdefault("publish_rate", 50.0)
+    # In ROS 2 no joints stand for all.
+    if not params.get("joints"):
+        params.pop("joints", None)
+    return params
+
+
+def _imu(params: Values, place: str) -> Values:  # noqa: ARG001 - as the others
+    params["type"] = "imu_sensor_controller/ImuSensorController"
+    params.setdefault("publish_rate", 50.0)
+    return params
+
+
+def _diff_drive(params: Values, place: str) -> Values:  # noqa: ARG001 - as the others
+    for side in ("left", "right"):
+        if f"{side}_wheel_names" in params:
+            params[f"{side}_wheel"] = params.pop(f"{side}_wheel_names")
+    if "publish_limited_velocity" in params:
+        params["publish_cmd"] = params.pop("publish_limited_velocity")
+    # A limit that is a number is on; in ros_control a flag tells that.
+    for part in (params.get("linear", {}).get("x"), params.get("angular", {}).get("z")):
+        for kind in ("velocity", "acceleration", "jerk") if part else ():
+            if f"max_{kind}" in part:
+                part.setdefault(f"has_{kind}_limits", True)
+    return params
+
+
+_TRANSLATIONS: Mapping[str, Callable[[Values, str], Values]] = {
+    "joint_trajectory_controller/JointTrajectoryController": _trajectory,
+    "forward_command_controller/ForwardCommandController": _forward,
+    "joint_state_broadcaster/JointStateBroadcaster": _joint_states,
+    "imu_sensor_broadcaster/IMUSensorBroadcaster": _imu,
+    "diff_drive_controller/DiffDriveController": _diff_drive,
+}

@@ -1,0 +1,394 @@
+"""Let an arm whose joints are controlled give way to forces at its sensor.
+
+Source: ros2_controllers@4.x admittance_controller/src/admittance_controller.cpp,
+admittance_controller_parameters.yaml.
+"""
+
+from collections.abc import Mapping, Sequence
+from math import inf, sqrt
+from typing import ClassVar
+
+from typing_extensions import override
+
+from station.controllers.admittance_controller.admittance_rule import AdmittanceRule
+from station.controllers.admittance_controller.chains_of_frames import chain_to
+from station.controllers.set_point_controller import (
+    JOINTS,
+    ControlledJoints,
+    JointQuantity,
+    read_joint_names,
+)
+from station.core.control.chainable_controller import ChainableController, Reference
+from station.core.control.controller import ControllerSample
+from station.core.control.tunables import Tunable, Tunables
+from station.core.declared_parameter import DeclaredParameter, ParameterType
+from station.core.description.robot_description import (
+    ROBOT_DESCRIPTION,
+    require_robot_description,
+)
+from station.core.description.urdf_parser import parse_urdf
+from station.core.errors import ControllerLoadError
+from station.core.hardware.interfaces import (
+    ForceTorqueSensorInterface,
+    JointGroup,
+    PositionJointInterface,
+    VelocityJointInterface,
+)
+from station.core.hardware.robot_hw import RobotHW
+from station.core.numerics.joint_chain import JointChain
+from station.core.parameters import Parameters
+from station.core.ports.set_point import (
+    ActiveSetPoint,
+    SetPointElement,
+    SetPointPort,
+    TimeoutAction,
+)
+from station.memory.doubles import doubles, put, zeros
+
+_AXES = ("x", "y", "z", "rx", "ry", "rz")
+
+
+def _text(name: str, description: str) -> DeclaredParameter:
+    return DeclaredParameter(
+        name=name, type=ParameterType.STRING, description=description
+    )
+
+
+def _numbers(
+    name: str, text: str, size: int, least: float, most: float = inf
+) -> DeclaredParameter:
+    return DeclaredParameter(
+        name=name,
+        type=ParameterType.NUMBERS,
+        size=size,
+        minimum=least,
+        maximum=most,
+        description=text,
+    )
+
+
+def _number(
+    name: str, text: str, default: float, unit: str = "", most: float = inf
+) -> DeclaredParameter:
+    return DeclaredParameter(
+        name=name,
+        type=ParameterType.NUMBER,
+        unit=unit,
+        default=default,
+        minimum=0.0,
+        maximum=most,
+        description=text,
+    )
+
+
+_COMMANDS = DeclaredParameter(
+    name="command_interfaces",
+    type=ParameterType.STRINGS,
+    description="what is commanded: `position` or `velocity`",
+)
+_REFERENCES = DeclaredParameter(
+    name="chainable_command_interfaces",
+    type=ParameterType.STRINGS,
+    default=("position", "velocity"),
+    description="the references: `position`, or `position` and `velocity`",
+)
+_BASE = _text("kinematics/base", "the link that carries the arm")
+_TIP = _text("kinematics/tip", "the link at the end of the arm")
+_ALPHA = _number("kinematics/alpha", "damping of the inverse of the Jacobian", 0.01)
+_SENSOR = _text("ft_sensor/name", "the force-torque sensor")
+_SENSOR_FRAME = _text("ft_sensor/frame/id", "the link in whose frame it measures")
+_SMOOTHING = _number(
+    "ft_sensor/filter_coefficient",
+    "share of a new measurement in the force",
+    0.05,
+    most=1.0,
+)
+_CONTROL_FRAME = _text("control/frame/id", "the link whose axes the rule has")
+_WORLD_FRAME = _text("fixed_world_frame/frame/id", "a link whose z axis points upwards")
+_CENTRE_FRAME = _text(
+    "gravity_compensation/frame/id", "the link in whose frame the centre of gravity is"
+)
+_CENTRE = DeclaredParameter(
+    name="gravity_compensation/CoG/pos",
+    type=ParameterType.NUMBERS,
+    unit="m",
+    size=3,
+    description="centre of gravity of what the sensor carries",
+)
+_WEIGHT = _number(
+    "gravity_compensation/CoG/force", "weight of what the sensor carries", 0.0, "N"
+)
+_SELECTED = DeclaredParameter(
+    name="admittance/selected_axes",
+    type=ParameterType.NUMBERS,
+    description="which axes give way, x y z rx ry rz: booleans",
+)
+_MASS = _numbers("admittance/mass", "masses [kg, kg m^2]", 6, 1e-4, 1e6)
+_RATIO = _numbers("admittance/damping_ratio", "damping ratios", 6, 0.0)
+_STIFFNESS = _numbers("admittance/stiffness", "stiffnesses [N/m, Nm/rad]", 6, 0.0, 1e8)
+_JOINT_DAMPING = _number(
+    "admittance/joint_damping", "damping of the joints' way", 5.0, "1/s"
+)
+_TUNED = {
+    "mass": Tunable("kg, kg m^2", 1e-4, 1000.0, "mass"),
+    "damping_ratio": Tunable("", 0.0, 10.0, "damping ratio"),
+    "stiffness": Tunable("N/m, Nm/rad", 0.0, 10_000.0, "stiffness"),
+    "selected_axes": Tunable("", 0.0, 1.0, "1: the axis gives way to a force"),
+}
+
+
+class AdmittanceController(ChainableController):
+    """Moves joints from their references as a force moves a mass on a spring.
+
+    The references `<joint>/position` and `<joint>/velocity` come from a preceding
+    controller, or from set-points. `admittance_rule` has the formulas.
+
+    Source:
+        AdmittanceController; differs: one interface is commanded, because a joint
+        follows one; the plug-in of kinematics is the station's own; the fixed world
+        frame is fixed to the base.
+    """
+
+    required_interfaces: ClassVar[tuple[type, ...]] = (ForceTorqueSensorInterface,)
+    optional_interfaces: ClassVar[tuple[type, ...]] = (
+        PositionJointInterface,
+        VelocityJointInterface,
+    )
+    accepted_parameters: ClassVar[tuple[str, ...]] = (
+        "state_interfaces",
+        "command_joints",
+        "kinematics/plugin_name",
+        "kinematics/plugin_package",
+        "enable_parameter_update_without_reactivation",
+        "robot_description",
+        "robot_base_frame",
+        "state_publish_rate",
+    )
+
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        return (
+            *super().declared_parameters(),
+            JOINTS,
+            _COMMANDS,
+            _REFERENCES,
+            _BASE,
+            _TIP,
+            _ALPHA,
+            _SENSOR,
+            _SENSOR_FRAME,
+            _SMOOTHING,
+            _CONTROL_FRAME,
+            _WORLD_FRAME,
+            _CENTRE_FRAME,
+            _CENTRE,
+            _WEIGHT,
+            _SELECTED,
+            _MASS,
+            _RATIO,
+            _STIFFNESS,
+            _JOINT_DAMPING,
+        )
+
+    @override
+    def init(self, hw: RobotHW, params: Parameters) -> None:
+        self.joint_names = read_joint_names(params)
+        sensors: ForceTorqueSensorInterface | None = hw.get(ForceTorqueSensorInterface)
+        commanded = _COMMANDS.read_str_list(params)
+        kinds = {"position": PositionJointInterface, "velocity": VelocityJointInterface}
+        if len(commanded) != 1 or commanded[0] not in kinds:
+            _COMMANDS.refuse(params, commanded, "[position] or [velocity]")
+        self._commands_positions = commanded == ["position"]
+        joints = hw.get(kinds[commanded[0]])
+        # There are sensors: the manager has looked. It is for the type checker.
+        if joints is None or sensors is None:
+            raise ControllerLoadError(
+                f"The robot has no joints that take a {commanded[0]}.",
+                remedy="Choose another of the `command_interfaces`.",
+            )
+        self._sensor = sensors.get_handle(_SENSOR.read_str(params))
+        self._handles = [joints.get_handle(name) for name in self.joint_names]
+        self._joints = ControlledJoints(JointGroup(self._handles))
+        self._make_rule(params)
+        self._make_references(params)
+        self._read_tunables(params)
+
+    @override
+    def on_export_reference_interfaces(self) -> Sequence[Reference]:
+        position = [
+            Reference(f"{name}/position", self._q_ref, k, handle.get_position)
+            for k, (name, handle) in enumerate(
+                zip(self.joint_names, self._handles, strict=True)
+            )
+        ]
+        velocity = [
+            Reference(f"{name}/velocity", self._dq_ref, k)
+            for k, name in enumerate(self.joint_names)
+        ]
+        return position + velocity if self._has_velocities else position
+
+    @override
+    def on_set_chained_mode(self, chained_mode: bool) -> bool:
+        # A set-point from before the chain must not come back after it.
+        if not chained_mode:
+            self._active.start_at_rest()
+        return True
+
+    @override
+    def starting(self, time: float) -> None:
+        self._joints.read()
+        self._rule.reset()
+        self._active.start_at_rest()
+        put(self._q_ref, self._joints.positions)
+        put(self._dq_ref, [0.0] * len(self.joint_names))
+
+    @override
+    def update_reference_from_subscribers(self, time: float, period: float) -> None:
+        put(self._q_ref, self._active.newest())
+        rates = self._active.desired_rates if self._active.has_rates else None
+        put(self._dq_ref, rates or [0.0] * len(self.joint_names))
+
+    @override
+    def update_and_write_commands(self, time: float, period: float) -> None:
+        rule, joints = self._rule, self._joints
+        joints.read()
+        wrench = self._sensor.get_force() + self._sensor.get_torque()
+        if self._sensor.is_reaction:
+            wrench = [-value for value in wrench]
+        put(rule.wrench, wrench)
+        rule.compute_motion(joints.positions, self._q_ref, period)
+        references, way = self._q_ref, rule.positions
+        if not self._commands_positions:
+            references, way = self._dq_ref, rule.velocities
+        commands = [a + b for a, b in zip(references, way, strict=True)]
+        put(joints.commands, commands)
+        joints.write()
+        self.sample = ControllerSample(
+            time, [*self._q_ref], [*joints.positions], [*rule.positions], commands
+        )
+
+    @override
+    def published(self) -> Mapping[str, Mapping[str, object]]:
+        """Return the topic `state`: force, way and velocity in the axes of the base.
+
+        Source:
+            control_msgs@5.x msg/AdmittanceControllerState.msg.
+        """
+        if self.sample is None:
+            return {}
+        rule = self._rule
+        message: dict[str, object] = {
+            "stamp": self.sample.stamp,
+            "wrench_base": [*rule.force],
+            "admittance_position": [*rule.error],
+            "admittance_velocity": [*rule.velocity],
+            "joint_positions": [*rule.positions],
+            "joint_velocities": [*rule.velocities],
+            "joint_accelerations": [*rule.accelerations],
+        }
+        return {"state": message}
+
+    def _make_rule(self, params: Parameters) -> None:
+        urdf = parse_urdf(str(params.tree.get(ROBOT_DESCRIPTION)))
+        base, names = _BASE.read_str(params), self.joint_names
+
+        def chain(frame: DeclaredParameter) -> JointChain:
+            return chain_to(urdf, base, frame.read_str(params), names)
+
+        chain(_TIP)
+        self._rule = rule = AdmittanceRule(
+            len(names),
+            chain(_SENSOR_FRAME),
+            chain(_SENSOR_FRAME),
+            chain(_CONTROL_FRAME),
+            chain(_CENTRE_FRAME),
+        )
+        world = chain(_WORLD_FRAME)
+        if world.count:
+            _WORLD_FRAME.refuse(
+                params, _WORLD_FRAME.read_str(params), "a link fixed to the base"
+            )
+        world.place(zeros(len(names)))
+        self._upwards = doubles(world.pose[8:11])
+        rule.inverse_damping = _ALPHA.read_float(params)
+        rule.smoothing = _SMOOTHING.read_float(params)
+        put(rule.centre_of_gravity, _CENTRE.read_float_list(params))
+
+    def _make_references(self, params: Parameters) -> None:
+        kinds = _REFERENCES.read_str_list(params)
+        if kinds not in (["position"], ["position", "velocity"]):
+            _REFERENCES.refuse(params, kinds, "[position] or [position, velocity]")
+        self._has_velocities = len(kinds) > 1
+        self._q_ref = zeros(len(self.joint_names))
+        self._dq_ref = zeros(len(self.joint_names))
+        description = require_robot_description(params)
+        joints = [description.joint(name) for name in self.joint_names]
+        ports = [
+            [
+                SetPointElement(each.name, kind.unit(each), *kind.range(each))
+                for each in joints
+            ]
+            for kind in (JointQuantity.POSITION, JointQuantity.VELOCITY)
+        ]
+        self.set_points = SetPointPort(ports[0])
+        self.set_points.feed_forward = ports[1]
+        self._active = ActiveSetPoint(
+            self.set_points,
+            TimeoutAction.HOLD,
+            ", ".join(self.joint_names),
+            lambda: [*self._joints.positions],
+        )
+
+    def _read_tunables(self, params: Parameters) -> None:
+        lists = {
+            "mass": _MASS.read_float_list(params),
+            "damping_ratio": _RATIO.read_float_list(params),
+            "stiffness": _STIFFNESS.read_float_list(params),
+            "selected_axes": _read_selected(params),
+        }
+        schema, values = {}, {}
+        for key, numbers in lists.items():
+            tunable = _TUNED[key]
+            for axis, value in zip(_AXES, numbers, strict=True):
+                schema[f"{key}/{axis}"] = Tunable(
+                    tunable.unit,
+                    tunable.minimum,
+                    max(tunable.maximum, value),
+                    tunable.description,
+                )
+                values[f"{key}/{axis}"] = value
+        for name, declared, most in (
+            ("joint_damping", _JOINT_DAMPING, 100.0),
+            ("tool_weight", _WEIGHT, 200.0),
+        ):
+            value = declared.read_float(params)
+            schema[name] = Tunable(
+                declared.unit, 0.0, max(most, value), declared.description
+            )
+            values[name] = value
+        self.tunables = Tunables(schema, values, apply=self._apply)
+        self._apply(values)
+
+    def _apply(self, values: Mapping[str, float]) -> None:
+        rule = self._rule
+        for k, axis in enumerate(_AXES):
+            mass, stiffness = values[f"mass/{axis}"], values[f"stiffness/{axis}"]
+            rule.inverse_mass[k] = 1.0 / mass
+            rule.stiffness[k] = stiffness
+            ratio = values[f"damping_ratio/{axis}"]
+            rule.damping[k] = 2.0 * ratio * sqrt(mass * stiffness)
+            rule.selected[k] = values[f"selected_axes/{axis}"]
+        rule.joint_damping = values["joint_damping"]
+        put(rule.weight, [-values["tool_weight"] * part for part in self._upwards])
+
+
+def _read_selected(params: Parameters) -> list[float]:
+    found = params.get(_SELECTED.name)
+    if (
+        not isinstance(found, list)
+        or len(found) != len(_AXES)
+        or not all(isinstance(each, bool) for each in found)
+    ):
+        _SELECTED.refuse(params, found, "a list of 6 booleans")
+    return [float(each) for each in found]

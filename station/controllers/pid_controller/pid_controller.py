@@ -1,0 +1,417 @@
+"""Compute commands from references by one PID for each degree of freedom.
+
+Source: ros2_controllers@4.x pid_controller/src/pid_controller.cpp, pid_controller.yaml.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from math import inf, nan, sqrt
+from typing import ClassVar
+
+from typing_extensions import override
+
+from station.controllers.pid_controller.saturating_pids import (
+    STRATEGIES,
+    SaturatingPids,
+)
+from station.controllers.set_point_controller import ControlledJoints, JointQuantity
+from station.core.control.chainable_controller import (
+    ChainableController,
+    ExportedState,
+    Reference,
+)
+from station.core.control.controller import ControllerSample
+from station.core.control.tunables import Tunable, Tunables
+from station.core.declared_parameter import (
+    EACH_JOINT,
+    DeclaredParameter,
+    NameKind,
+    ParameterType,
+)
+from station.core.description.robot_description import (
+    JointDescription,
+    find_robot_description,
+)
+from station.core.errors import ControllerLoadError
+from station.core.hardware.interfaces import (
+    EffortJointInterface,
+    JointCommandInterface,
+    JointHandle,
+    JointStateGroup,
+    JointStateInterface,
+    PositionJointInterface,
+    VelocityJointInterface,
+)
+from station.core.hardware.robot_hw import RobotHW
+from station.core.numerics.joint_errors import CONTINUOUS, PLAIN, JointErrors
+from station.core.parameters import Parameters
+from station.core.ports.set_point import (
+    ActiveSetPoint,
+    SetPointElement,
+    SetPointPort,
+    TimeoutAction,
+)
+from station.memory.doubles import put, zeros
+
+_INTERFACES: Mapping[str, type[JointCommandInterface]] = {
+    "position": PositionJointInterface,
+    "velocity": VelocityJointInterface,
+    "effort": EffortJointInterface,
+}
+_DERIVATIVES = (("position",), ("velocity",), ("effort",), ("position", "velocity"))
+_DOF_NAMES = DeclaredParameter(
+    name="dof_names",
+    type=ParameterType.STRINGS,
+    names=NameKind.JOINT,
+    description="what is commanded: joints, or references `controller/joint`",
+)
+_STATE_NAMES = DeclaredParameter(
+    name="reference_and_state_dof_names",
+    type=ParameterType.STRINGS,
+    names=NameKind.JOINT,
+    default_text="dof_names",
+    description="the joints that are measured and have references",
+)
+_COMMAND = DeclaredParameter(
+    name="command_interface",
+    type=ParameterType.STRING,
+    choices=tuple(_INTERFACES),
+    description="what is commanded: `position`, `velocity` or `effort`",
+)
+_MEASURED = DeclaredParameter(
+    name="reference_and_state_interfaces",
+    type=ParameterType.STRINGS,
+    description="what is compared: one interface, or `position` and `velocity`",
+)
+_EXTERNAL = DeclaredParameter(
+    name="use_external_measured_states",
+    type=ParameterType.BOOLEAN,
+    default=False,
+    description="must be false: there is no topic of measured values",
+)
+_FEEDS_FORWARD = DeclaredParameter(
+    name="enable_feedforward",
+    type=ParameterType.BOOLEAN,
+    default=False,
+    description="whether references times feedforward_gain are added to the commands",
+)
+
+
+def _gain(
+    name: str,
+    text: str,
+    default: float | None = 0.0,
+    default_text: str = "",
+    unit: str = "",
+) -> DeclaredParameter:
+    return DeclaredParameter(
+        name=f"gains/{EACH_JOINT}/{name}",
+        type=ParameterType.NUMBER,
+        unit=unit,
+        default=default,
+        default_text=default_text,
+        description=text,
+    )
+
+
+_P = _gain("p", "proportional gain")
+_I = _gain("i", "integral gain")
+_D = _gain("d", "derivative gain")
+_FORWARD = _gain(
+    "feedforward_gain", "factor of the reference, or of its rate if it has one"
+)
+_PART_MAX = _gain("i_clamp_max", "upper bound of the integral part of `legacy`")
+_PART_MIN = _gain("i_clamp_min", "lower bound of the integral part of `legacy`")
+_MAX = _gain("u_clamp_max", "upper bound of the command", None, "none")
+_MIN = _gain("u_clamp_min", "lower bound of the command", None, "none")
+_TRACKING = _gain(
+    "tracking_time_constant",
+    "time in which `back_calculation` draws the integral part back",
+    None,
+    "sqrt(d / i), or p / i without d",
+    unit="s",
+)
+_DEADBAND = _gain("error_deadband", "errors that are not integrated")
+_ANTIWINDUP = DeclaredParameter(
+    name=f"gains/{EACH_JOINT}/antiwindup",
+    type=ParameterType.BOOLEAN,
+    default=False,
+    description="whether `legacy` bounds the integral itself",
+)
+_WRAPS = DeclaredParameter(
+    name=f"gains/{EACH_JOINT}/angle_wraparound",
+    type=ParameterType.BOOLEAN,
+    default=False,
+    description="whether the error is the shorter way round",
+)
+_STRATEGY = DeclaredParameter(
+    name=f"gains/{EACH_JOINT}/antiwindup_strategy",
+    type=ParameterType.STRING,
+    default_text="legacy with i_clamp, else none",
+    description="`none`, `legacy`, `back_calculation` or `conditional_integration`",
+)
+_GAINS = (
+    _P,
+    _I,
+    _D,
+    _FORWARD,
+    _PART_MAX,
+    _PART_MIN,
+    _MAX,
+    _MIN,
+    _TRACKING,
+    _DEADBAND,
+    _ANTIWINDUP,
+    _WRAPS,
+    _STRATEGY,
+)
+_TUNED = {
+    "p": Tunable("", 0.0, 10_000.0, _P.description),
+    "i": Tunable("", 0.0, 10_000.0, _I.description),
+    "d": Tunable("", 0.0, 1_000.0, _D.description),
+    "feedforward_gain": Tunable("", 0.0, 1_000.0, _FORWARD.description),
+}
+
+
+@dataclass(slots=True)
+class _Ports:
+    """The measured joints, and where the commands go."""
+
+    joints: ControlledJoints
+    commanded: list[JointHandle]
+
+
+class PidController(ChainableController):
+    """Commands the output of PIDs for the errors of references.
+
+    The references `<joint>/<interface>` come from a preceding controller, or from
+    set-points: values of the first interface, with `rates` for the second. The
+    controller exports the measured values under the same names. A start takes the
+    measured positions for the references, and 0 for velocities and efforts.
+
+    Source:
+        PidController; differs: a reference that nobody commands is rest and not NaN;
+        `use_external_measured_states` is refused; references beyond the limits of the
+        robot description are refused as set-points.
+    """
+
+    optional_interfaces: ClassVar[tuple[type, ...]] = (
+        *_INTERFACES.values(),
+        JointStateInterface,
+    )
+    accepted_parameters: ClassVar[tuple[str, ...]] = ("export_params",)
+
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        return (
+            *super().declared_parameters(),
+            _DOF_NAMES,
+            _STATE_NAMES,
+            _COMMAND,
+            _MEASURED,
+            _EXTERNAL,
+            _FEEDS_FORWARD,
+            *_GAINS,
+        )
+
+    @override
+    def init(self, hw: RobotHW, params: Parameters) -> None:
+        commanded = _DOF_NAMES.read_str_list(params)
+        self.joint_names = _STATE_NAMES.read_str_list(params, commanded)
+        if not commanded or len(self.joint_names) != len(commanded):
+            _DOF_NAMES.refuse(params, commanded, "one name for each measured joint")
+        if _EXTERNAL.read_bool(params):
+            raise ControllerLoadError(
+                "The controller cannot take measured values from a topic.",
+                remedy="Leave `use_external_measured_states` out, or set it to false.",
+            )
+        self._kinds = tuple(_MEASURED.read_str_list(params))
+        if self._kinds not in _DERIVATIVES:
+            _MEASURED.refuse(
+                params, list(self._kinds), "one interface, or position and velocity"
+            )
+        command = _COMMAND.read_str(params)
+        states = _require(hw, JointStateInterface)
+        commands = _require(hw, _INTERFACES[command])
+        self._ports = _Ports(
+            ControlledJoints(
+                JointStateGroup([states.get_handle(n) for n in self.joint_names])
+            ),
+            [commands.get_handle(name) for name in commanded],
+        )
+        quantities = [JointQuantity(kind) for kind in self._kinds]
+        self._measured = [each.measured(self._ports.joints) for each in quantities]
+        self._references = [zeros(len(commanded)) for _ in quantities]
+        self._exported = [zeros(len(commanded)) for _ in quantities]
+        self._pids = SaturatingPids(len(commanded))
+        self._make_port(params, quantities)
+        self._read_gains(params, commanded)
+
+    @override
+    def on_export_reference_interfaces(self) -> Sequence[Reference]:
+        return [
+            Reference(f"{name}/{kind}", references, k, self._rest_of(n, k))
+            for n, (kind, references) in enumerate(
+                zip(self._kinds, self._references, strict=True)
+            )
+            for k, name in enumerate(self.joint_names)
+        ]
+
+    @override
+    def on_export_state_interfaces(self) -> Sequence[ExportedState]:
+        return [
+            ExportedState(f"{name}/{kind}", exported, k)
+            for kind, exported in zip(self._kinds, self._exported, strict=True)
+            for k, name in enumerate(self.joint_names)
+        ]
+
+    @override
+    def on_set_chained_mode(self, chained_mode: bool) -> bool:
+        # A set-point from before the chain must not come back after it.
+        if not chained_mode:
+            self._active.start_at_rest()
+        return True
+
+    @override
+    def starting(self, time: float) -> None:
+        self._ports.joints.read()
+        self._pids.reset()
+        self._active.start_at_rest()
+        for n, references in enumerate(self._references):
+            put(references, self._rest(n))
+
+    @override
+    def update_reference_from_subscribers(self, time: float, period: float) -> None:
+        put(self._references[0], self._active.newest())
+        if len(self._references) > 1:
+            rates = self._active.desired_rates if self._active.has_rates else None
+            put(self._references[1], rates or self._rest(1))
+
+    @override
+    def update_and_write_commands(self, time: float, period: float) -> None:
+        pids, references = self._pids, self._references
+        self._ports.joints.read()
+        self._errors.compare()
+        if len(references) > 1:
+            for k in range(pids.size):
+                pids.rates[k] = references[1][k] - self._measured[1][k]
+        share = self.tunables.values["enable_feedforward"]
+        for k in range(pids.size):
+            pids.forward[k] = share * pids.f[k] * references[-1][k]
+        pids.compute_commands(period, len(references) > 1)
+        commands = [*pids.commands]
+        for handle, value in zip(self._ports.commanded, commands, strict=True):
+            handle.set_command(value)
+        for exported, measured in zip(self._exported, self._measured, strict=True):
+            put(exported, measured)
+        self.sample = ControllerSample(
+            time, [*references[0]], [*self._measured[0]], [*pids.errors], commands
+        )
+
+    def _rest(self, n: int) -> list[float]:
+        """Return the references of one interface at which the joints rest, (n,)."""
+        if self._kinds[n] == "position":
+            return [*self._measured[n]]
+        return [0.0] * len(self.joint_names)
+
+    def _rest_of(self, n: int, k: int) -> Callable[[], float]:
+        return lambda: self._rest(n)[k]
+
+    def _make_port(
+        self, params: Parameters, quantities: Sequence[JointQuantity]
+    ) -> None:
+        description = find_robot_description(params)
+        joints = [
+            JointDescription(name) if description is None else description.joint(name)
+            for name in self.joint_names
+        ]
+        elements = [
+            [
+                SetPointElement(each.name, kind.unit(each), *kind.range(each))
+                for each in joints
+            ]
+            for kind in quantities
+        ]
+        self.set_points = SetPointPort(elements[0])
+        if len(elements) > 1:
+            self.set_points.feed_forward = elements[1]
+        self._active = ActiveSetPoint(
+            self.set_points,
+            TimeoutAction.HOLD,
+            ", ".join(self.joint_names),
+            lambda: self._rest(0),
+        )
+
+    def _read_gains(self, params: Parameters, names: Sequence[str]) -> None:
+        pids = self._pids
+        self._errors = JointErrors(self._references[0], self._measured[0], pids.errors)
+        schema = {
+            "enable_feedforward": Tunable("", 0.0, 1.0, _FEEDS_FORWARD.description)
+        }
+        values = {"enable_feedforward": float(_FEEDS_FORWARD.read_bool(params))}
+        for k, name in enumerate(names):
+            pids.part_max[k] = _PART_MAX.of(name).read_float(params)
+            pids.part_min[k] = _PART_MIN.of(name).read_float(params)
+            pids.maximum[k] = _optional(_MAX.of(name), params, inf)
+            pids.minimum[k] = _optional(_MIN.of(name), params, -inf)
+            pids.deadband[k] = _DEADBAND.of(name).read_float(params)
+            pids.strategies[k] = STRATEGIES[_read_strategy(params, name)]
+            wraps = _WRAPS.of(name).read_bool(params)
+            self._errors.set_wrapping(k, CONTINUOUS if wraps else PLAIN, -inf, inf)
+            for key, gain in zip(_TUNED, (_P, _I, _D, _FORWARD), strict=True):
+                value = gain.of(name).read_float(params)
+                tunable = _TUNED[key]
+                schema[f"{name}/{key}"] = Tunable(
+                    tunable.unit,
+                    min(tunable.minimum, value),
+                    max(tunable.maximum, value),
+                    tunable.description,
+                )
+                values[f"{name}/{key}"] = value
+        self._tracking = [_optional(_TRACKING.of(name), params, nan) for name in names]
+        self._gain_names = list(names)
+        self.tunables = Tunables(schema, values, apply=self._apply)
+        self._apply(values)
+
+    def _apply(self, values: Mapping[str, float]) -> None:
+        pids = self._pids
+        for k, name in enumerate(self._gain_names):
+            p, i, d = (values[f"{name}/{key}"] for key in ("p", "i", "d"))
+            pids.p[k], pids.i[k], pids.d[k] = p, i, d
+            pids.f[k] = values[f"{name}/feedforward_gain"]
+            time = self._tracking[k]
+            if not time > 0.0 and i > 0.0:
+                time = sqrt(d / i) if d > 0.0 else p / i
+            # Without a time the integral part is drawn back in about a cycle.
+            pids.tracking[k] = time if time > 0.0 else 1e-3
+
+
+def _require(hw: RobotHW, kind: type) -> JointCommandInterface:
+    interface: JointCommandInterface | None = hw.get(kind)
+    if interface is None:
+        raise ControllerLoadError(
+            f"The robot has no interface '{kind.__name__}'.",
+            remedy=f"It offers: {', '.join(hw.get_names()) or 'none'}.",
+            details={"hardware_interface": kind.__name__},
+        )
+    return interface
+
+
+def _optional(declared: DeclaredParameter, params: Parameters, absent: float) -> float:
+    return declared.read_float(params) if params.has(declared.name) else absent
+
+
+def _read_strategy(params: Parameters, name: str) -> str:
+    clamps = params.has(_PART_MAX.of(name).name) or params.has(_PART_MIN.of(name).name)
+    antiwindup = _ANTIWINDUP.of(name).read_bool(params)
+    declared = _STRATEGY.of(name)
+    found = "legacy" if clamps or antiwindup else "none"
+    if params.has(declared.name):
+        found = params.get_str(declared.name)
+    if found == "legacy" and antiwindup:
+        found = "legacy with antiwindup"
+    if found not in STRATEGIES:
+        allowed = ", ".join(each for each in STRATEGIES if " " not in each)
+        declared.refuse(params, f"'{found}'", f"one of {allowed}")
+    return found

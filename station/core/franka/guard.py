@@ -1,0 +1,740 @@
+"""Slows the commands of an arm so that it can always stop clear of what is around it.
+
+The guard looks ahead to where the arm would come to rest if it braked now: along a line
+in the space of its joints, all of them stopping together with a share of their
+acceleration limits. A command passes unchanged while that line stays clear of every
+solid by its margin. Otherwise the command is scaled, so that the line ends where the
+first pair would come to its margin. A pair that is nearer already may only move apart.
+
+With other arms each keeps clear of where the other is and of where it would come to
+rest, so that both can stop whatever either of them does next.
+"""
+
+from collections.abc import Sequence
+from math import dist, hypot
+
+from station.core.franka.command_rates import limit_steps, limited
+from station.core.geometry.distances import MARGIN, ROW, Nearness, place_segments
+from station.core.numerics.arm_chain import new_links, place_links, zero_jacobian
+from station.core.numerics.rigid_motion import twist_between
+from station.memory.doubles import Doubles, Storage, doubles, indices, zeros
+from station.memory.functions import square_root
+
+_ROW, _MARGIN = ROW, MARGIN  # as C numbers, by the .pxd
+_FAR = 1e9
+PASSES, SLOWED, CANNOT_STOP = range(3)
+"""What becomes of a Cartesian command."""
+_PASSES, _SLOWED, _CANNOT_STOP = PASSES, SLOWED, CANNOT_STOP
+# Share of the acceleration limits with which the arm is to stop. The other half is for
+# turning the acceleration round, and for a line that bends towards a solid.
+_BRAKING_SHARE = 0.5
+# Share with which it stops when the command is given up.
+_HARDEST = 0.8
+# By how much a margin may be missed before a command is given up [m]: an arm that rests
+# at its margin trembles.
+_SLACK = 5e-4
+# Time for turning the acceleration round at the limits of jerk, and one cycle [s].
+_REACTION = 0.006
+# Largest way of any point of the arm between two poses that are compared [m].
+_STEP = 0.05
+_MOST_STEPS = 6
+_REFINEMENTS = 5
+# Share of the velocity limits with which an arm that was slowed catches up.
+_CATCH_UP = 0.25
+# A pair nearer than its margin may not come nearer by more than rounding [m].
+_ROUNDING = 1e-9
+# Share of the limits of acceleration at which a Cartesian command passes again, rate at
+# which its velocity is approached [1/s], share of the limits of joints that this may
+# use, and the square of the damping of the inverse kinematics.
+_EXIT = 0.1
+_APPROACH = 200.0
+_JOINT_SHARE = 0.4
+_SINGULAR = 1e-4
+# Repelling bound of torques: width in front of the margin [m], stiffness [N/m],
+# deceleration that allows a velocity towards a solid [m/s^2], and damping of what is
+# faster [N s/m].
+_ZONE = 0.015
+_STIFFNESS = 1500.0
+_SOFT_BRAKE = 2.0
+_DAMPING = 150.0
+
+
+class Guard:
+    """Watches one arm. Control thread only.
+
+    Args:
+        chain: The arm, see `arm_chain`.
+        capsules: Capsules of its links, 7 numbers each.
+        owners: Index of the link of each capsule.
+        names: Name of the link of each capsule.
+        memory: The arm's state by field: `q_d`, `dq_d`, `ddq_d`, `q`, `dq`, `tau_J_d`,
+            `O_T_EE_c`, `O_dP_EE_c` and `O_ddP_EE_c`.
+        velocity: Largest speeds [rad/s], shape (n,).
+        acceleration: Largest accelerations [rad/s^2].
+        jerk: Largest jerks [rad/s^3].
+        torque_step: Largest change of a torque in a cycle [Nm].
+        translation: Largest velocity and acceleration of the end effector, its
+            translation and then its rotation, shape (4,).
+        period: Duration of a cycle [s].
+
+    Attributes:
+        is_active: Whether there is anything to keep clear of.
+        is_slowing: Whether commands are slowed.
+        interventions: Number of cycles in which a command was changed.
+        distance: Distance of the nearest pair [m], by what it has over its margin.
+        pair: Number of the nearest pair: capsule times solids plus solid; -1 for none.
+        committed: Ends of all axes where the arm is, then where it would come to rest
+            [m], 12 numbers per capsule.
+    """
+
+    def __init__(
+        self,
+        chain: Doubles,
+        capsules: Sequence[float],
+        owners: Sequence[int],
+        names: Sequence[str],
+        memory: dict[str, Doubles],
+        *,
+        velocity: Sequence[float],
+        acceleration: Sequence[float],
+        jerk: Sequence[float],
+        torque_step: float,
+        translation: Sequence[float],
+        period: float,
+    ) -> None:
+        self.chain = chain
+        self.capsules = doubles(capsules)
+        self.owners = indices(owners)
+        self.count = len(owners)
+        self.size = size = len(chain) // 4 - 1
+        self.names = tuple(names)
+        self.things: tuple[str, ...] = ()
+        self.memory = memory
+        self.q_d, self.dq_d = memory["q_d"], memory["dq_d"]
+        self.ddq_d, self.q, self.dq = memory["ddq_d"], memory["q"], memory["dq"]
+        self.tau_J_d = memory["tau_J_d"]
+        self.last_pose, self.last_twist = memory["O_T_EE_c"], memory["O_dP_EE_c"]
+        self.last_change = memory["O_ddP_EE_c"]
+        self.velocity = doubles(velocity)
+        self.acceleration, self.jerk = doubles(acceleration), doubles(jerk)
+        self.torque_step, self.period = torque_step, period
+        self.translation = doubles(translation)
+        self.links = new_links(chain)
+        self.segments = zeros(6 * self.count)
+        self.committed = zeros(12 * self.count)
+        self.nearness = Nearness()
+        self.v, self.way, self.at = zeros(size), zeros(size), zeros(size)
+        self.twist, self.jacobian = zeros(6), zeros(6 * size)
+        self.matrix, self.rest = zeros(36), zeros(6)
+        self.push = zeros(size)
+        self.reach = doubles(self._reaches())
+        # Half of the axis and the radius: how far a capsule reaches from its middle.
+        self.extents = doubles(
+            0.5 * dist(self.capsules[k : k + 3], self.capsules[k + 3 : k + 6])
+            + self.capsules[k + 6]
+            for k in range(0, len(self.capsules), 7)
+        )
+        self.is_committing = False
+        self.slack = 0.0
+        self.neighbours: list[Guard] = []
+        self.arms: list[str] = []
+        self.places: list[Doubles] = []
+        self.set_scene([], [], [])
+
+    def _reaches(self) -> list[float]:
+        """Return how far a point behind each joint can be from its axis [m]."""
+        chain, far = self.chain, [0.0] * (self.size + 1)
+        for i in range(self.count):
+            k = 7 * i
+            one = self.capsules
+            end = max(
+                hypot(one[k], one[k + 1], one[k + 2]),
+                hypot(one[k + 3], one[k + 4], one[k + 5]),
+            )
+            link = self.owners[i]
+            far[link] = max(far[link], end + one[k + 6])
+        for joint in range(self.size - 2, -1, -1):
+            step = hypot(chain[4 * joint + 4], chain[4 * joint + 5])
+            far[joint] = max(far[joint], step + far[joint + 1])
+        return far[: self.size]
+
+    def set_scene(
+        self,
+        solids: Sequence[float],
+        triangles: Sequence[float],
+        things: Sequence[str],
+        arm_margin: float | None = None,
+    ) -> None:
+        """Keep clear of these solids from now on, and of no others.
+
+        Args:
+            solids: Rows of `distances` in the frame of the base.
+            triangles: Their triangles.
+            things: Their names.
+            arm_margin: Distance to keep from other arms [m]; None for any.
+        """
+        self.fixed = len(things)
+        self.arm_margin = arm_margin or 0.0
+        self.others = [] if arm_margin is None else self.neighbours
+        names = [
+            f"{arm} {name}"
+            for other, arm in zip(self.others, self.arms, strict=False)
+            for name in other.names
+            for _ in range(2)
+        ]
+        self.things = (*things, *names)
+        self.solid_count = len(self.things)
+        self.solids = doubles([*solids, *([0.0] * (ROW * len(names)))])
+        self.triangles = doubles(triangles or [0.0] * 9)
+        self.allowed = indices([1] * max(1, self.count * self.solid_count))
+        self.gaps = zeros(max(1, self.count * self.solid_count))
+        self.is_active = self.solid_count > 0
+        self.is_slowing = False
+        self.interventions = 0
+        self.distance, self.pair, self.blocking = _FAR, -1, -1
+        for i in range(self.size):
+            self.push[i] = 0.0
+        self.commit(self.q_d, 0.0)
+
+    def add_neighbour(self, other: "Guard", place: Doubles, arm: str) -> None:
+        """Make another arm known, which `set_scene` may let count.
+
+        Args:
+            other: The other arm's guard.
+            place: Pose of its base in the frame of this base, 16 numbers.
+            arm: Name of the other arm.
+        """
+        other.is_committing = True
+        self.neighbours.append(other)
+        self.places.append(place)
+        self.arms.append(arm)
+
+    def allow(self, solid: int, links: Sequence[str]) -> None:
+        """Let a solid count for some links alone.
+
+        Args:
+            solid: Number of the solid.
+            links: Names of the links.
+        """
+        for i, name in enumerate(self.names):
+            self.allowed[i * self.solid_count + solid] = int(name in links)
+
+    def margin_of(self, solid: int) -> float:
+        """Return the margin of a solid [m]."""
+        margin: float = self.solids[ROW * solid + MARGIN]
+        return margin
+
+    def reflex(self) -> str:
+        """Return why the arm was stopped, in words."""
+        pair = self.blocking
+        if pair < 0:
+            return "guard_reflex: too near"
+        capsule, solid = divmod(pair, self.solid_count)
+        margin = 1000.0 * self.margin_of(solid)
+        return (
+            f"guard_reflex: {self.names[capsule]} would have come nearer than "
+            f"{margin:.0f} mm to '{self.things[solid]}'"
+        )
+
+    def place_others(self) -> None:
+        """Bring the capsules of other arms up to date."""
+        row = self.fixed
+        for number in range(len(self.others)):
+            other = self.others[number]
+            place = self.places[number]
+            for i in range(2 * other.count):
+                put_capsule(
+                    self.solids[_ROW * row : _ROW * row + _ROW],
+                    place,
+                    other.committed[6 * i : 6 * i + 6],
+                    other.capsules[7 * (i // 2) + 6],
+                    self.arm_margin,
+                )
+                row += 1
+
+    def commit(self, q: Doubles, share: float) -> None:
+        """Note where the arm is and where it would come to rest.
+
+        Args:
+            q: Joint positions [rad], shape (n,).
+            share: Share of `way` on which it would.
+        """
+        if not self.is_committing:
+            return
+        self.put_places(q, 0.0, 0)
+        self.put_places(q, share, 6)
+
+    def put_places(self, q: Doubles, share: float, offset: int) -> None:
+        """Write the axes at a share of the way into `committed`."""
+        self.move(q, share)
+        for i in range(self.count):
+            for k in range(6):
+                self.committed[12 * i + offset + k] = self.segments[6 * i + k]
+
+    def move(self, q: Doubles, share: float) -> None:
+        """Place the axes of the capsules at a share of the way from a pose."""
+        for i in range(self.size):
+            self.at[i] = q[i] + share * self.way[i]
+        place_links(self.chain, self.at, self.links)
+        place_segments(self.capsules, self.owners, self.links, self.segments)
+
+    def bound(self, capsule: int, solid: int) -> float:
+        """Return a distance that a capsule and a solid have at least [m]."""
+        k, ends, o = 6 * capsule, self.segments, _ROW * solid
+        middle = self.nearness.of_row(
+            0.5 * (ends[k] + ends[k + 3]),
+            0.5 * (ends[k + 1] + ends[k + 4]),
+            0.5 * (ends[k + 2] + ends[k + 5]),
+            self.solids,
+            o,
+            self.triangles,
+        )
+        return self.solids[o + 17] * middle - self.extents[capsule]
+
+    def exact(self, capsule: int, solid: int) -> float:
+        """Return the distance of a capsule and a solid [m]."""
+        return self.nearness.to_row(
+            self.segments,
+            6 * capsule,
+            self.capsules[7 * capsule + 6],
+            self.solids,
+            _ROW * solid,
+            self.triangles,
+        )
+
+    def measure(self, q: Doubles, horizon: float) -> float:
+        """Measure all pairs at a pose, exactly where it matters; return the least gap.
+
+        A gap is what a distance has over its margin [m].
+
+        Args:
+            q: Joint positions [rad], shape (n,).
+            horizon: Gaps up to it are to be exact [m].
+        """
+        least = _FAR
+        self.move(q, 0.0)
+        # The last nearest pair first: it lets most of the others be passed over.
+        if self.pair >= 0:
+            capsule, solid = self.pair // self.solid_count, self.pair % self.solid_count
+            margin = self.solids[_ROW * solid + _MARGIN]
+            self.distance = self.exact(capsule, solid)
+            least = self.distance - margin
+        for capsule in range(self.count):
+            for solid in range(self.solid_count):
+                number = capsule * self.solid_count + solid
+                if not self.allowed[number]:
+                    self.gaps[number] = _FAR
+                    continue
+                margin = self.solids[_ROW * solid + _MARGIN]
+                gap = self.bound(capsule, solid) - margin
+                if gap <= least or gap <= horizon:
+                    gap = self.exact(capsule, solid) - margin
+                    if gap < least:
+                        least = gap
+                        self.distance, self.pair = gap + margin, number
+                self.gaps[number] = gap
+        return least
+
+    def blocked_at(self, q: Doubles, share: float) -> int:
+        """Return the first pair that is too near at a share of the way, or -1."""
+        self.move(q, share)
+        for capsule in range(self.count):
+            for solid in range(self.solid_count):
+                number = capsule * self.solid_count + solid
+                before = self.gaps[number]
+                if before > self.horizon:
+                    continue
+                allowed = before - _ROUNDING if before < 0.0 else 0.0
+                allowed -= self.slack
+                margin = self.solids[_ROW * solid + _MARGIN]
+                if self.bound(capsule, solid) - margin > allowed:
+                    continue
+                if self.exact(capsule, solid) - margin < allowed:
+                    return number
+        return -1
+
+    def free_share(self, q: Doubles) -> float:
+        """Return the share of `way`, 0 to 1, on which every pair keeps its margin.
+
+        Args:
+            q: Joint positions from which the way leads [rad], shape (n,).
+        """
+        length = 0.0
+        for i in range(self.size):
+            step = self.way[i]
+            length += self.reach[i] * (step if step > 0.0 else -step)
+        self.horizon = length
+        if self.others:
+            self.place_others()
+        if self.measure(q, length + _ZONE) > length:
+            return 1.0
+        steps = int(length / _STEP) + 1
+        if steps > _MOST_STEPS:
+            steps = _MOST_STEPS
+        low, high, found = 0.0, 1.0, -1
+        for step in range(1, steps + 1):
+            high = step / (1.0 * steps)
+            found = self.blocked_at(q, high)
+            if found >= 0:
+                self.blocking = found
+                break
+            low = high
+        if low >= 1.0:
+            return 1.0
+        for _ in range(_REFINEMENTS):
+            middle = 0.5 * (low + high)
+            if self.blocked_at(q, middle) >= 0:
+                high = middle
+            else:
+                low = middle
+        return low
+
+    def look_ahead(self, q: Doubles, longest: float, braking: float) -> float:
+        """Set `way` to where the arm stops from `v`; return how `v` may be scaled.
+
+        Args:
+            q: Joint positions [rad], shape (n,).
+            longest: Time that stopping takes at least [s].
+            braking: Share of the acceleration limits with which it stops.
+        """
+        time = longest
+        for i in range(self.size):
+            speed = self.v[i] if self.v[i] > 0.0 else -self.v[i]
+            speed /= braking * self.acceleration[i]
+            if speed > time:
+                time = speed
+        half = 0.5 * time
+        for i in range(self.size):
+            self.way[i] = self.v[i] * (half + _REACTION)
+        share = self.free_share(q)
+        scale = 1.0
+        if share < 1.0:
+            # half s^2 + reaction s = share (half + reaction)
+            room = share * (half + _REACTION)
+            scale = 2.0 * room
+            root = square_root(_REACTION * _REACTION + 4.0 * half * room)
+            scale /= root + _REACTION
+        self.commit(q, share)
+        return scale
+
+    def limit_positions(self, result: Storage) -> None:
+        """Slow positions that would lead too near; else leave them as they are.
+
+        Args:
+            result: The positions to send [rad], shape (n,); changed in place.
+        """
+        for i in range(self.size):
+            self.v[i] = (result[i] - self.q_d[i]) / self.period
+        if self.passes():
+            return
+        rate = 1.0 / self.period
+        # Behind the command: towards it so that the joints can stop there together.
+        for i in range(self.size):
+            way = result[i] - self.q_d[i]
+            way = way if way > 0.0 else -way
+            if way > 0.0:
+                most = _CATCH_UP * self.velocity[i] / way
+                soft = square_root(2.0 * _BRAKING_SHARE * self.acceleration[i] / way)
+                rate = most if most < rate else rate
+                rate = soft if soft < rate else rate
+        for i in range(self.size):
+            self.v[i] = (result[i] - self.q_d[i]) * rate
+        self.slow()
+        for i in range(self.size):
+            result[i] = self.q_d[i] + self.v[i] * self.period
+
+    def limit_velocities(self, result: Storage) -> None:
+        """Slow velocities that would lead too near; else leave them as they are.
+
+        Args:
+            result: The velocities to send [rad/s], shape (n,); changed in place.
+        """
+        for i in range(self.size):
+            self.v[i] = result[i]
+        if self.passes():
+            return
+        for i in range(self.size):
+            self.v[i] = result[i]
+        self.slow()
+        for i in range(self.size):
+            result[i] = self.v[i]
+
+    def passes(self) -> bool:
+        """Return whether the velocities `v` may be sent as they are."""
+        if self.is_slowing:
+            for i in range(self.size):
+                change = (self.v[i] - self.dq_d[i]) / self.period
+                jerk = (change - self.ddq_d[i]) / self.period
+                if (
+                    not -self.acceleration[i] <= change <= self.acceleration[i]
+                    or not -self.jerk[i] <= jerk <= self.jerk[i]
+                    or not -self.velocity[i] <= self.v[i] <= self.velocity[i]
+                ):
+                    return False
+        self.is_slowing = self.look_ahead(self.q_d, 0.0, _BRAKING_SHARE) < 1.0
+        return not self.is_slowing
+
+    def slow(self) -> None:
+        """Scale `v` so that the arm can stop in time, within the limits of joints."""
+        self.interventions += 1
+        scale = self.look_ahead(self.q_d, 0.0, _BRAKING_SHARE)
+        for i in range(self.size):
+            self.v[i] = limited(
+                scale * self.v[i],
+                self.dq_d[i],
+                self.ddq_d[i],
+                self.acceleration[i],
+                self.jerk[i],
+                -self.velocity[i],
+                self.velocity[i],
+                self.period,
+            )
+
+    def limit_pose(self, pose: Doubles) -> int:
+        """Write the twist that slowly leads to a pose to `twist`, if it is too fast.
+
+        Args:
+            pose: The pose to send, 16 numbers.
+
+        Returns:
+            `PASSES`, `SLOWED`, or `CANNOT_STOP` when the arm has to stop now.
+        """
+        twist_between(self.last_pose, pose, self.period, self.twist)
+        if self.twist_passes():
+            return _PASSES
+        rate, twist = 1.0, self.twist
+        for k in range(0, 6, 3):
+            size = square_root(
+                twist[k] * twist[k]
+                + twist[k + 1] * twist[k + 1]
+                + twist[k + 2] * twist[k + 2]
+            )
+            if size > 0.0:
+                j = 2 * (k // 3)
+                most = _CATCH_UP * self.translation[j] / size
+                soft = 2.0 * _BRAKING_SHARE * self.translation[j + 1]
+                soft = square_root(soft * size * self.period) / size
+                rate = most if most < rate else rate
+                rate = soft if soft < rate else rate
+        for k in range(6):
+            twist[k] = rate * twist[k]
+        return self.slow_twist()
+
+    def limit_twist(self, twist: Doubles) -> int:
+        """Write a slower twist to the guard's own one, if this one is too fast.
+
+        Args:
+            twist: The twist to send [m/s, rad/s], shape (6,).
+
+        Returns:
+            As for `limit_pose`.
+        """
+        for k in range(6):
+            self.twist[k] = twist[k]
+        if self.twist_passes():
+            return _PASSES
+        return self.slow_twist()
+
+    def twist_passes(self) -> bool:
+        """Return whether `twist` may be sent as it is."""
+        if self.is_slowing:
+            for k in range(6):
+                change = (self.twist[k] - self.last_twist[k]) / self.period
+                most = _EXIT * self.translation[1 if k < 3 else 3]
+                if not -most <= change <= most:
+                    return False
+        self.is_slowing = self.look_ahead_of_twist() < 1.0
+        return not self.is_slowing
+
+    def slow_twist(self) -> int:
+        """Scale `twist` so that the arm can stop in time, within the limits of joints.
+
+        The acceleration of the twist changes by as much as no joint's jerk exceeds.
+        Near a singular pose that may brake too little: then only the arm itself, joint
+        by joint, still stops in time.
+        """
+        self.interventions += 1
+        for i in range(self.size):
+            self.v[i] = self.dq_d[i]
+        self.slack = _SLACK
+        scale = self.look_ahead(self.q_d, 0.0, _HARDEST)
+        self.slack = 0.0
+        if scale < 1.0:
+            return _CANNOT_STOP
+        scale = self.look_ahead_of_twist()
+        last, twist, rest = self.last_twist, self.twist, self.rest
+        for k in range(6):
+            rest[k] = _APPROACH * (scale * twist[k] - last[k])
+        self.solve_joints()
+        share = self.share_within(self.acceleration, 1.0)
+        for k in range(6):
+            wanted = share * _APPROACH * (scale * twist[k] - last[k])
+            twist[k] = wanted
+            rest[k] = wanted - self.last_change[k]
+        self.solve_joints()
+        share = self.share_within(self.jerk, self.period)
+        for k in range(6):
+            change = self.last_change[k] + share * (twist[k] - self.last_change[k])
+            twist[k] = last[k] + change * self.period
+        return _SLOWED
+
+    def share_within(self, limits: Doubles, factor: float) -> float:
+        """Return the share of `v` at which no joint exceeds its share of limits."""
+        share = 1.0
+        for i in range(self.size):
+            size = self.v[i] if self.v[i] > 0.0 else -self.v[i]
+            most = _JOINT_SHARE * factor * limits[i]
+            if size * share > most:
+                share = most / size
+        return share
+
+    def look_ahead_of_twist(self) -> float:
+        """Return how `twist` may be scaled.
+
+        The joints move as they do now, and with the least change that leads to the
+        twist: the arm's own inverse kinematics is not known.
+        """
+        longest, twist = 0.0, self.twist
+        for k in range(0, 6, 3):
+            size = square_root(
+                twist[k] * twist[k]
+                + twist[k + 1] * twist[k + 1]
+                + twist[k + 2] * twist[k + 2]
+            )
+            size /= _BRAKING_SHARE * self.translation[2 * (k // 3) + 1]
+            if size > longest:
+                longest = size
+        jacobian = self.jacobian
+        place_links(self.chain, self.q_d, self.links)
+        zero_jacobian(self.links, self.last_pose, jacobian)
+        for k in range(6):
+            total = twist[k]
+            for i in range(self.size):
+                total -= jacobian[6 * i + k] * self.dq_d[i]
+            self.rest[k] = total
+        self.solve_joints()
+        for i in range(self.size):
+            self.v[i] += self.dq_d[i]
+        return self.look_ahead(self.q_d, longest, _BRAKING_SHARE)
+
+    def solve_joints(self) -> None:
+        """Write the least joint velocities with the twist `rest` to `v`."""
+        jacobian, matrix, rest = self.jacobian, self.matrix, self.rest
+        for k in range(6):
+            for j in range(6):
+                total = _SINGULAR if j == k else 0.0
+                for i in range(self.size):
+                    total += jacobian[6 * i + k] * jacobian[6 * i + j]
+                matrix[6 * k + j] = total
+        # Gauss, without a search for pivots: the matrix is symmetric and positive.
+        for k in range(6):
+            for j in range(k + 1, 6):
+                factor = matrix[6 * j + k] / matrix[7 * k]
+                for i in range(k, 6):
+                    matrix[6 * j + i] -= factor * matrix[6 * k + i]
+                rest[j] -= factor * rest[k]
+        for k in range(5, -1, -1):
+            for j in range(k + 1, 6):
+                rest[k] -= matrix[6 * k + j] * rest[j]
+            rest[k] = rest[k] / matrix[7 * k]
+        for i in range(self.size):
+            total = 0.0
+            for k in range(6):
+                total += jacobian[6 * i + k] * rest[k]
+            self.v[i] = total
+
+    def limit_torques(self, result: Storage) -> bool:
+        """Push the links away from what they come near to.
+
+        Args:
+            result: The torques to send [Nm], shape (n,); changed in place.
+
+        Returns:
+            Whether the arm can still stop in time; if not, it has to stop now.
+        """
+        for i in range(self.size):
+            self.v[i] = self.dq[i]
+        self.slack = _SLACK
+        can_stop = self.look_ahead(self.q, 0.0, _BRAKING_SHARE) >= 1.0
+        self.slack = 0.0
+        self.move(self.q, 0.0)
+        is_pushed = False
+        for i in range(self.size):
+            is_pushed = is_pushed or self.push[i] != 0.0
+            self.push[i] = 0.0
+        for capsule in range(self.count):
+            for solid in range(self.solid_count):
+                gap = self.gaps[capsule * self.solid_count + solid]
+                if gap < self.horizon + _ZONE and self.repel(capsule, solid, gap):
+                    is_pushed = True
+        if is_pushed:
+            self.interventions += 1
+            for i in range(self.size):
+                result[i] += self.push[i]
+            limit_steps(result, self.tau_J_d, self.torque_step)
+        return can_stop
+
+    def repel(self, capsule: int, solid: int, gap: float) -> bool:
+        """Add the torques of a damped spring between a capsule and a solid.
+
+        Returns:
+            Whether there are any.
+        """
+        near, links = self.nearness, self.links
+        self.exact(capsule, solid)
+        px, py, pz = near.point[0], near.point[1], near.point[2]
+        nx, ny, nz = near.normal[0], near.normal[1], near.normal[2]
+        closing = 0.0
+        for joint in range(self.owners[capsule] + 1):
+            k = 16 * joint
+            ax, ay, az = links[k + 8], links[k + 9], links[k + 10]
+            x, y, z = px - links[k + 12], py - links[k + 13], pz - links[k + 14]
+            self.way[joint] = (
+                nx * (ay * z - az * y) + ny * (az * x - ax * z) + nz * (ax * y - ay * x)
+            )
+            closing -= self.way[joint] * self.dq[joint]
+        force = 0.0
+        if gap < _ZONE:
+            force = _STIFFNESS * (_ZONE - gap)
+        if gap > 0.0:
+            closing -= square_root(2.0 * _SOFT_BRAKE * gap)
+        if closing > 0.0:
+            force += _DAMPING * closing
+        for joint in range(self.owners[capsule] + 1):
+            self.push[joint] += force * self.way[joint]
+        return force > 0.0
+
+
+def put_capsule(
+    row: Doubles, place: Doubles, ends: Doubles, radius: float, margin: float
+) -> None:
+    """Write a capsule of another arm as a solid.
+
+    Args:
+        row: Where the solid goes, 20 numbers.
+        place: Pose of the other arm's base, 16 numbers.
+        ends: Ends of the axis in the frame of that base [m], shape (6,).
+        radius: Radius [m].
+        margin: Distance to keep [m].
+    """
+    x, y, z = ends[3] - ends[0], ends[4] - ends[1], ends[5] - ends[2]
+    length = square_root(x * x + y * y + z * z)
+    x, y, z = (x / length, y / length, z / length) if length > 0.0 else (0.0, 0.0, 1.0)
+    # Any axis across: the one that is farthest from the axis of the capsule.
+    ux, uy, uz = (0.0, z, -y) if -0.7 < x < 0.7 else (-z, 0.0, x)
+    size = square_root(ux * ux + uy * uy + uz * uz)
+    ux, uy, uz = ux / size, uy / size, uz / size
+    wx, wy, wz = y * uz - z * uy, z * ux - x * uz, x * uy - y * ux
+    cx, cy, cz = (
+        0.5 * (ends[0] + ends[3]),
+        0.5 * (ends[1] + ends[4]),
+        0.5 * (ends[2] + ends[5]),
+    )
+    row[0], row[13], row[14], row[15] = 1.0, radius, 0.5 * length, 0.0
+    row[_MARGIN], row[17], row[18], row[19] = margin, 1.0, 0.0, 0.0
+    for k in range(3):
+        a, b, c = place[k], place[4 + k], place[8 + k]
+        row[1 + k] = a * ux + b * uy + c * uz
+        row[4 + k] = a * wx + b * wy + c * wz
+        row[7 + k] = a * x + b * y + c * z
+        row[10 + k] = a * cx + b * cy + c * cz + place[12 + k]

@@ -1,0 +1,205 @@
+"""The guard of a Franka arm: the capsules of its links, its limits, its scene."""
+
+from collections.abc import Callable, Sequence
+from math import isfinite
+
+from typing_extensions import override
+
+from station.core.description.urdf import Pose
+from station.core.errors import InvalidCommandError, ParameterError
+from station.core.franka.franka_robot_state import RobotState
+from station.core.franka.guard import CANNOT_STOP, PASSES, SLOWED, Guard
+from station.core.geometry.capsules import LinkCapsule
+from station.core.geometry.scene import HAND, SceneObject, solid_of
+from station.core.hardware.robot_hw import SceneGuard
+from station.core.numerics.rigid_motion import displace
+from station.hw.franka.arm.arm_limits import ArmLimits
+from station.hw.franka.arm.franka_kinematics import CHAIN
+from station.hw.franka.commands.command_sender import CommandSender
+from station.hw.franka.commands.rate_limiter import PERIOD, rate_limits_of
+from station.memory.doubles import doubles, put
+from station.reports import Clearance
+
+# Found by `geometry.capsules.enclose` from the convex hulls of the collision meshes,
+# the fingers both open and closed; rounded, and each radius a little larger. Those of
+# hand and fingers are in the frame of link 7. The base, link 0, does not move.
+CAPSULES = (
+    LinkCapsule("link1", (0.0003, -0.046, -0.0701), (0.0003, -0.046, -0.004), 0.0843),
+    LinkCapsule("link1", (-0.0044, 0.0003, -0.1359), (0.0026, 0.0003, -0.1359), 0.0791),
+    LinkCapsule(
+        "link2", (-0.0003, -0.1471, -0.0209), (-0.0001, -0.0022, 0.0689), 0.0897
+    ),
+    LinkCapsule("link3", (0.083, 0.0576, -0.0045), (0.0031, -0.0046, -0.0651), 0.083),
+    LinkCapsule("link4", (0.0028, 0.002, 0.0603), (-0.0805, 0.0664, -0.0032), 0.083),
+    LinkCapsule("link5", (-0.0019, -0.0087, -0.2033), (0.0003, 0.0861, 0.0003), 0.0855),
+    LinkCapsule("link6", (0.0199, 0.0093, 0.0001), (0.088, 0.0093, 0.0001), 0.0754),
+    LinkCapsule("link7", (0.0338, 0.035, 0.0762), (-0.0048, -0.0045, 0.0743), 0.0499),
+    LinkCapsule("hand", (-0.0646, -0.0643, 0.1273), (0.0547, 0.054, 0.1301), 0.0478),
+    LinkCapsule(
+        "fingers", (0.0417, 0.0416, 0.1923), (-0.0416, -0.0417, 0.1923), 0.0294
+    ),
+)
+_OF_HAND = ("hand", "fingers")
+
+
+class ArmGuard(SceneGuard):
+    """Keeps one Franka arm clear of its scene.
+
+    Args:
+        arm_id: Name of the arm.
+        base: Pose of its base in the world.
+        has_hand: Whether a hand is mounted.
+        limits: Limits of this kind of arm.
+        state: The arm's state.
+        sender: Sends its commands.
+
+    Attributes:
+        guard: The arithmetic.
+        arm_id, base: As given.
+    """
+
+    def __init__(
+        self,
+        arm_id: str,
+        base: Pose,
+        *,
+        has_hand: bool,
+        limits: ArmLimits,
+        state: RobotState,
+        sender: CommandSender,
+    ) -> None:
+        self.arm_id, self.base, self._sender = arm_id, base, sender
+        capsules = [one for one in CAPSULES if has_hand or one.link not in _OF_HAND]
+        rates = rate_limits_of(limits)
+        fields = (
+            "q_d", "dq_d", "ddq_d", "q", "dq", "tau_J_d", "O_T_EE_c", "O_dP_EE_c",
+            "O_ddP_EE_c",
+        )  # fmt: skip
+        self.guard = Guard(
+            CHAIN,
+            [number for one in capsules for number in one.numbers()],
+            [
+                6 if one.link in _OF_HAND else int(one.link.removeprefix("link")) - 1
+                for one in capsules
+            ],
+            [one.link for one in capsules],
+            {name: state.doubles(name) for name in fields},
+            velocity=[one.velocity for one in rates],
+            acceleration=[one.acceleration for one in rates],
+            jerk=[one.jerk for one in rates],
+            torque_step=limits.torque_rate * PERIOD,
+            translation=[
+                limits.translation.velocity,
+                limits.translation.acceleration,
+                limits.rotation.velocity,
+                limits.rotation.acceleration,
+            ],
+            period=PERIOD,
+        )
+
+    def add_neighbour(self, other: "ArmGuard") -> None:
+        """Make another arm known, which a scene may let count.
+
+        Args:
+            other: The other arm.
+        """
+        point = SceneObject("base", "sphere", (1.0,)).at(other.base)
+        row = solid_of(point, self.base, [])
+        place = [*row[1:4], 0.0, *row[4:7], 0.0, *row[7:10], 0.0, *row[10:13], 1.0]
+        self.guard.add_neighbour(other.guard, doubles(place), other.arm_id)
+
+    @override
+    def prepare(
+        self, objects: Sequence[SceneObject], arm_margin: float | None
+    ) -> Callable[[], None]:
+        guard = self.guard
+        triangles: list[float] = []
+        counting = [one for one in objects if one.role != "object"]
+        rows = [
+            number for one in counting for number in solid_of(one, self.base, triangles)
+        ]
+        links = [self._links_of(one) for one in counting]
+        names = [one.name for one in counting]
+
+        def apply() -> None:
+            guard.set_scene(rows, triangles, names, arm_margin)
+            for number, named in enumerate(links):
+                if named:
+                    guard.allow(number, named)
+            self._sender.keep_clear(guard if guard.is_active else None)
+
+        return apply
+
+    def _links_of(self, thing: SceneObject) -> list[str]:
+        """Return the links for which a role counts; empty for all.
+
+        Raises:
+            ParameterError: A link is none of this arm.
+        """
+        links: list[str] = []
+        for name in thing.links:
+            short = name.removeprefix(f"{self.arm_id}_")
+            if short == HAND:
+                links += _OF_HAND
+            elif short in self.guard.names:
+                links.append(short)
+            else:
+                raise ParameterError(
+                    f"The object '{thing.name}' counts for the link '{name}', which "
+                    f"arm '{self.arm_id}' does not have.",
+                    remedy=f"It has: {', '.join(dict.fromkeys(self.guard.names))}.",
+                    details={"parameter": "links"},
+                )
+        return links
+
+    @override
+    def report(self) -> Clearance | None:
+        guard = self.guard
+        pair = guard.pair
+        if not guard.is_active or pair < 0:
+            return None
+        capsule, solid = divmod(pair, guard.solid_count)
+        return Clearance(
+            arm=self.arm_id,
+            link=guard.names[capsule],
+            object=guard.things[solid],
+            distance=guard.distance,
+            margin=guard.margin_of(solid),
+            is_slowing=guard.is_slowing,
+            interventions=guard.interventions,
+        )
+
+
+def slowed(guard: Guard, field: str, values: Sequence[float]) -> list[float]:
+    """Return a command of an external client as slow as the guard wants it.
+
+    Args:
+        guard: The arm's guard.
+        field: The command's name: `tau_J_d`, `q_c`, `dq_c`, `O_T_EE_c` or `O_dP_EE_c`.
+        values: The command.
+
+    Raises:
+        InvalidCommandError: The arm has to stop at once to stay clear.
+    """
+    # The arm refuses what is no number; the guard's arithmetic would not notice.
+    if not all(isfinite(value) for value in values):
+        return [*values]
+    memory, verdict = doubles(values), PASSES
+    match field:
+        case "q_c":
+            guard.limit_positions(memory)
+        case "dq_c":
+            guard.limit_velocities(memory)
+        case "tau_J_d":
+            verdict = PASSES if guard.limit_torques(memory) else CANNOT_STOP
+        case "O_T_EE_c":
+            verdict = guard.limit_pose(memory)
+            if verdict == SLOWED:
+                displace(guard.memory[field], guard.twist, PERIOD, memory)
+        case _:
+            verdict = guard.limit_twist(memory)
+            if verdict == SLOWED:
+                put(memory, guard.twist)
+    if verdict == CANNOT_STOP:
+        raise InvalidCommandError(guard.reflex(), remedy="Move away.")
+    return [*memory]

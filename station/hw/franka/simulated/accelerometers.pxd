@@ -1,0 +1,25 @@
+cimport cython
+from station.core.franka.joint_memory cimport JointMemory
+from station.core.numerics.arm_chain cimport measure_accelerations, place_links
+
+cdef class Accelerometers:
+    cdef object state
+    cdef tuple readings
+    cdef JointMemory memory
+    cdef double[::1] gravity, chain, links, top, bottom, top_readings, bottom_readings
+    cdef double[::1] last, ddq
+    cdef bint has_read
+    cdef double seen
+    @cython.locals(
+        memory=JointMemory,
+        i=Py_ssize_t,
+        time=double,
+        elapsed=double,
+        change=double,
+        links=double[::1],
+        dq=double[::1],
+        ddq=double[::1],
+        gravity=double[::1],
+    )
+    cpdef read(self)
+    cpdef forget(self)

@@ -1,0 +1,269 @@
+"""The figures of one joint's test: a step, a sine, a Bode plot or a relay."""
+
+import math
+from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
+
+import numpy as np
+
+from station.core.hardware.robot_report import JointLimitsReport
+from station.trials.excitations import Array, fade_of
+from station.trials.frequency_response import (
+    Curve,
+    JointResponse,
+    figures_of,
+    frequencies_between,
+    joint_response,
+    mass_and_damping,
+    sine_figures,
+)
+from station.trials.metrics import UNITS, Counts, measure
+from station.trials.relay_tuning import RULES, relay_figures
+from station.trials.trace import Trace
+from station.trials.trial import Script
+from station.wire.excitations import (
+    BenchResponse,
+    Bode,
+    BodeCurve,
+    Chirp,
+    Excitation,
+    GainProposal,
+    Multisine,
+    PartRequest,
+    Relay,
+    Sine,
+    Step,
+)
+
+FIGURE_UNITS: Mapping[str, str] = {
+    "gain": "",
+    "phase": "deg",
+    "coherence": "",
+    "bandwidth": "Hz",
+    "resonance_peak": "",
+    "gain_margin": "",
+    "phase_margin": "deg",
+    "gain_crossover": "Hz",
+    "phase_crossover": "Hz",
+    "period": "s",
+    "amplitude": "rad or m",
+    "ultimate_gain": "command per rad or m",
+    "ultimate_period": "s",
+    "inertia": "kg m^2 or kg",
+    "damping": "Nm s/rad or N s/m",
+    "delay": "s",
+}
+"""Unit of each figure that a test has besides the metrics of a trial."""
+_MOST_POINTS = 500
+_SETTLED = 0.25
+"""Share of a sine after which its answer counts as steady."""
+
+
+def gain_names(gains: Mapping[str, float], joint: str) -> dict[str, str]:
+    """Return the names of a joint's p, i and d among a controller's gains.
+
+    Args:
+        gains: The gains of the controller.
+        joint: The joint; a controller of a single joint does not name it.
+    """
+    for start in (f"{joint}/", ""):
+        found = {key: start + key for key in "pid" if start + key in gains}
+        if "p" in found:
+            return found
+    return {}
+
+
+def joint_test(
+    trace: Trace,
+    excitation: Excitation,
+    script: Script,
+    gains: Mapping[str, float],
+    limits: Sequence[JointLimitsReport] = (),
+    counts: Counts | None = None,
+) -> BenchResponse:
+    """Return everything that a test says of its joint.
+
+    Args:
+        trace: The motion of this joint alone, one cycle at least.
+        excitation: What the joint was asked for.
+        script: The same as a script, with the duration and the settling band.
+        gains: Gains in force meanwhile; none where they are not known.
+        limits: Limits of the robot's joints.
+        counts: Other counts of the test.
+    """
+    metrics = measure(trace, script, limits, counts)
+    known = np.isfinite(trace.desired[:, 0])
+    signals = {
+        "desired": trace.desired[known, 0],
+        "position": trace.position[known, 0],
+        "output": trace.output[known, 0],
+    }
+    bode = None
+    proposals: list[GainProposal] = []
+    match excitation:
+        case Step():
+            pass
+        case Sine():
+            metrics |= _sine(signals, excitation, trace.period, script.duration)
+        case Chirp() | Multisine():
+            bode = joint_response(
+                signals, trace.period, _frequencies(excitation, script.duration)
+            )
+            if bode is not None:
+                metrics |= figures_of(bode) | mass_and_damping(bode)
+        case Relay():
+            metrics |= _relay(signals, excitation, trace, gains)
+            proposals = proposals_of(metrics, gains, excitation.joint)
+    every = max(1, math.ceil(len(trace.time) / _MOST_POINTS))
+
+    def column(values: Array) -> list[float | None]:
+        shown: list[float | None] = values[::every, 0].tolist()
+        return shown
+
+    return BenchResponse(
+        created_at=datetime.now(UTC).isoformat(timespec="seconds"),
+        controller=script.controller,
+        joint=excitation.joint,
+        kind=excitation.kind,
+        amplitude=excitation.amplitude,
+        gains=dict(gains),
+        time=trace.time[::every].tolist(),
+        desired=column(trace.desired),
+        position=column(trace.position),
+        velocity=column(trace.velocity),
+        effort=column(trace.effort),
+        output=column(trace.output),
+        metrics={k: v for k, v in metrics.items() if math.isfinite(v)},
+        units={**UNITS, **FIGURE_UNITS},
+        cycles=len(trace.time),
+        bode=None if bode is None else _bode(bode),
+        proposals=proposals,
+        lost=0,
+    )
+
+
+def proposals_of(
+    metrics: Mapping[str, float], gains: Mapping[str, float], joint: str
+) -> list[GainProposal]:
+    """Return the gains of each rule; none without an ultimate gain, or a PID.
+
+    Args:
+        metrics: Figures of a relay test.
+        gains: Gains of the controller.
+        joint: The joint.
+    """
+    names = gain_names(gains, joint)
+    if len(names) < 3 or "ultimate_gain" not in metrics:
+        return []
+    ku, tu = metrics["ultimate_gain"], metrics["ultimate_period"]
+    found = []
+    for key, rule in RULES.items():
+        values = rule.gains(ku, tu)
+        note = ""
+        start = names["p"].removesuffix("p")
+        if values["i"] and not gains.get(f"{start}i_clamp_max"):
+            note = "The integral is limited to 0 until i_clamp_max is more than 0."
+        named = {names[gain]: float(f"{value:.4g}") for gain, value in values.items()}
+        found.append(
+            GainProposal(
+                rule=key, title=rule.title, source=rule.source, gains=named, note=note
+            )
+        )
+    return found
+
+
+def excitation_of_part(
+    part: PartRequest, trace: Trace
+) -> tuple[Excitation, Script, Trace]:
+    """Return the excitation that a part of a recording has, and the part from it on.
+
+    Args:
+        part: How the part is to be read.
+        trace: The motion of the joint in it.
+    """
+    desired, joint = trace.desired[:, 0], part.joint
+    size = 0.5 * float(np.ptp(desired[np.isfinite(desired)]))
+    excitation: Excitation
+    match part.kind:
+        case "step":
+            jumps = np.abs(np.nan_to_num(np.diff(desired)))
+            at = int(jumps.argmax()) if len(jumps) else 0
+            height = float(desired[-1] - desired[at])
+            # One cycle later the set-point is the new one.
+            begin = float(trace.time[min(at + 1, len(trace.time) - 1)])
+            excitation = Step(joint=joint, amplitude=height, at=begin)
+        case "sine":
+            excitation = Sine(joint=joint, amplitude=size, frequency=part.low)
+        case "chirp" | "multisine":
+            excitation = Chirp(
+                joint=joint, amplitude=size, first=part.low, last=part.high
+            )
+        case "relay":
+            excitation = Relay(joint=joint, amplitude=size)
+    duration = max(float(trace.time[-1]), trace.period)
+    script = Script(
+        controller=part.controller, duration=duration, commands=(excitation,)
+    )
+    return excitation, script, trace
+
+
+def _sine(
+    signals: Mapping[str, Array], sine: Sine, period: float, duration: float
+) -> dict[str, float]:
+    length = duration - sine.at if sine.lasts is None else sine.lasts
+    # Between the fades, and after the answer to the beginning has died away.
+    begin = sine.at + max(fade_of(length), _SETTLED * length)
+    part = slice(round(begin / period), round((sine.at + length) / period))
+    last = round((sine.at + length - fade_of(length)) / period)
+    part = slice(part.start, last)
+    return sine_figures(
+        signals["desired"][part], signals["position"][part], period, sine.frequency
+    )
+
+
+def _frequencies(excitation: Chirp | Multisine, duration: float) -> Array:
+    if isinstance(excitation, Multisine):
+        return np.unique(np.array(excitation.frequencies))
+    low, high = sorted((excitation.first, excitation.last))
+    # A frequency of which the record has not two periods is no more than a trend.
+    low = max(low, 2.0 / duration)
+    return frequencies_between(low, max(high, 1.001 * low))
+
+
+def _relay(
+    signals: Mapping[str, Array],
+    relay: Relay,
+    trace: Trace,
+    gains: Mapping[str, float],
+) -> dict[str, float]:
+    begin = round(relay.at / trace.period)
+    desired, position, output = (signals[k][begin:] for k in signals)
+    found = relay_figures(output, position, trace.period)
+    names = gain_names(gains, relay.joint)
+    if names and not any(gains[names[key]] for key in "id" if key in names):
+        return found
+    if not names and gains:  # a loop whose output is the set-point
+        return found
+    # With i or d the phase crossover is the loop's, not the joint's.
+    loop = relay_figures(desired - position, position, trace.period)
+    if not loop:
+        return {}
+    return {
+        "period": loop["period"],
+        "amplitude": loop["amplitude"],
+        "gain_margin": loop["ultimate_gain"],
+        "phase_crossover": 1.0 / loop["ultimate_period"],
+    }
+
+
+def _bode(response: JointResponse) -> Bode:
+    def curve(one: Curve) -> BodeCurve:
+        return BodeCurve(gain=one.gain.tolist(), phase=one.phase.tolist())
+
+    return Bode(
+        frequency=response.frequency.tolist(),
+        coherence=response.coherence.tolist(),
+        closed_loop=curve(response.closed_loop),
+        open_loop=curve(response.open_loop),
+        plant=curve(response.plant),
+    )

@@ -1,0 +1,311 @@
+"""Attempts at lessons: what the student's robot did, measured, checked and kept."""
+
+import re
+import threading
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import yaml
+
+from station.core.control.controller import ControllerState
+from station.core.errors import ConfigError, StationError
+from station.core.facade.station import Station
+from station.core.franka.arms import Arms
+from station.core.user_files import changing, make_private_folder, user_folder
+from station.core.yaml_reader import read_yaml
+from station.trials.bench_analysis import gain_names
+from station.trials.bench_runs import KeptRuns
+from station.trials.errors import ExperimentError
+from station.trials.excitations import Array
+from station.trials.lesson_book import LessonText, open_book
+from station.wire.excitations import BenchResponse
+from station.wire.lessons import (
+    Lesson,
+    LessonAnswer,
+    LessonResult,
+    Lessons,
+    LessonVerdict,
+)
+
+_LOOK = 0.5
+"""Time between two looks at the ring, which keeps 4 s [s]."""
+_LONGEST = 7200.0
+"""Longest attempt: after it nobody is at work any more [s]."""
+_REFLEX = "reflex"
+_PERSON = re.compile(r"[^a-z0-9]+")
+
+
+class LessonWatch:
+    """Sums up what the robot does from the next cycle on.
+
+    Args:
+        station: The station.
+        lesson: Its controllers and its joint are looked at.
+
+    Attributes:
+        figures: `reflexes`, `recoveries`, `switches` between the lesson's controllers,
+            `gaps` (cycles between two of them without any), `largest_speed`
+            [rad/s or m/s] and `largest_error` [rad or m] of the joint.
+    """
+
+    def __init__(self, station: Station, lesson: LessonText) -> None:
+        self._station, self._lesson = station, lesson
+        self._cycle = station.loop.cycle
+        self._mode, self._ran, self._gap = "", "", 0
+        names = ("reflexes", "recoveries", "switches", "gaps")
+        self.figures = dict.fromkeys(names, 0.0)
+
+    def take(self) -> None:
+        """Take the cycles since the last call."""
+        rows = self._station.snapshots.rows_since(self._cycle)
+        if not rows.modes:
+            return
+        self._cycle = rows.newest
+        for mode in rows.modes:
+            self.figures["reflexes"] += mode == _REFLEX != self._mode
+            self.figures["recoveries"] += self._mode == _REFLEX != mode
+            self._mode = mode
+        names = self._station.joint_names
+        if self._lesson.joint in names:
+            states = rows.states_of_joints()[:, 1, names.index(self._lesson.joint)]
+            self._keep("largest_speed", states)
+        ran = [""] * len(rows)
+        for controller in self._lesson.controllers:
+            if controller not in {one.name for one in self._station.controllers()}:
+                continue
+            joints = self._station.manager.get_controller(controller).joint_names
+            samples = rows.columns_of(controller, len(joints))
+            for k in np.flatnonzero(~np.isnan(samples[:, 0, 0])).tolist():
+                ran[k] = controller
+            if self._lesson.joint in joints:
+                column = list(joints).index(self._lesson.joint)
+                self._keep("largest_error", samples[:, 2, column])
+        self._count(ran)
+
+    def _keep(self, name: str, values: Array) -> None:
+        known = values[np.isfinite(values)]
+        if len(known):
+            largest = float(np.abs(known).max())
+            self.figures[name] = max(largest, self.figures.get(name, 0.0))
+
+    def _count(self, ran: list[str]) -> None:
+        """Count the switches, and the cycles that they left without a controller."""
+        for name in ran:
+            if not name:
+                self._gap += self._ran != ""
+                continue
+            if self._ran:
+                # The first cycle of a controller that starts has no sample.
+                self.figures["gaps"] += max(0, self._gap - 1)
+                self.figures["switches"] += name != self._ran
+            self._ran, self._gap = name, 0
+
+
+class LessonAttempts:
+    """The lessons of a station, the attempt under way, and everybody's progress.
+
+    Args:
+        station: The station.
+        runs: Runs of the bench; those since the beginning of an attempt are its own.
+        folder: The user's lessons; the user's own folder when None. The progress is in
+            `progress` below it, a YAML file for each person.
+        is_watching: Whether a thread takes the cycles; otherwise `take` is called.
+    """
+
+    def __init__(
+        self,
+        station: Station,
+        runs: KeptRuns,
+        folder: Path | None = None,
+        *,
+        is_watching: bool = True,
+    ) -> None:
+        self._station, self._runs, self._folder = station, runs, folder
+        self._is_watching = is_watching
+        self._lock = threading.Lock()
+        self._name = ""
+        self._watch: LessonWatch | None = None
+        self._known: dict[str, str] = {}
+        self._end = threading.Event()
+
+    def lessons(self, person: str) -> Lessons:
+        """Return all lessons with a person's progress."""
+        book = open_book(self._folder)
+        solved = self._progress(person)
+        found = [
+            Lesson(
+                name=name,
+                title=one.title,
+                text=one.text,
+                controllers=list(one.controllers),
+                joint=one.joint,
+                answers=[
+                    LessonAnswer(name=a.name, label=a.label, unit=a.unit)
+                    for a in one.answers
+                ],
+                is_solved=name in solved,
+                is_begun=name == self._name,
+            )
+            for name, one in book.lessons.items()
+        ]
+        return Lessons(lessons=found, unusable=list(book.unusable))
+
+    def begin(self, name: str, person: str) -> Lesson:
+        """Begin an attempt; the one before, of whomever, ends.
+
+        Raises:
+            LessonNotFoundError: There is no such lesson.
+        """
+        lesson = open_book(self._folder).get(name)
+        with self._lock:
+            self._end.set()
+            self._end = threading.Event()
+            self._name = name
+            self._known = {run.name: run.created_at for run in self._runs.list()}
+            self._watch = LessonWatch(self._station, lesson)
+            if self._is_watching:
+                threading.Thread(
+                    target=self._look,
+                    args=(self._watch, self._end),
+                    name="lesson",
+                    daemon=True,
+                ).start()
+        return next(one for one in self.lessons(person).lessons if one.name == name)
+
+    def close(self) -> None:
+        """End the attempt under way."""
+        with self._lock:
+            self._end.set()
+            self._name, self._watch = "", None
+
+    def take(self) -> None:
+        """Take the cycles since the last call, as the thread does."""
+        with self._lock:
+            if self._watch is not None:
+                self._watch.take()
+
+    def check(
+        self, name: str, person: str, answers: Mapping[str, float]
+    ) -> LessonResult:
+        """Check the attempt under way, and keep that it is solved.
+
+        Args:
+            name: The lesson.
+            person: Whose progress it is.
+            answers: Typed numbers, in the units of the lesson.
+
+        Raises:
+            LessonNotFoundError: There is no such lesson.
+            ExperimentError: It was not begun, or the progress cannot be kept.
+        """
+        lesson = open_book(self._folder).get(name)
+        if name != self._name or self._watch is None:
+            raise ExperimentError(
+                f"The lesson '{name}' has not been begun, so nothing of it was seen.",
+                remedy=f"Begin it: `station lesson begin {name}`.",
+            )
+        self.take()
+        figures = self._figures(lesson, self._watch)
+        for answer in lesson.answers:
+            if answer.name in answers:
+                figures[f"answer.{answer.name}"] = answers[answer.name] * answer.scale
+        verdicts = []
+        for one in lesson.checks:
+            is_met, value = one.is_met(figures), figures.get(one.value)
+            hint = "" if is_met else one.hint
+            # The first hint says how to come by the figures that are missing.
+            if value is None and not all(verdict.is_met for verdict in verdicts):
+                hint = "Not measured yet."
+            verdicts.append(
+                LessonVerdict(says=one.says, is_met=is_met, value=value, hint=hint)
+            )
+        is_solved = all(verdict.is_met for verdict in verdicts)
+        if is_solved:
+            self._keep_solved(person, name)
+        return LessonResult(name=name, is_solved=is_solved, verdicts=verdicts)
+
+    def _look(self, watch: LessonWatch, end: threading.Event) -> None:
+        looks = 0
+        while not end.wait(_LOOK) and looks < _LONGEST / _LOOK:
+            self._station.loop.right_of_way.give()
+            with self._lock:
+                if watch is self._watch:
+                    watch.take()
+            looks += 1
+
+    def _figures(self, lesson: LessonText, watch: LessonWatch) -> dict[str, float]:
+        """Return all figures of an attempt, by the names that lessons use."""
+        found = {f"watched.{key}": value for key, value in watch.figures.items()}
+        found |= {f"now.{key}": value for key, value in self._now(lesson).items()}
+        kinds = ("step", "sine", "chirp", "multisine", "relay")
+        counts = dict.fromkeys(kinds, 0)
+        for summary in reversed(self._runs.list()):
+            if self._known.get(summary.name) == summary.created_at:
+                continue
+            if summary.joint != lesson.joint:
+                continue
+            if summary.controller not in lesson.controllers:
+                continue
+            counts[summary.kind] += 1
+            start = {1: "", 2: "before."}.get(counts[summary.kind])
+            if start is not None:
+                values = {**summary.metrics, **summary.gains}
+                found |= {f"{start}{summary.kind}.{k}": v for k, v in values.items()}
+            if summary.kind == "relay" and start == "":
+                run = self._runs.get(summary.name)
+                found["relay.applied"] = float(self._is_applied(run))
+        return found | {f"{kind}.count": float(n) for kind, n in counts.items()}
+
+    def _now(self, lesson: LessonText) -> dict[str, float]:
+        station, main = self._station, lesson.controllers[0]
+        state = station.latest()
+        found = {"reflex": float(state.mode == _REFLEX)}
+        for status in station.controllers():
+            if status.name == main:
+                found["running"] = float(status.state is ControllerState.RUNNING)
+                gains = station.tuning.gains(main).values
+                for key in ("p", "i", "d", "i_clamp_max", "i_clamp_min"):
+                    for name in (f"{lesson.joint}/{key}", key):
+                        if name in gains:
+                            found.setdefault(key, float(gains[name]))
+        arms = Arms(station.robots)
+        if arms.names():
+            found["load"] = float(arms.state(arms.names()[0]).m_load)
+        return found
+
+    def _is_applied(self, run: BenchResponse) -> bool:
+        """Return whether the gains in force are those of one of a run's rules."""
+        try:
+            now = self._station.tuning.gains(run.controller).values
+        except StationError:
+            return False
+        names = gain_names(now, run.joint).values()
+        return any(
+            all(abs(now[n] - one.gains[n]) <= 1e-3 * abs(one.gains[n]) for n in names)
+            for one in run.proposals
+        )
+
+    def _file(self, person: str) -> Path:
+        folder = user_folder("lessons") if self._folder is None else self._folder
+        name = _PERSON.sub("-", person.lower()).strip("-") or "anybody"
+        return folder / "progress" / f"{name}.yaml"
+
+    def _progress(self, person: str) -> list[str]:
+        try:
+            kept = read_yaml(self._file(person)).values.get("solved")
+        except ConfigError:
+            return []  # nothing solved yet, or a file that was damaged
+        return [str(name) for name in kept] if isinstance(kept, list) else []
+
+    def _keep_solved(self, person: str, lesson: str) -> None:
+        path = self._file(person)
+        try:
+            make_private_folder(path.parent)
+            with changing(path.parent):
+                solved = sorted({*self._progress(person), lesson})
+                part = path.with_suffix(".part")
+                part.write_text(yaml.safe_dump({"solved": solved}), "utf-8")
+                part.replace(path)
+        except OSError as error:
+            raise ExperimentError(f"{path} cannot be written: {error}.") from error

@@ -1,0 +1,64 @@
+// What agents ask for: who, what, with what, and a person's answer. It lies over the picture,
+// so that it moves nothing below the pointer.
+import { act, api, follow } from "./station.js";
+import { store } from "./store.js";
+import { html, render } from "../vendor/lit/lit-html.js";
+import { repeat } from "../vendor/lit/directives/repeat.js";
+
+const TICK_MS = 1000;
+const ANSWERS = [
+  ["allowed", "Allow", "Let the station do this now."],
+  ["allowed_for_a_time", "Allow for 10 minutes", "Let it do this, and all that this agent asks for in the next 10 minutes. It ends early when anybody stops the robot or takes control."],
+  ["refused", "Refuse", "Nothing is done; the agent is told."],
+];
+
+let waiting = [];
+
+/** Return what an agent wants in words, and what goes with it as text. */
+export function wordsOf({ operation, target, request }) {
+  const words = operation.replaceAll("_", " ");
+  return {
+    what: target ? `${words}: ${target}` : words,
+    content: request === null || !Object.keys(request).length ? "" : JSON.stringify(request, null, 1),
+  };
+}
+
+function card(asked) {
+  const { what, content } = wordsOf(asked);
+  const left = Math.max(0, Math.round(asked.expires_at - Date.now() / 1e3));
+  const answer = async (verdict) => {
+    await act("POST", `/agents/requests/${asked.number}`, { verdict });
+    await look();
+  };
+  return html`<section class="request" aria-label="Request of ${asked.agent}">
+    <p><b>${asked.agent}</b> asks for <b>${what}</b> <small>refused in ${left} s</small></p>
+    ${content ? html`<details><summary>With</summary><pre>${content}</pre></details>` : ""}
+    <div class="line">
+      ${ANSWERS.map(([verdict, text, why]) => html`<button class="s" type="button" title=${why} ?disabled=${!store.isOperator} @click=${() => answer(verdict)}>${text}</button>`)}
+    </div>
+  </section>`;
+}
+
+function draw() {
+  waiting = waiting.filter((one) => one.expires_at * 1e3 > Date.now());
+  const place = document.getElementById("agents");
+  place.hidden = !waiting.length;
+  render(html`${repeat(waiting, ({ number }) => number, card)}`, place);
+}
+
+async function look() {
+  try {
+    const { requests } = await api("GET", "/agents/requests");
+    waiting = requests.filter(({ verdict }) => verdict === null);
+    draw();
+  } catch {
+    // The strip says that the station does not answer.
+  }
+}
+
+/** Begin to show what agents ask for. */
+export function watchAgents() {
+  follow("events", "rate=10", (frame) => frame.data.kind === "agent" && look());
+  setInterval(() => waiting.length && draw(), TICK_MS);
+  look();
+}

@@ -1,0 +1,74 @@
+// Layouts of the plots: kept at the station under a name, or in a file.
+import { h } from "./dom.js";
+import { download } from "./plot.js";
+import { refusals } from "./refusals.js";
+import { act, api } from "./station.js";
+import { store } from "./store.js";
+import { html, render } from "../vendor/lit/lit-html.js";
+
+const ROUTE = "/plot-layouts";
+const pathOf = (name) => `${ROUTE}/${encodeURIComponent(name)}`;
+
+/** Return the plots of a layout that a file or a link has; null when it has none. */
+export function plotsIn(text) {
+  try {
+    const read = JSON.parse(text);
+    const plots = Array.isArray(read) ? read : read.plots;
+    const isPlot = ({ keys, span }) => Array.isArray(keys) && keys.every((key) => typeof key === "string") && span > 0;
+    return Array.isArray(plots) && plots.every(isPlot) ? plots : null;
+  } catch {
+    return null;
+  }
+}
+
+/** Return the plots of a layout that a link names or holds; undefined when there is none. */
+export async function layoutOf(text) {
+  return plotsIn(text) ?? (await act("GET", pathOf(text)))?.plots;
+}
+
+/** Return a menu of the layouts; `settings()` are the present plots, `put(plots)` shows others. */
+export function layoutMenu(settings, put) {
+  const body = h("div", {});
+  const menu = h("details", { class: "picker layouts" }, h("summary", { title: "Keep these plots under a name, or show others." }, "Layouts"), body);
+  const name = h("input", { type: "text", maxLength: 100, placeholder: "name", ariaLabel: "Name of the layout" });
+  const file = h("input", { type: "file", accept: ".json", hidden: true, onchange: () => file.files[0]?.text().then(importText) });
+  const importText = (text) => {
+    file.value = "";
+    const plots = plotsIn(text);
+    if (plots) return put(plots);
+    return refusals.add({ code: "no_layout", detail: "The file holds no layout of plots.", remedy: "Choose a file that Export has saved." }, {});
+  };
+  let known = { name: "", text: "" }; // the layout that is shown, while nothing of it is changed
+  const remember = (shown) => (known = { name: shown, text: JSON.stringify(settings()) });
+  const change = async (method, wanted, content) => {
+    if (!(await act(method, pathOf(wanted), content))) return;
+    remember(method === "PUT" ? wanted : "");
+    await list();
+  };
+  const save = () => (name.value.trim() ? change("PUT", name.value.trim(), { plots: settings() }) : name.focus());
+  const show = async (wanted) => {
+    const plots = await layoutOf(wanted);
+    if (!plots) return;
+    put(plots);
+    name.value = wanted;
+    remember(wanted);
+  };
+  const row = (each) => html`<div class="channel"><button class="choice" type="button" @click=${() => show(each)}>${each}</button>
+    <button class="choice rate" type="button" ?disabled=${!store.isOperator} aria-label="Delete the layout ${each}" @click=${() => change("DELETE", each)}>✕</button></div>`;
+  const list = async () => {
+    const names = (await api("GET", ROUTE).catch(() => null))?.plot_layouts ?? [];
+    const none = html`<p class="hint">None is saved yet.</p>`;
+    render(html`${names.length ? names.map(row) : none}
+      <div class="line">${name}<button class="s" type="button" ?disabled=${!store.isOperator} @click=${save}>Save</button></div>
+      <div class="line"><button class="s" type="button" title="Save these plots as a file." @click=${() => download(`${name.value.trim() || "plots"}.json`, JSON.stringify({ plots: settings() }, null, 1), "application/json")}>Export</button>
+      <button class="s" type="button" title="Show the plots of a file." @click=${() => file.click()}>Import</button>${file}</div>`, body);
+  };
+  name.addEventListener("keydown", (event) => event.key === "Enter" && save());
+  menu.addEventListener("toggle", () => menu.open && list());
+  /** The name of the layout that is shown, else its content. */
+  menu.linked = () => {
+    const text = JSON.stringify(settings());
+    return known.name && known.text === text ? known.name : text;
+  };
+  return menu;
+}

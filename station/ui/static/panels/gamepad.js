@@ -1,0 +1,85 @@
+// Gamepad: moves the hand while its dead-man button is held; the map shows what does what.
+import { h, kept, show } from "../lib/dom.js";
+import { Panel } from "../lib/panel.js";
+import { directionsOf } from "../lib/gamepad_map.js";
+import { teleoperation } from "../lib/station.js";
+import { store } from "../lib/store.js";
+import { html, render } from "../vendor/lit/lit-html.js";
+
+const LOOK_MS = 40; // the dashboard takes 25 set-points a second
+const DEAD_MAN = { button: 5, words: "right shoulder button" };
+const STOP = { button: 1, words: "right one of the four buttons (B, ○)" };
+const MAP = [
+  ["along x", "left stick, forwards and back"],
+  ["along y", "left stick, to the left and right"],
+  ["along z", "right stick, forwards and back"],
+  ["about x", "cross, to the right and left"],
+  ["about y", "cross, up and down"],
+  ["about z", "right stick, to the left and right"],
+];
+
+class GamepadPanel extends Panel {
+  build() {
+    this.state = h("p", { class: "hint", role: "status" });
+    this.scale = h("input", { type: "range", min: 5, max: 100, step: 5, value: kept.get("gamepad-scale", 50), title: "Part of the top speeds of the hand at a full deflection.", ariaLabel: "Scale of the gamepad in percent", oninput: () => kept.set("gamepad-scale", Number(this.scale.value)) });
+    this.map = h("tbody", {});
+    this.details = h(
+      "details",
+      {},
+      h("summary", {}, "Gamepad"),
+      this.state,
+      h("label", { class: "speed" }, "scale ", this.scale, (this.scaleText = h("output", {}))),
+      h("table", { class: "objects" }, h("thead", {}, h("tr", {}, ...["hand", "control", "now"].map((text) => h("th", {}, text)))), this.map),
+    );
+    this.append(this.details);
+    this.asked = []; // the directions that were sent last
+    setInterval(() => this.look(), LOOK_MS);
+  }
+
+  /** The arm whose hand moves. */
+  set arm(name) {
+    this.letGo();
+    this.armName = name;
+  }
+
+  /** Why nothing moves, or an empty text. A pad acts only on a page that somebody looks at, and whose map is in sight. */
+  reasonOf(pad) {
+    const { hands } = teleoperation.state;
+    const { jog } = hands?.[this.armName] ?? hands?.[""] ?? {};
+    if (!store.isOperator) return "This session only watches.";
+    if (!pad) return "No gamepad is heard: connect one, and press one of its buttons.";
+    if (!jog?.controller || jog.reason) return "Start the hand jog above.";
+    if (!document.hasFocus()) return "This page does not have the focus.";
+    return pad.buttons[DEAD_MAN.button]?.pressed ? "" : `Hold the ${DEAD_MAN.words}: the hand moves only meanwhile.`;
+  }
+
+  look() {
+    const pad = this.isShown && this.details.open ? [...navigator.getGamepads()].find((one) => one?.mapping === "standard") : null;
+    const isStop = Boolean(pad?.buttons[STOP.button]?.pressed);
+    if (isStop && !this.isStop) document.getElementById("stop").click();
+    this.isStop = isStop;
+    if (!this.isShown || !this.details.open) return this.letGo();
+    const directions = pad ? directionsOf(pad) : MAP.map(() => 0);
+    const reason = isStop ? "STOP." : this.reasonOf(pad);
+    show(this.state, reason || "The hand moves.");
+    show(this.scaleText, `${this.scale.value} %`);
+    render(MAP.map(([axis, control], i) => html`<tr><th scope="row">${axis}</th><td>${control}</td><td>${directions[i].toFixed(2)}</td></tr>`).concat(html`<tr><th scope="row">STOP</th><td>${STOP.words}</td><td>${isStop ? "pressed" : "–"}</td></tr>`), this.map);
+    if (reason || !directions.some(Boolean)) return this.letGo();
+    this.isHeld = true;
+    const { along, about } = kept.get("hand-speed", { along: 0.05, about: 0.3 });
+    const part = this.scale.value / 100;
+    teleoperation.say({ do: "hand_speed", along: along * part, about: about * part });
+    // A direction that was left is said once more, or it would count as held for a moment.
+    directions.forEach((size, axis) => (size || this.asked[axis]) && teleoperation.say({ do: "hand", arm: this.armName, axis, sign: size }));
+    this.asked = directions;
+    return undefined;
+  }
+
+  letGo() {
+    if (this.isHeld) teleoperation.say({ do: "release" });
+    this.isHeld = false;
+    this.asked = [];
+  }
+}
+
+customElements.define("st-gamepad", GamepadPanel);

@@ -1,0 +1,95 @@
+// Lessons: the task, answers, and what the station says of the student's own run.
+import { drawn, h, kept } from "../lib/dom.js";
+import { Panel } from "../lib/panel.js";
+import { act, api } from "../lib/station.js";
+import { store } from "../lib/store.js";
+import { typed } from "../lib/text.js";
+import { html, nothing } from "../vendor/lit/lit-html.js";
+
+/** Return a line of Markdown as a template: bold, emphasis and code. */
+function inline(text) {
+  return text.split(/(\*\*[^*]+\*\*|\*[^*]+\*|`[^`]+`)/).map((part) => {
+    if (part.startsWith("**")) return html`<b>${part.slice(2, -2)}</b>`;
+    if (part.startsWith("`")) return html`<code>${part.slice(1, -1)}</code>`;
+    return part.length > 2 && part.startsWith("*") ? html`<em>${part.slice(1, -1)}</em>` : part;
+  });
+}
+
+/** Return Markdown as a template: paragraphs and numbered lists; everything else is text. */
+function markdown(text) {
+  return text.trim().split(/\n\s*\n/).map((block) => {
+    const items = block.split(/\n?^\d+\.\s+/m).filter(Boolean);
+    return /^\d+\./.test(block) ? html`<ol>${items.map((item) => html`<li>${inline(item.replace(/\s*\n\s*/g, " "))}</li>`)}</ol>` : html`<p>${inline(block.replace(/\s*\n\s*/g, " "))}</p>`;
+  });
+}
+
+class LessonBook extends Panel {
+  build() {
+    this.person = h("input", { class: "name", placeholder: "your name", value: kept.get("student", "") });
+    this.person.setAttribute("aria-label", "Name of the student");
+    this.person.addEventListener("change", () => {
+      kept.set("student", this.person.value.trim());
+      this.list();
+    });
+    this.choice = h("select", {});
+    this.choice.setAttribute("aria-label", "Lesson");
+    this.choice.addEventListener("change", () => {
+      this.result = null;
+      this.draw();
+    });
+    this.page = h("div", { class: "lesson" });
+    this.lessons = [];
+    this.append(h("div", { class: "line" }, this.choice, this.person), this.page);
+  }
+
+  refresh() {
+    if (!this.isListed && store.docks.link === "live") this.list();
+    const isOperator = store.isOperator;
+    if (isOperator !== this.wasOperator) this.draw();
+    this.wasOperator = isOperator;
+  }
+
+  async list() {
+    this.isListed = true;
+    const told = await api("GET", `/lessons?person=${encodeURIComponent(this.person.value.trim())}`).catch(() => null);
+    if (!told) return (this.isListed = false);
+    const chosen = this.choice.value || told.lessons.find((one) => one.is_begun)?.name || told.lessons.find((one) => !one.is_solved)?.name;
+    this.lessons = told.lessons;
+    this.unusable = told.unusable;
+    this.choice.replaceChildren(...told.lessons.map((one, i) => h("option", { value: one.name }, `${one.is_solved ? "✔ " : ""}${i + 1}. ${one.title}`)));
+    if (chosen) this.choice.value = chosen;
+    return this.draw();
+  }
+
+  async begin(lesson) {
+    if (!(await act("POST", `/lessons/${lesson.name}/begin`, { person: this.person.value.trim() }))) return;
+    this.result = null;
+    await this.list();
+  }
+
+  async check(lesson) {
+    const inputs = [...this.page.querySelectorAll("input.value")];
+    const answers = Object.fromEntries(inputs.map((input) => [input.name, typed(input.value)]).filter(([, value]) => value !== null));
+    this.result = await act("POST", `/lessons/${lesson.name}/check`, { person: this.person.value.trim(), answers });
+    await this.list();
+  }
+
+  draw() {
+    const lesson = this.lessons.find(({ name }) => name === this.choice.value);
+    if (!lesson) return;
+    const verdict = (one) => html`<li class=${one.is_met ? "" : "fault"}>${one.is_met ? "✔" : "✖"} ${one.says}${one.hint ? html`<p class="hint">${inline(one.hint)}</p>` : nothing}</li>`;
+    drawn(
+      this.page,
+      html`${markdown(lesson.text)}
+        <div class="line">
+          <button class="s ${lesson.is_begun ? "" : "primary"}" type="button" ?disabled=${!store.isOperator} @click=${() => this.begin(lesson)}>${lesson.is_begun ? "Begin anew" : "Begin"}</button>
+          ${lesson.answers.map((answer) => html`<label>${answer.label} <input class="value" name=${answer.name} inputmode="decimal" autocomplete="off" aria-label="${answer.label} [${answer.unit}]" /> ${answer.unit}</label>`)}
+          <button class="s ${lesson.is_begun ? "primary" : ""}" type="button" ?disabled=${!store.isOperator || !lesson.is_begun} @click=${() => this.check(lesson)}>Check</button>
+        </div>
+        <div role="status">${this.result ? html`<b>${this.result.is_solved ? "Solved." : "Not solved yet."}</b><ul class="verdicts">${this.result.verdicts.map(verdict)}</ul>` : nothing}</div>
+        ${this.unusable?.length ? html`<p class="hint">Left out: ${this.unusable.join(" ")}</p>` : nothing}`,
+    );
+  }
+}
+
+customElements.define("st-lessons", LessonBook);

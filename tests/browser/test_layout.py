@@ -1,0 +1,81 @@
+"""The page at many sizes: no text is cut, no control covered or moved by a STOP."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.browser.conftest import ARTIFACTS, logged_in
+from tests.browser.workspace_page import WorkspacePage, without_scene
+
+pytestmark = pytest.mark.slow
+
+CHECKS = Path(__file__).with_name("layout_checks.js")
+SIZES = {
+    "1280x800": (1280, 800),
+    "1440x900": (1440, 900),
+    "1920x1080": (1920, 1080),
+    "768x1024": (768, 1024),
+    "390x844": (390, 844),
+    "1280x800 at 150 %": (853, 533),
+    "1920x1080 at 150 %": (1280, 720),
+}
+PRESETS = ("Operate", "Tune", "Record", "Safety")
+# The docks look at the station every 350 ms.
+LOOKED_MS = 400
+
+
+def _begin(context):
+    without_scene(context)
+    context.add_init_script(CHECKS.read_text())
+
+
+def _views(page):
+    """Show every layout in turn, or every dock of a narrow page; yields its name."""
+    if page.locator("#layouts").is_visible():
+        for preset in PRESETS:
+            page.locator("#layouts").get_by_role("button", name=preset).click()
+            yield preset
+    else:
+        for button in page.locator("#docks-nav button:visible").all():
+            button.click()
+            yield button.inner_text()
+
+
+def _faults(page, *checks):
+    return [
+        f"{name}: {fault}"
+        for name in checks
+        for fault in page.evaluate(f"() => layoutChecks.{name}()")
+    ]
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_no_text_is_cut_nothing_is_covered_and_a_stop_moves_nothing(
+    browser, running_station, size
+):
+    width, height = SIZES[size]
+    faults = []
+    with logged_in(
+        browser, running_station, width=width, height=height, begin=_begin
+    ) as page:
+        WorkspacePage(page)
+        page.get_by_role("button", name="Skip the tour").click()
+        for view in _views(page):
+            found = []
+            for scheme in ("light", "dark"):
+                page.emulate_media(color_scheme=scheme, reduced_motion="reduce")
+                page.wait_for_timeout(LOOKED_MS)
+                found += _faults(page, "cut", "covered")
+                ARTIFACTS.mkdir(exist_ok=True)
+                name = f"layout-{width}-{view}-{scheme}.png".replace(" ", "-")
+                (ARTIFACTS / name).write_bytes(page.screenshot())
+            page.evaluate("() => layoutChecks.remember()")
+            page.locator("#stop").click()
+            page.locator("#release").wait_for()
+            found += _faults(page, "moved")
+            page.locator("#release").click()
+            page.locator("#arm").click()
+            page.locator("#arm").wait_for(state="hidden")
+            found += _faults(page, "moved")
+            faults += [f"{view}: {fault}" for fault in found]
+    assert not faults, "\n".join(faults)

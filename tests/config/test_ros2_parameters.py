@@ -1,0 +1,176 @@
+"""Parameter files of ROS 2: nodes, wildcards, namespaces, and the station's names."""
+
+import pytest
+import yaml
+
+from station.config.ros_parameters import join_ros2, split_ros_parameters
+from station.core.errors import ConfigError
+from station.core.yaml_reader import parse_yaml
+
+FILE = """
+/**:
+  ros__parameters:
+    command_timeout: 0.5
+controller_manager:
+  ros__parameters:
+    update_rate: 500
+    arm: {type: joint_trajectory_controller/JointTrajectoryController}
+    states: {type: joint_state_broadcaster/JointStateBroadcaster}
+    force.type: force_torque_sensor_broadcaster/ForceTorqueSensorBroadcaster
+arm:
+  ros__parameters:
+    joints: [j1, j2]
+    command_interfaces: [effort]
+    state_interfaces: [position, velocity]
+    gains.j1: {p: 10.0, d: 1.0, ff_velocity_scale: 0.5}
+    constraints: {stopped_velocity_tolerance: 0.2, j1.goal: 0.1}
+    command_timeout: 0.1
+force:
+  ros__parameters: {sensor_name: wrist, frame_id: tool}
+"""
+
+
+def read(text):
+    return split_ros_parameters(yaml.safe_load(text), "f.yaml")
+
+
+def test_controllers_have_the_parameters_of_their_nodes():
+    found = read(FILE)
+
+    assert found.controllers["arm"] == {
+        "type": "effort_controllers/JointTrajectoryController",
+        "joints": ["j1", "j2"],
+        "gains": {"j1": {"p": 10.0, "d": 1.0}},
+        "velocity_ff": {"j1": 0.5},
+        "constraints": {"stopped_velocity_tolerance": 0.2, "j1": {"goal": 0.1}},
+        "command_timeout": 0.1,
+    }
+    assert found.controllers["states"] == {
+        "type": "joint_state_controller/JointStateController",
+        "publish_rate": 50.0,
+        "command_timeout": 0.5,
+    }
+    assert found.controllers["force"]["sensor_name"] == "wrist"
+    assert found.others["controller_manager"]["update_rate"] == 500
+
+
+@pytest.mark.parametrize(
+    ("key", "fits"),
+    [
+        ("/**", True),
+        ("/**/arm", True),
+        ("/*/arm", True),
+        ("/left/arm", True),
+        ("/left/**", True),
+        ("/*", False),
+        ("/right/arm", False),
+        ("/left/*/arm", False),
+        ("arm", False),
+    ],
+)
+def test_a_wildcard_stands_for_names(key, fits):
+    found = read(f"""
+/left/controller_manager: {{ros__parameters: {{arm: {{type: a/B}}}}}}
+"{key}": {{ros__parameters: {{joint: j1}}}}
+""")
+
+    expected = {"type": "a/B", "joint": "j1"} if fits else {"type": "a/B"}
+    assert found.controllers == {"arm": expected}
+
+
+def test_files_say_together_what_one_would():
+    types = {"/**/controller_manager": {"ros__parameters": {"arm": {"type": "a/B"}}}}
+    more = {"/**/arm": {"ros__parameters": {"joint": "j1"}}}
+
+    assert join_ros2([types, more], "f").controllers == {
+        "arm": {"type": "a/B", "joint": "j1"}
+    }
+
+
+def test_a_namespace_may_have_several_blocks():
+    text = """
+/**: {controller_manager: {ros__parameters: {arm: {type: a/B}}}}
+/**: {arm: {ros__parameters: {joint: j1}}}
+"""
+    found = split_ros_parameters(parse_yaml(text, "f.yaml").values, "f.yaml")
+
+    assert found.controllers == {"arm": {"type": "a/B", "joint": "j1"}}
+    with pytest.raises(ConfigError, match="twice"):
+        parse_yaml(text + "/**: {arm: 3}", "f.yaml")
+    with pytest.raises(ConfigError, match="twice"):
+        parse_yaml("arm: {a: 1}\narm: {b: 2}", "f.yaml")
+
+
+def test_equal_names_have_their_namespaces_in_front():
+    found = read("""
+left:
+  controller_manager: {ros__parameters: {arm: {type: a/B}, hand: {type: a/C}}}
+  arm: {ros__parameters: {joint: l1}}
+right:
+  controller_manager: {ros__parameters: {arm: {type: a/B}}}
+  arm: {ros__parameters: {joint: r1}}
+/**/arm: {ros__parameters: {goal_tolerance: 0.1}}
+""")
+
+    assert found.controllers == {
+        "left_arm": {"type": "a/B", "joint": "l1", "goal_tolerance": 0.1},
+        "right_arm": {"type": "a/B", "joint": "r1", "goal_tolerance": 0.1},
+        "hand": {"type": "a/C"},
+    }
+
+
+def test_a_controller_may_name_its_type_itself():
+    found = read("arm: {ros__parameters: {type: a/B, joint: j1}}")
+
+    assert found.controllers == {"arm": {"type": "a/B", "joint": "j1"}}
+
+
+@pytest.mark.parametrize(
+    ("interfaces", "kind"),
+    [
+        ("[position]", "position_controllers"),
+        ("[velocity]", "velocity_controllers"),
+        ("[position, velocity]", "pos_vel_controllers"),
+        ("[position, velocity, acceleration]", "pos_vel_acc_controllers"),
+    ],
+)
+def test_the_commanded_interfaces_choose_the_type(interfaces, kind):
+    found = read(f"""
+arm:
+  ros__parameters:
+    type: joint_trajectory_controller/JointTrajectoryController
+    joints: [j1]
+    command_interfaces: {interfaces}
+""")
+
+    assert found.controllers["arm"]["type"] == f"{kind}/JointTrajectoryController"
+
+
+def test_wheels_and_limits_have_the_names_of_ros_control():
+    found = read("""
+base:
+  ros__parameters:
+    type: diff_drive_controller/DiffDriveController
+    left_wheel_names: [l]
+    right_wheel_names: [r]
+    linear.x.max_velocity: 1.5
+    angular: {z: {max_velocity: 2.0, has_velocity_limits: false}}
+""").controllers["base"]
+
+    assert found["left_wheel"] == ["l"]
+    assert found["right_wheel"] == ["r"]
+    assert found["linear"]["x"] == {"max_velocity": 1.5, "has_velocity_limits": True}
+    assert not found["angular"]["z"]["has_velocity_limits"]
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("arm: {ros__parameters: 3}", "/arm/ros__parameters is 3"),
+        (FILE.replace("[effort]", "[voltage]"), "interfaces are .'voltage'."),
+        (FILE.replace("    command_interfaces: [effort]\n", ""), "interfaces are None"),
+    ],
+)
+def test_what_does_not_fit_is_refused(text, words):
+    with pytest.raises(ConfigError, match=words):
+        read(text)

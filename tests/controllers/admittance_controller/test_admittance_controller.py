@@ -1,0 +1,85 @@
+"""What the controller refuses, and how its parameters reach the rule."""
+
+import pytest
+
+from station.core.errors import ControllerLoadError, ParameterError
+from tests.conformance.benches import CONTROLLER_PARAMETERS, robot_bench
+
+KIND = "admittance_controller/AdmittanceController"
+NAMES = (
+    "joints",
+    "command_interfaces",
+    "kinematics",
+    "ft_sensor",
+    "control",
+    "fixed_world_frame",
+    "gravity_compensation",
+    "admittance",
+)
+
+
+def load(**more):
+    bench = robot_bench()
+    own = {name: CONTROLLER_PARAMETERS[name] for name in NAMES}
+    return bench, bench.load_controller("it", KIND, **{**own, **more})
+
+
+def test_it_rests_without_a_force_and_gives_way_to_one():
+    bench, controller = load()
+    bench.switch(start=["it"])
+    bench.step(5)
+    assert bench.fault("it") is None
+    start = controller.sample.actual
+    assert controller.sample.output == pytest.approx(start)
+
+    controller.tunables.apply({**controller.tunables.values, "tool_weight": 10.0})
+    bench.step(50)
+    # A tool that is lighter than was said lifts the arm.
+    assert controller.published()["state"]["wrench_base"][2] > 5.0
+    assert controller.sample.output != pytest.approx(start, abs=1e-6)
+
+
+def test_an_axis_that_is_not_selected_takes_no_force():
+    bench, controller = load()
+    values = {name: 0.0 for name in controller.tunables.values if "selected" in name}
+    controller.tunables.apply({
+        **controller.tunables.values,
+        **values,
+        "tool_weight": 10.0,
+    })
+    bench.switch(start=["it"])
+    bench.step(50)
+
+    assert controller.sample.output == pytest.approx(controller.sample.actual)
+
+
+@pytest.mark.parametrize(
+    ("more", "error", "words"),
+    [
+        ({"command_interfaces": ["effort"]}, ParameterError, r"\[position\]"),
+        (
+            {"kinematics": {"base": "panda_link0", "tip": "moon"}},
+            ControllerLoadError,
+            "'moon'",
+        ),
+        (
+            {"kinematics": {"base": "panda_link3", "tip": "panda_link1"}},
+            ControllerLoadError,
+            "not below",
+        ),
+        (
+            {"fixed_world_frame": {"frame": {"id": "panda_link4"}}},
+            ParameterError,
+            "fixed to the base",
+        ),
+        ({"joints": ["panda_joint1"]}, ControllerLoadError, "none of the controller's"),
+        (
+            {"admittance": {"selected_axes": [1, 1, 1, 1, 1, 1]}},
+            ParameterError,
+            "mass' is missing|6 booleans",
+        ),
+    ],
+)
+def test_what_does_not_fit_is_refused(more, error, words):
+    with pytest.raises(error, match=words):
+        load(**more)

@@ -1,0 +1,204 @@
+"""Seeded motions of a simulated arm past objects, and MuJoCo as their judge."""
+
+from dataclasses import dataclass, replace
+from math import pi
+
+import mujoco
+import numpy as np
+
+from station.core.franka.franka_robot_state import RobotMode
+from station.core.geometry.scene import SceneObject
+from station.core.hardware.robot_hw import ControllerInfo, InterfaceResources
+from station.core.parameters import Parameters, ParameterTree
+from station.hw.franka.arm.arm_limits import PANDA_LIMITS
+from station.hw.franka.franka_hw import FrankaHW
+from station.hw.franka.simulated.franka_world import placement_of, simulate
+
+PERIOD = 0.001
+MARGIN = 0.03
+KINDS = ("position", "velocity", "pose", "twist", "torque")
+JOINTS = [f"panda_joint{number}" for number in range(1, 8)]
+READY = np.array([0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785])
+# Stiffness and damping of the impedance controller in the torque motions.
+K = np.array([600.0, 600.0, 600.0, 600.0, 250.0, 150.0, 50.0])
+D = np.array([50.0, 50.0, 50.0, 50.0, 30.0, 25.0, 15.0])
+_INTERFACES = {
+    "position": "PositionJointInterface",
+    "velocity": "VelocityJointInterface",
+    "torque": "EffortJointInterface",
+    "pose": "FrankaPoseCartesianInterface",
+    "twist": "FrankaVelocityCartesianInterface",
+}
+
+
+def _thing(name, kind, size, position, rpy=(0.0, 0.0, 0.0), role="keep_out"):
+    return SceneObject(
+        name, kind, size, position, rpy, role=role, margin=MARGIN, solid=False
+    )
+
+
+SCENE = [
+    _thing("table", "box", (0.5, 1.4, 0.2), (0.75, 0.0, 0.0)),
+    _thing("pillar", "cylinder", (0.06, 1.4), (0.35, 0.55, 0.7)),
+    _thing("post", "capsule", (0.05, 1.0), (0.3, -0.55, 0.5)),
+    _thing("ball", "sphere", (0.12,), (0.75, 0.15, 0.6)),
+    _thing("bar", "capsule", (0.03, 0.8), (0.75, -0.3, 0.75), (pi / 2, 0.0, 0.3)),
+    _thing("shelf", "box", (0.3, 0.5, 0.04), (0.45, 0.0, 1.05), (0.2, 0.1, 0.0)),
+    _thing("case", "box", (0.2, 0.2, 0.5), (-0.45, 0.35, 0.6), (0.0, 0.3, 0.5)),
+    _thing("drum", "cylinder", (0.15, 0.4), (-0.4, -0.4, 0.5), (0.4, 0.0, 0.0)),
+    _thing("ground", "half_space", (), (0.0, 0.0, -0.1)),
+    _thing("wall", "half_space", (), (0.0, 0.95, 0.0), (pi / 2, 0.0, 0.0)),
+]
+
+
+@dataclass
+class Outcome:
+    """How a motion went.
+
+    Attributes:
+        q: Joint positions in each cycle [rad], shape (n, 7).
+        closest: Least distance to an object that MuJoCo finds [m].
+        mode: Mode of the arm at the end.
+        refusal: Why the motion ended early.
+        interventions: Cycles in which the guard changed a command.
+    """
+
+    q: np.ndarray
+    closest: float
+    mode: RobotMode
+    refusal: str | None
+    interventions: int
+
+
+class Motions:
+    """One arm that makes motions, with or without its guard."""
+
+    def __init__(self, scene=SCENE, **parameters) -> None:
+        tree = ParameterTree({
+            "robot": {
+                "arm_id": "panda",
+                "robot_description": "example-robot-data:panda",
+                "realism": "ideal",
+                **parameters,
+            }
+        })
+        self._running: list[ControllerInfo] = []
+        self.hw = FrankaHW()
+        self.hw.init(Parameters(tree), Parameters(tree, "robot"))
+        self.guarded = self.hw.guards()[0].prepare(scene, None)
+        self.bare = self.hw.guards()[0].prepare([], None)
+        self.world = self.hw.simulated_world()
+        solid = [replace(one, solid=True) for one in scene]
+        self.model = simulate(
+            [placement_of(self.hw.parameters)], objects=solid
+        ).world.model
+        self.data = mujoco.MjData(self.model)
+        names = {one.name for one in scene}
+        self.pairs = [
+            (arm, thing)
+            for thing in range(self.model.ngeom)
+            if self.model.body(self.model.geom_bodyid[thing]).name in names
+            for arm in range(self.model.ngeom)
+            if self.model.body(self.model.geom_bodyid[arm]).name.startswith("panda")
+            and not self.model.body(self.model.geom_bodyid[arm]).name.endswith("link0")
+        ]
+
+    def closest(self, q) -> float:
+        """Return the least distance of the arm to an object by MuJoCo [m]."""
+        for name, value in zip(JOINTS, q, strict=True):
+            self.data.joint(name).qpos[0] = value
+        for finger in (1, 2):
+            self.data.joint(f"panda_finger_joint{finger}").qpos[0] = 0.04
+        mujoco.mj_kinematics(self.model, self.data)
+        return min(
+            mujoco.mj_geomDistance(self.model, self.data, a, b, 0.2, None)
+            for a, b in self.pairs
+        )
+
+    def start(self, seed: int) -> np.ndarray:
+        """Return a start pose that is clear of everything."""
+        random = np.random.default_rng(seed)
+        while True:
+            q = READY + random.uniform(-0.5, 0.5, 7)
+            if self.closest(q) > MARGIN + 0.07:
+                return q
+
+    def begin(self, kind: str, seed: int, *, guarded: bool) -> np.ndarray:
+        """Put the arm to the start of a motion and switch to its kind of command."""
+        q0, hw = self.start(seed), self.hw
+        if self._running:
+            hw.do_switch([], self._running)
+        if hw.robot_state.robot_mode is RobotMode.REFLEX:
+            hw.arm.automatic_error_recovery()
+        while hw.robot_state.robot_mode is not RobotMode.IDLE:
+            hw.read(0.0, PERIOD)
+        self.world.reset(dict(zip(JOINTS, q0.tolist(), strict=True)))
+        (self.guarded if guarded else self.bare)()
+        resources = ["panda_robot"] if kind in ("pose", "twist") else JOINTS
+        interface = next(
+            one for one in hw.interface_types() if one.__name__ == _INTERFACES[kind]
+        )
+        claims = (InterfaceResources(interface.type_name, tuple(resources)),)
+        self._running = [ControllerInfo(kind, "test/Controller", claims)]
+        for _ in range(50):
+            hw.read(0.0, PERIOD)
+            hw.write(0.0, PERIOD)
+        hw.prepare_switch(self._running, [])
+        hw.do_switch(self._running, [])
+        self.handles = [hw.get(interface).get_handle(name) for name in resources]
+        return q0
+
+    def aim(self, q0: np.ndarray, seed: int):
+        """Return the way of the joints and of the end effector, and its pose."""
+        random = np.random.default_rng(1000 + seed)
+        way = random.uniform(-1.0, 1.0, 7) * np.array([1.2, 0.8, 0.8, 0.8, 1, 0.8, 1])
+        lower, upper = np.array(PANDA_LIMITS.lower), np.array(PANDA_LIMITS.upper)
+        way = np.clip(q0 + way, lower + 0.15, upper - 0.15) - q0
+        turn = random.uniform(-1.0, 1.0, 6) * np.array([0.4, 0.4, 0.4, 0.3, 0.3, 0.3])
+        pose0 = np.array(self.hw.robot_state.O_T_EE)
+        if seed % 2 == 0:
+            # Towards an object, so that about half of the motions would hit one.
+            goal = np.array(SCENE[seed // 2 % 4].pose().xyz) - pose0[12:15]
+            turn[:3] = goal * min(1.0, 0.35 / np.linalg.norm(goal))
+        return way, turn, pose0
+
+    def run(self, kind: str, seed: int, *, guarded: bool, time: float = 1.6) -> Outcome:
+        """Make a motion."""
+        q0, hw = self.begin(kind, seed, guarded=guarded), self.hw
+        way, turn, pose0 = self.aim(q0, seed)
+        found = []
+        cycles = round(time / PERIOD)
+        for cycle in range(cycles + 300):
+            t = min(1.0, cycle / cycles)
+            share = t**3 * (10.0 - 15.0 * t + 6.0 * t * t)
+            rate = 30.0 * t * t * (1.0 - t) ** 2 / time
+            state = hw.robot_state
+            if kind == "position":
+                values = q0 + share * way
+            elif kind == "velocity":
+                values = rate * way
+            elif kind == "torque":
+                values = K * (q0 + share * way - state.q) + D * (
+                    rate * way - np.array(state.dq)
+                )
+            elif kind == "pose":
+                values = pose0.copy()
+                values[12:15] += share * turn[:3]
+            else:
+                values = rate * turn
+            if kind in ("pose", "twist"):
+                values = [[*values]]
+            for handle, value in zip(self.handles, values, strict=True):
+                handle.set_command(value)
+            hw.write(0.0, PERIOD)
+            hw.read(0.0, PERIOD)
+            found.append(hw.robot_state.q)
+        closest = min(self.closest(q) for q in found[::10])
+        guard = hw.guards()[0].guard
+        return Outcome(
+            np.array(found),
+            closest,
+            hw.robot_state.robot_mode,
+            hw._sender.refusal,
+            guard.interventions,
+        )

@@ -1,0 +1,42 @@
+"""Plot layouts on disk: saved, read, deleted, and files that cannot be used."""
+
+import pytest
+
+from station.core.errors import PlotLayoutError, PlotLayoutNotFoundError
+from station.library.plot_layouts import PlotLayouts
+from station.reports import PlotSettings
+
+PLOTS = (
+    PlotSettings(["position/a", "d/dt position/a"], span=30.0),
+    PlotSettings(["effort/a"], xy=True, transform="norm"),
+)
+
+
+@pytest.fixture
+def layouts(tmp_path):
+    return PlotLayouts(tmp_path)
+
+
+def test_a_layout_is_saved_read_and_deleted(layouts):
+    saved = layouts.save("torques", PLOTS)
+    assert layouts.names() == ["torques"]
+    assert layouts.get("torques") == saved
+    assert tuple(saved.plots) == PLOTS
+    layouts.save("torques", PLOTS[:1])
+    assert tuple(layouts.delete("torques").plots) == PLOTS[:1]
+    with pytest.raises(PlotLayoutNotFoundError, match="no plot layout 'torques'"):
+        layouts.get("torques")
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("plots: 3", "no list 'plots'"),
+        ("plots: [{keys: [a], span: 1}]", "its plot 1 is malformed"),
+        ("plots: [{keys: [a], span: -1, xy: false, transform: ''}]", "shows -1.0 s"),
+    ],
+)
+def test_a_malformed_file_is_refused(layouts, tmp_path, text, why):
+    (tmp_path / "bad.yaml").write_text(text)
+    with pytest.raises(PlotLayoutError, match=why):
+        layouts.get("bad")

@@ -1,0 +1,3 @@
+"""The tokens of the tests of the API."""
+
+from tests.api.conftest import authenticator as authenticator
