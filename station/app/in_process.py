@@ -262,7 +262,7 @@ class InProcessStation:
     def rehearse(
         self, steps: Sequence[Mapping[str, object]], seconds: float | None = None
     ) -> Rehearsal:
-        """Tell how commands would end, in a copy of this process; nothing moves.
+        """Forecast the end of commands in a copy of this process; nothing moves.
 
         Args:
             steps: The commands, as `POST /rehearse` takes them.

@@ -90,7 +90,7 @@ class Conditions:
                     *one.position,
                     *one.orientation,
                 )
-                for one in station.scene()
+                for one in station.scene.report()
             },
             dict(zip(names, now.position, strict=True)),
             dict(zip(names, now.velocity, strict=True)),

@@ -103,7 +103,7 @@ def plan(station: "Station", wish: Wish) -> Plan:
 def _goal_of(
     station: "Station", wish: Wish, joints: list[str], start: list[float]
 ) -> Joints:
-    """Return where the joints are to go, shape (n,).
+    """Return the goal of the joints, shape (n,).
 
     Raises:
         InvalidCommandError: The controller has no such joint.

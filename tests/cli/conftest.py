@@ -135,7 +135,7 @@ class _Awaited(_Source):
     async def query_state(self, name, time=None):
         return self._fake.query_state(name)
 
-    async def submit_goal(self, name, goal, epoch=None):
+    async def submit_goal(self, name, goal, epoch=None, certificate=None):
         return self._fake.submit_goal(name, goal)
 
     async def goal(self, name, goal_id):
@@ -257,6 +257,10 @@ class FakeStation:
         client = StationClient("http://a", "t")
         client._source = _Awaited(self)
         return client.start_move(*arguments, **options)
+
+    def rehearse(self, steps, *, seconds=None, certificate=False):
+        self._record("rehearse", steps, seconds, certificate)
+        return self.rehearsal
 
     def submit_goal(self, name, goal):
         self._record("submit_goal", name, goal)

@@ -27,7 +27,7 @@ class FakeStation(AsyncStationClient):
         self.answers = list(answers)
         self.cancelled = []
 
-    async def submit_goal(self, name, goal, epoch=None):
+    async def submit_goal(self, name, goal, epoch=None, certificate=None):
         """Take the goal."""
         return self.answers.pop(0)
 

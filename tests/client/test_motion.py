@@ -64,7 +64,7 @@ class FakeStation(AsyncStationClient):
             name=JOINTS, position=zeros, velocity=zeros, acceleration=zeros
         )
 
-    async def submit_goal(self, name, goal, epoch=None):
+    async def submit_goal(self, name, goal, epoch=None, certificate=None):
         """Keep the goal."""
         self.calls.append(("goal", name, goal["trajectory"]["points"][0]))
         return Goal.model_construct(id="1", status="succeeded")

@@ -18,7 +18,7 @@ router = APIRouter(tags=["rehearsals"], dependencies=[Viewer], route_class=JsonR
     responses=problems(413, 422, 503),
 )
 def rehearse(request: RehearsalRequest, services: ServicesDep) -> Rehearsal:
-    """Tell how commands would end, and in which cycle, without moving anything.
+    """Forecast the end of commands without moving anything.
 
     A copy of the simulated station carries them out ahead of time: the same world, the
     same controllers in the same state. A stepped station then goes the same way bit for

@@ -47,7 +47,7 @@ def add_rehearse(parser: "Parser") -> None:
 
 
 def rehearse(options: Namespace) -> int:
-    """Tell how a motion would end; 1 when it would not be completed."""
+    """Forecast the end of a motion; 1 when it would not be completed."""
     with open_client(options) as client:
         told = client.rehearse(
             _steps(client, options),

@@ -1,0 +1,63 @@
+"""The verb that tells how a motion would end."""
+
+import json
+
+from pydantic import TypeAdapter
+
+from station.wire import Rehearsal
+
+REPORT = {
+    "outcome": "completed",
+    "error": None,
+    "is_at_rest": True,
+    "begin_cycle": 8,
+    "cycles": 900,
+    "duration": 0.9,
+    "wall_time": 0.05,
+    "joints": [],
+    "contacts": [],
+    "times": [],
+    "positions": [],
+    "digest": "ab",
+}
+
+
+def report(**changes):
+    return TypeAdapter(Rehearsal).validate_python({**REPORT, **changes})
+
+
+def test_path_is_rehearsed_and_its_end_is_told(run, station):
+    station.rehearsal = report()
+    outcome = run("rehearse --path wave --seconds 2")
+
+    assert outcome.code == 0
+    assert station.calls == [
+        ("rehearse", [{"kind": "path", "path": "wave"}], 2.0, False)
+    ]
+    assert outcome.out == "completed after 0.900 s (900 cycles, rehearsed in 50 ms).\n"
+
+
+def test_failed_steps_of_a_file_give_exit_code_1(run, station, tmp_path):
+    error = {
+        "cause": "reflex",
+        "cycle": 70,
+        "time": 0.06,
+        "where": "panda_joint4",
+        "touching": [["panda_link5", "post"]],
+        "code": "joint_reflex",
+        "text": "It touched something.",
+        "step": 0,
+    }
+    station.rehearsal = report(outcome="failed", error=error)
+    steps = [{"kind": "switch", "start": ["arm"]}]
+    (tmp_path / "steps.json").write_text(json.dumps(steps))
+    outcome = run(f"rehearse --file {tmp_path / 'steps.json'} --certificate")
+
+    assert outcome.code == 1
+    assert station.calls == [("rehearse", steps, None, True)]
+    assert "reflex at panda_joint4 in cycle 70: It touched something." in outcome.out
+    assert "Touching: panda_link5 and post." in outcome.out
+
+
+def test_nothing_to_rehearse_is_refused(run):
+    assert run("rehearse").code == 2
