@@ -1,7 +1,7 @@
 cimport cython
 from station.core.franka.command_rates cimport limit_steps, limited
-from station.core.geometry.distances cimport Nearness, place_segments
-from station.core.numerics.arm_chain cimport place_links, zero_jacobian
+from station.core.geometry.distances cimport Nearness, place_segments, put_capsule
+from station.core.numerics.arm_chain cimport least_rates, place_links, zero_jacobian
 from station.core.numerics.rigid_motion cimport twist_between
 from station.memory.functions cimport square_root
 
@@ -85,10 +85,6 @@ cdef class Guard:
         jacobian=double[::1],
     )
     cdef double look_ahead_of_twist(self)
-    @cython.locals(
-        i=long, j=long, k=long, total=double, factor=double, jacobian=double[::1],
-        matrix=double[::1], rest=double[::1],
-    )
     cdef void solve_joints(self) noexcept
     @cython.locals(
         i=long, capsule=long, solid=long, gap=double, can_stop=bint, is_pushed=bint
@@ -100,8 +96,3 @@ cdef class Guard:
         ny=double, nz=double,
     )
     cdef bint repel(self, long capsule, long solid, double gap) noexcept
-
-@cython.locals(k=long, x=double, y=double, z=double, ux=double, uy=double, uz=double)
-cdef void put_capsule(
-    double[::1] row, double[::1] place, double[::1] ends, double radius, double margin
-) noexcept

@@ -11,11 +11,23 @@ rest, so that both can stop whatever either of them does next.
 """
 
 from collections.abc import Sequence
-from math import dist, hypot
+from math import dist
 
 from station.core.franka.command_rates import limit_steps, limited
-from station.core.geometry.distances import MARGIN, ROW, Nearness, place_segments
-from station.core.numerics.arm_chain import new_links, place_links, zero_jacobian
+from station.core.geometry.distances import (
+    MARGIN,
+    ROW,
+    Nearness,
+    place_segments,
+    put_capsule,
+    reaches,
+)
+from station.core.numerics.arm_chain import (
+    least_rates,
+    new_links,
+    place_links,
+    zero_jacobian,
+)
 from station.core.numerics.rigid_motion import twist_between
 from station.memory.doubles import Doubles, Storage, doubles, indices, zeros
 from station.memory.functions import square_root
@@ -127,7 +139,7 @@ class Guard:
         self.twist, self.jacobian = zeros(6), zeros(6 * size)
         self.matrix, self.rest = zeros(36), zeros(6)
         self.push = zeros(size)
-        self.reach = doubles(self._reaches())
+        self.reach = doubles(reaches(chain, self.capsules, self.owners))
         # Half of the axis and the radius: how far a capsule reaches from its middle.
         self.extents = doubles(
             0.5 * dist(self.capsules[k : k + 3], self.capsules[k + 3 : k + 6])
@@ -140,23 +152,6 @@ class Guard:
         self.arms: list[str] = []
         self.places: list[Doubles] = []
         self.set_scene([], [], [])
-
-    def _reaches(self) -> list[float]:
-        """Return how far a point behind each joint can be from its axis [m]."""
-        chain, far = self.chain, [0.0] * (self.size + 1)
-        for i in range(self.count):
-            k = 7 * i
-            one = self.capsules
-            end = max(
-                hypot(one[k], one[k + 1], one[k + 2]),
-                hypot(one[k + 3], one[k + 4], one[k + 5]),
-            )
-            link = self.owners[i]
-            far[link] = max(far[link], end + one[k + 6])
-        for joint in range(self.size - 2, -1, -1):
-            step = hypot(chain[4 * joint + 4], chain[4 * joint + 5])
-            far[joint] = max(far[joint], step + far[joint + 1])
-        return far[: self.size]
 
     def set_scene(
         self,
@@ -619,29 +614,7 @@ class Guard:
 
     def solve_joints(self) -> None:
         """Write the least joint velocities with the twist `rest` to `v`."""
-        jacobian, matrix, rest = self.jacobian, self.matrix, self.rest
-        for k in range(6):
-            for j in range(6):
-                total = _SINGULAR if j == k else 0.0
-                for i in range(self.size):
-                    total += jacobian[6 * i + k] * jacobian[6 * i + j]
-                matrix[6 * k + j] = total
-        # Gauss, without a search for pivots: the matrix is symmetric and positive.
-        for k in range(6):
-            for j in range(k + 1, 6):
-                factor = matrix[6 * j + k] / matrix[7 * k]
-                for i in range(k, 6):
-                    matrix[6 * j + i] -= factor * matrix[6 * k + i]
-                rest[j] -= factor * rest[k]
-        for k in range(5, -1, -1):
-            for j in range(k + 1, 6):
-                rest[k] -= matrix[6 * k + j] * rest[j]
-            rest[k] = rest[k] / matrix[7 * k]
-        for i in range(self.size):
-            total = 0.0
-            for k in range(6):
-                total += jacobian[6 * i + k] * rest[k]
-            self.v[i] = total
+        least_rates(self.jacobian, self.rest, self.matrix, _SINGULAR, self.v)
 
     def limit_torques(self, result: Storage) -> bool:
         """Push the links away from what they come near to.
@@ -703,38 +676,3 @@ class Guard:
         for joint in range(self.owners[capsule] + 1):
             self.push[joint] += force * self.way[joint]
         return force > 0.0
-
-
-def put_capsule(
-    row: Doubles, place: Doubles, ends: Doubles, radius: float, margin: float
-) -> None:
-    """Write a capsule of another arm as a solid.
-
-    Args:
-        row: Where the solid goes, 20 numbers.
-        place: Pose of the other arm's base, 16 numbers.
-        ends: Ends of the axis in the frame of that base [m], shape (6,).
-        radius: Radius [m].
-        margin: Distance to keep [m].
-    """
-    x, y, z = ends[3] - ends[0], ends[4] - ends[1], ends[5] - ends[2]
-    length = square_root(x * x + y * y + z * z)
-    x, y, z = (x / length, y / length, z / length) if length > 0.0 else (0.0, 0.0, 1.0)
-    # Any axis across: the one that is farthest from the axis of the capsule.
-    ux, uy, uz = (0.0, z, -y) if -0.7 < x < 0.7 else (-z, 0.0, x)
-    size = square_root(ux * ux + uy * uy + uz * uz)
-    ux, uy, uz = ux / size, uy / size, uz / size
-    wx, wy, wz = y * uz - z * uy, z * ux - x * uz, x * uy - y * ux
-    cx, cy, cz = (
-        0.5 * (ends[0] + ends[3]),
-        0.5 * (ends[1] + ends[4]),
-        0.5 * (ends[2] + ends[5]),
-    )
-    row[0], row[13], row[14], row[15] = 1.0, radius, 0.5 * length, 0.0
-    row[_MARGIN], row[17], row[18], row[19] = margin, 1.0, 0.0, 0.0
-    for k in range(3):
-        a, b, c = place[k], place[4 + k], place[8 + k]
-        row[1 + k] = a * ux + b * uy + c * uz
-        row[4 + k] = a * wx + b * wy + c * wz
-        row[7 + k] = a * x + b * y + c * z
-        row[10 + k] = a * cx + b * cy + c * cz + place[12 + k]

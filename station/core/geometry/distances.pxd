@@ -49,3 +49,7 @@ cpdef double nearest_points(
 cpdef void place_segments(
     double[::1] capsules, long[::1] owners, double[::1] links, double[::1] segments
 ) noexcept
+@cython.locals(k=long, x=double, y=double, z=double, ux=double, uy=double, uz=double)
+cpdef void put_capsule(
+    double[::1] row, double[::1] place, double[::1] ends, double radius, double margin
+) noexcept

@@ -9,6 +9,8 @@ The signed distance of a point to a convex solid is convex along a line, so a se
 nearest where the slope changes its sign, and it is farthest at an end.
 """
 
+from math import hypot
+
 from station.memory.doubles import Doubles, Indices, Storage, zeros
 from station.memory.functions import square_root
 
@@ -378,3 +380,58 @@ def place_segments(
             segments[o + 1] += links[k + 13]
             segments[o + 2] = links[k + 2] * x + links[k + 6] * y + links[k + 10] * z
             segments[o + 2] += links[k + 14]
+
+
+def put_capsule(
+    row: Doubles, place: Doubles, ends: Doubles, radius: float, margin: float
+) -> None:
+    """Write a capsule of another arm as a solid.
+
+    Args:
+        row: Where the solid goes, 20 numbers.
+        place: Pose of the other arm's base, 16 numbers.
+        ends: Ends of the axis in the frame of that base [m], shape (6,).
+        radius: Radius [m].
+        margin: Distance to keep [m].
+    """
+    x, y, z = ends[3] - ends[0], ends[4] - ends[1], ends[5] - ends[2]
+    length = square_root(x * x + y * y + z * z)
+    x, y, z = (x / length, y / length, z / length) if length > 0.0 else (0.0, 0.0, 1.0)
+    # Any axis across: the one that is farthest from the axis of the capsule.
+    ux, uy, uz = (0.0, z, -y) if -0.7 < x < 0.7 else (-z, 0.0, x)
+    size = square_root(ux * ux + uy * uy + uz * uz)
+    ux, uy, uz = ux / size, uy / size, uz / size
+    wx, wy, wz = y * uz - z * uy, z * ux - x * uz, x * uy - y * ux
+    cx, cy, cz = (
+        0.5 * (ends[0] + ends[3]),
+        0.5 * (ends[1] + ends[4]),
+        0.5 * (ends[2] + ends[5]),
+    )
+    row[0], row[13], row[14], row[15] = 1.0, radius, 0.5 * length, 0.0
+    row[_MARGIN], row[17], row[18], row[19] = margin, 1.0, 0.0, 0.0
+    for k in range(3):
+        a, b, c = place[k], place[4 + k], place[8 + k]
+        row[1 + k] = a * ux + b * uy + c * uz
+        row[4 + k] = a * wx + b * wy + c * wz
+        row[7 + k] = a * x + b * y + c * z
+        row[10 + k] = a * cx + b * cy + c * cz + place[12 + k]
+
+
+def reaches(chain: Doubles, capsules: Doubles, owners: Indices) -> list[float]:
+    """Return how far a point of an arm can be from the axis of each joint [m].
+
+    Args:
+        chain: The arm, see `arm_chain`.
+        capsules: Capsules of its links, 7 numbers each.
+        owners: Index of the link of each capsule.
+    """
+    size = len(chain) // 4 - 1
+    far = [0.0] * (size + 1)
+    for i, link in enumerate(owners):
+        k = 7 * i
+        end = max(hypot(*capsules[k : k + 3]), hypot(*capsules[k + 3 : k + 6]))
+        far[link] = max(far[link], end + capsules[k + 6])
+    for joint in range(size - 2, -1, -1):
+        step = hypot(chain[4 * joint + 4], chain[4 * joint + 5])
+        far[joint] = max(far[joint], step + far[joint + 1])
+    return far[:size]

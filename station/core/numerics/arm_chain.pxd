@@ -1,3 +1,5 @@
+cimport cython
+
 from station.memory.functions cimport cosine, sine
 
 cpdef void place_links(double[::1] chain, double[::1] q, double[::1] links) noexcept
@@ -20,5 +22,10 @@ cpdef void measure_accelerations(
     double[::1] ddq,
     double[::1] gravity,
     double[::1] sensors,
+    double[::1] result,
+) noexcept
+@cython.locals(i=long, j=long, k=long, size=long, total=double, factor=double)
+cpdef void least_rates(
+    double[::1] jacobian, double[::1] twist, double[::1] matrix, double damping,
     double[::1] result,
 ) noexcept

@@ -231,3 +231,44 @@ def measure_accelerations(
             result[3 * link + axis] = (
                 sensors[k] * rx + sensors[k + 1] * ry + sensors[k + 2] * rz
             )
+
+
+def least_rates(
+    jacobian: Doubles,
+    twist: Doubles,
+    matrix: Doubles,
+    damping: float,
+    result: Doubles,
+) -> None:
+    """Write the least joint velocities with a twist, damped near singular poses.
+
+    Args:
+        jacobian: The Jacobian of n joints.
+        twist: The twist [m/s, rad/s], shape (6,); lost.
+        matrix: Memory for 36 numbers.
+        damping: Square of the damping, > 0.
+        result: Where the velocities go [rad/s], shape (n,).
+    """
+    size = len(result)
+    for k in range(6):
+        for j in range(6):
+            total = damping if j == k else 0.0
+            for i in range(size):
+                total += jacobian[6 * i + k] * jacobian[6 * i + j]
+            matrix[6 * k + j] = total
+    # Gauss, without a search for pivots: the matrix is symmetric and positive.
+    for k in range(6):
+        for j in range(k + 1, 6):
+            factor = matrix[6 * j + k] / matrix[7 * k]
+            for i in range(k, 6):
+                matrix[6 * j + i] -= factor * matrix[6 * k + i]
+            twist[j] -= factor * twist[k]
+    for k in range(5, -1, -1):
+        for j in range(k + 1, 6):
+            twist[k] -= matrix[6 * k + j] * twist[j]
+        twist[k] = twist[k] / matrix[7 * k]
+    for i in range(size):
+        total = 0.0
+        for k in range(6):
+            total += jacobian[6 * i + k] * twist[k]
+        result[i] = total

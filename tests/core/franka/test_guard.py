@@ -117,6 +117,27 @@ def test_torques_push_away_and_end_in_a_reflex_that_names_the_pair():
     )
 
 
+def test_two_arms_that_swing_at_each_other_keep_their_distance():
+    left, right = make(things=()), make(things=())
+    # The other base is 1.6 m away along x, turned by half a turn.
+    place = [-1.0, 0, 0, 0, 0, -1.0, 0, 0, 0, 0, 1.0, 0, 1.6, 0, 0, 1.0]
+    left.add_neighbour(right, doubles(place), "right")
+    right.add_neighbour(left, doubles(place), "left")
+    for guard, q in ((left, [1.2, 0.0]), (right, [-1.2, 0.0])):
+        put(guard.memory["q_d"], q)
+        guard.set_scene([], [], [], 0.05)
+    closest = 9.0
+    for _ in range(700):
+        drive(left, [-1.5, 0.0], 1)
+        drive(right, [1.5, 0.0], 1)
+        closest = min(closest, left.distance, right.distance)
+
+    assert 0.05 - 1e-3 <= closest < 0.07
+    assert left.is_slowing
+    assert right.is_slowing
+    assert left.things[left.pair % left.solid_count].startswith("right ")
+
+
 @needs_both
 @settings(max_examples=25)
 @given(st.lists(st.floats(-1.5, 1.5), min_size=6, max_size=6))
