@@ -23,6 +23,8 @@ from station.reports import AgentRequest, LoopState, Verdict
 
 FREE = frozenset([
     "stop",
+    "rehearse",
+    "plan",
     "take_control",
     "renew_control",
     "release_control",

@@ -418,7 +418,7 @@ def put_capsule(
 
 
 def reaches(chain: Doubles, capsules: Doubles, owners: Indices) -> list[float]:
-    """Return how far a point of an arm can be from the axis of each joint [m].
+    """Return the greatest distance of an arm's point from each joint axis [m].
 
     Args:
         chain: The arm, see `arm_chain`.
