@@ -5,6 +5,7 @@ import json
 from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlencode
 
 import mcp_types as types
 from mcp import MCPError
@@ -128,6 +129,8 @@ class AgentServer:
         path = path.removeprefix(PREFIX)
         if tool.method == "GET":
             return await self._connection.get(path, _JSON, query)
+        if query:
+            path = f"{path}?{urlencode(query)}"
         return await self._connection.send(
             tool.method, path, _JSON, body, patience=PATIENCE
         )
@@ -169,7 +172,7 @@ class AgentServer:
             found = await self._connection.get("/incidents", _JSON)
         except ApiError as refused:
             return f"{why} Of incidents nothing is known: {refused}"
-        return f"{why} Latest incidents: {json.dumps(found['incidents'][-3:])}"
+        return f"{why} Latest incidents: {json.dumps(found['recordings'][-3:])}"
 
     async def _list_tools(self, *_: object) -> types.ListToolsResult:
         tools = [
