@@ -14,6 +14,7 @@ from station.core.facade.station import Station
 from station.core.franka.arms import Arms
 from station.core.user_files import changing, make_private_folder, user_folder
 from station.core.yaml_reader import read_yaml
+from station.reports import LoopState
 from station.trials.bench_analysis import gain_names
 from station.trials.bench_runs import KeptRuns
 from station.trials.errors import ExperimentError
@@ -110,7 +111,6 @@ class LessonAttempts:
         runs: Runs of the bench; those since the beginning of an attempt are its own.
         folder: The user's lessons; the user's own folder when None. The progress is in
             `progress` below it, a YAML file for each person.
-        is_watching: Whether a thread takes the cycles; otherwise `take` is called.
     """
 
     def __init__(
@@ -118,11 +118,8 @@ class LessonAttempts:
         station: Station,
         runs: KeptRuns,
         folder: Path | None = None,
-        *,
-        is_watching: bool = True,
     ) -> None:
         self._station, self._runs, self._folder = station, runs, folder
-        self._is_watching = is_watching
         self._lock = threading.Lock()
         self._name = ""
         self._watch: LessonWatch | None = None
@@ -164,7 +161,8 @@ class LessonAttempts:
             self._name = name
             self._known = {run.name: run.created_at for run in self._runs.list()}
             self._watch = LessonWatch(self._station, lesson)
-            if self._is_watching:
+            # Who steps a station asks for a check when it has been stepped.
+            if self._station.loop.state is LoopState.RUNNING:
                 threading.Thread(
                     target=self._look,
                     args=(self._watch, self._end),
@@ -227,8 +225,11 @@ class LessonAttempts:
 
     def _look(self, watch: LessonWatch, end: threading.Event) -> None:
         looks = 0
+        loop = self._station.loop
         while not end.wait(_LOOK) and looks < _LONGEST / _LOOK:
-            self._station.loop.right_of_way.give()
+            if loop.state is not LoopState.RUNNING:
+                return
+            loop.right_of_way.give()
             with self._lock:
                 if watch is self._watch:
                     watch.take()

@@ -31,9 +31,7 @@ class Student:
     def __init__(self, station, folder):
         self.station = station
         self.runs = KeptRuns(folder / "runs")
-        self.lessons = LessonAttempts(
-            station, self.runs, folder / "lessons", is_watching=False
-        )
+        self.lessons = LessonAttempts(station, self.runs, folder / "lessons")
         self.bench = LiveBench(station, sleep=self.wait, now=lambda: 0.0)
 
     def wait(self, _=None, cycles=2):

@@ -43,6 +43,9 @@ DEFAULTS = {
 (LINE,) = re.findall(r"SIZES = \{(.*)\}", TEXT)
 SIZES = {name: float(value) for name, value in re.findall(r"(\w+): ([\d.]+)", LINE)}
 """The size with which each kind of test begins."""
+(LINE,) = re.findall(r"TIMES = \{(.*)\}", TEXT)
+TIMES = {name: float(value) for name, value in re.findall(r"(\w+): ([\d.]+)", LINE)}
+"""How long each kind of test lasts at first [s]."""
 
 
 @pytest.fixture(scope="module")
@@ -244,7 +247,7 @@ def default(kind, joint):
     given = {name: DEFAULTS[name] for name in fields[kind]}
     return BenchRequest(
         excitation=kinds[kind](joint=joint, amplitude=SIZES[kind], **given),
-        duration=DEFAULTS["duration"],
+        duration=TIMES[kind],
     )
 
 

@@ -129,8 +129,8 @@ def test_no_points_of_two_segments_are_closer_than_their_distance(first, second)
     )
     closest = np.linalg.norm(a[:, None] - b[None], axis=2).min()
 
-    # The points compared are at most sqrt(12) / 200 apart on each segment. Segments that
-    # are nearly parallel have nearest points that are known to some micrometres.
+    # The points compared are at most sqrt(12) / 200 apart on each segment. The nearest
+    # points of nearly parallel segments are known to some micrometres.
     assert closest - 0.018 <= found <= closest + 1e-5
 
 
