@@ -418,7 +418,7 @@ def put_capsule(
 
 
 def reaches(chain: Doubles, capsules: Doubles, owners: Indices) -> list[float]:
-    """Return how far a point of an arm can be from the axis of each joint [m].
+    """Return the largest distance of a point of an arm from each joint's axis [m].
 
     Args:
         chain: The arm, see `arm_chain`.

@@ -49,7 +49,7 @@ class SceneGuard(ABC):
 
     @abstractmethod
     def report(self) -> Clearance | None:
-        """Return how near the nearest pair is; None where nothing counts."""
+        """Return the nearest pair and its distance; None where nothing counts."""
 
 
 class SimulatedWorld(ABC):
@@ -388,7 +388,7 @@ class RobotHW(InterfaceManager):
         return None
 
     def guards(self) -> Sequence[SceneGuard]:
-        """Return what keeps the arms of this robot clear of a scene; empty if nothing.
+        """Return the guards that keep this robot's arms clear of a scene, if any.
 
         The same objects from `init` on.
         """
