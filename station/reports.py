@@ -547,6 +547,8 @@ class RehearsalCause(TextEnum):
     """A controller fails."""
     STOP = "stop"
     """The station is stopped."""
+    ENVELOPE = "envelope"
+    """The motion leaves the envelope of agents; a person's would be carried out."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,6 +23,8 @@ from station.reports import AgentRequest, LoopState, Verdict
 
 FREE = frozenset([
     "stop",
+    "rehearse",
+    "plan",
     "take_control",
     "renew_control",
     "release_control",
@@ -33,6 +35,13 @@ FREE = frozenset([
     "cancel_playback",
 ])
 """Operations of agents that need nobody's leave: they move nothing, or end a motion."""
+REHEARSED = frozenset([
+    "put_command",
+    "submit_goal",
+    "follow_trajectory",
+    "play_waypoint_path",
+])
+"""Operations that are given by the certificate of a rehearsal, as the policy says."""
 _NOT_READ = frozenset(["list_tokens", "stream_needs_websocket"])
 ASKED = frozenset([
     "load_controller",

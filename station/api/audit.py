@@ -99,11 +99,14 @@ class Audit:
 
     def _record(self, scope: Scope, status: int, *, is_repeated: bool) -> None:
         # People may look unseen. Each call of an agent is on record.
-        if scope["method"] in _READS and not scope["state"].get(_OF_AGENT):
+        is_of_agent = bool(scope["state"].get(_OF_AGENT))
+        if scope["method"] in _READS and not is_of_agent:
             return
         path = scope["path"].removeprefix(PREFIX)
         is_done = 200 <= status < 400
-        if scope["state"].get(_PREVIEW) or (is_done and path in _UNREMARKABLE):
+        if scope["state"].get(_PREVIEW) or (
+            is_done and path in _UNREMARKABLE and not is_of_agent
+        ):
             return
         origin = origin_of(HTTPConnection(scope))
         what = f"{scope['method']} {path}"

@@ -6,6 +6,7 @@ from typing import Annotated
 
 from fastapi import Depends, Query, Response
 
+from station.api.auth import Role
 from station.api.dependencies import AccessDep, ServicesDep
 from station.core.ports.receipt import Receipt
 from station.rehearsal.rehearsals import Policy
@@ -33,7 +34,7 @@ class ByRehearsal:
     ) -> None:
         self._response = response
         self._rehearsals = services.rehearsals
-        self._token = None if access.token is None else access.token.name
+        self._is_agent = access.role is Role.AGENT
         self._certificate = certificate
 
     @contextmanager
@@ -47,8 +48,8 @@ class ByRehearsal:
         rehearsals, step = self._rehearsals, {"kind": kind, **command}
         with rehearsals.redeemed(self._certificate, step) as receipt:
             if kind != "switch":
-                rehearsals.check(self._token)
-            policy = rehearsals.rules.policy_of(self._token)
+                rehearsals.check(is_agent=self._is_agent)
+            policy = rehearsals.rules.policy_of(is_agent=self._is_agent)
             if policy is Policy.ADVISE and self._certificate is None:
                 self._response.headers[REHEARSAL_HEADER] = "advised"
             yield receipt

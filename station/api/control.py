@@ -84,8 +84,8 @@ class Control:
             and a sentence with the reason, when the lease was taken by force or has
             expired: what they do is held.
         now: Monotonic clock [s].
-        rehearsed: Called with the name of the caller's named token before a command of
-            motion; raises when it has to be rehearsed and is not.
+        rehearsed: Called before a command of motion, with `is_agent`; raises when it
+            has to be rehearsed and is not.
     """
 
     def __init__(
@@ -93,7 +93,7 @@ class Control:
         log: EventLog,
         let_go: Callable[[set[str], str], None],
         now: Callable[[], float] = time.monotonic,
-        rehearsed: Callable[[str | None], None] = lambda _: None,
+        rehearsed: Callable[..., None] = lambda **_: None,
     ) -> None:
         self._rehearsed = rehearsed
         self._log = log
@@ -299,7 +299,12 @@ class Control:
 
     @contextmanager
     def commanding(
-        self, access: Access, key: str | None, controller: str
+        self,
+        access: Access,
+        key: str | None,
+        controller: str,
+        *,
+        is_bounded: bool = False,
     ) -> Iterator[None]:
         """Give a set-point in the body of a `with`, which must not wait.
 
@@ -311,13 +316,16 @@ class Control:
             access: Rights of the caller.
             key: The lease that the request names; None without one.
             controller: Name of the controller.
+            is_bounded: Whether the station itself chooses the way and bounds it, as the
+                bench does: there is nothing to rehearse.
 
         Raises:
             ControlHeldError: Somebody else holds control.
             RehearsalNeededError: The caller's motions have to be rehearsed.
         """
         # Every door goes through here: the API, its streams, and the tool ports.
-        self._rehearsed(None if access.token is None else access.token.name)
+        if not is_bounded:
+            self._rehearsed(is_agent=access.role is Role.AGENT)
         with self._lock:
             self.check(access, key)
             yield
@@ -325,7 +333,14 @@ class Control:
             if lease is not None:
                 lease.commanded.add(controller)
 
-    def admit(self, access: Access, key: str | None, controller: str) -> None:
+    def admit(
+        self,
+        access: Access,
+        key: str | None,
+        controller: str,
+        *,
+        is_bounded: bool = False,
+    ) -> None:
         """Admit a goal or a trajectory, before it is planned and again afterwards.
 
         The controller is noted: whoever takes control by force meanwhile ends what was
@@ -335,12 +350,14 @@ class Control:
             access: Rights of the caller.
             key: The lease that the request names; None without one.
             controller: Name of the controller.
+            is_bounded: Whether the station itself chooses the way and bounds it, as the
+                bench does: there is nothing to rehearse.
 
         Raises:
             ControlHeldError: Somebody else holds control.
             RehearsalNeededError: The caller's motions have to be rehearsed.
         """
-        with self.commanding(access, key, controller):
+        with self.commanding(access, key, controller, is_bounded=is_bounded):
             pass
 
     def listen(self, changed: Callable[[], None]) -> Callable[[], None]:

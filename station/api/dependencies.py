@@ -7,6 +7,7 @@ from typing import Annotated
 from fastapi import Depends, Header, Request, Security
 from fastapi.security import HTTPBearer
 
+from station.api.agents import REHEARSED
 from station.api.audit import note_access, origin_of
 from station.api.auth import Access, Role
 from station.api.errors import ProblemError
@@ -143,6 +144,10 @@ async def operator(
     key = request.headers.get(LEASE_HEADER)
     services.control.check(access, key)
     if role is Role.AGENT:
+        name = request.scope["route"].name
+        if name in REHEARSED and "certificate" not in request.query_params:
+            # Nobody is asked for what would be refused afterwards.
+            services.rehearsals.check(is_agent=True)
         await services.agents.admit(request, access, origin_of(request))
         services.control.check(access, key)  # it may have been lost meanwhile
     return role

@@ -25,11 +25,14 @@ from station.api.named_tokens import (
 from station.api.validation_words import explain, explain_json
 from station.core import errors
 from station.events import AlarmNotFoundError
+from station.rehearsal.rehearsals import AgentEnvelopeError
 from station.trials.errors import (
+    BenchRunNotFoundError,
     ExperimentError,
     ExperimentNotFoundError,
     ExperimentRunningError,
     ImpossibleRangeError,
+    LessonNotFoundError,
     TooManyExperimentsError,
     UnknownParameterError,
 )
@@ -101,7 +104,10 @@ STATUS: Mapping[type[errors.StationError], int] = {
     TokenExistsError: 409,
     TokenNotFoundError: 404,
     TokensNotKeptError: 500,
+    BenchRunNotFoundError: 404,
+    LessonNotFoundError: 404,
     AgentRefusedError: 403,
+    AgentEnvelopeError: 403,
     TooManyAgentRequestsError: 429,
     AgentRequestNotFoundError: 404,
     AgentRequestDecidedError: 409,

@@ -31,6 +31,7 @@ TAGS = {
     "rehearsals": "Forecasts of motions in a copy of the station, and paths.",
     "goals": "Trajectories and gripper goals: progress, result, cancelling.",
     "waypoint-paths": "Waypoint paths: captured, edited, kept, and played.",
+    "plot-layouts": "Named layouts of the dashboard's plots.",
     "parameters": "The tree of parameters that controllers are loaded with (rosparam).",
     "robot": "The whole robot: joints, interfaces, claims, limits, transmissions.",
     "loop": "The control loop: rate, lateness, time per phase.",
@@ -53,6 +54,7 @@ PARAMETERS = {
     "topic": ("Name of the topic.", "joint_states"),
     "frame": ("Frame of pose and Jacobians.", "flange"),
     "time": ("Station time [s]; the present when left out.", 12.5),
+    "number": ("Number of the agent's request.", "5f0c81e09ab3"),
     "if-match": ("ETag of the gains that were read; refused when they changed.", "*"),
     "next": ("Page to show afterwards.", "/docs"),
 }

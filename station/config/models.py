@@ -244,9 +244,8 @@ class RehearsalSection(_Section):
     """The need of a rehearsal before a motion, and how exactly it has to be kept to.
 
     Attributes:
-        operator: For people, and for tokens that are not named in `agents`.
-        agent: For the tokens named in `agents`.
-        agents: Named tokens of programs that decide by themselves.
+        operator: For people.
+        agent: For tokens of the role `agent`.
         pose_tolerance: How far a joint may be from where the rehearsal began when the
             command is given [rad or m].
         tube: How far a joint may be from the rehearsed motion [rad or m].
@@ -254,7 +253,6 @@ class RehearsalSection(_Section):
 
     operator: RehearsalPolicy
     agent: RehearsalPolicy
-    agents: list[str] = Field(default_factory=list, max_length=100)
     pose_tolerance: float = Field(gt=0.0, le=0.5)
     tube: float = Field(gt=0.0, le=0.5)
 
@@ -275,6 +273,20 @@ class FciSection(_Section):
     desk: int | None = Field(default=None, ge=1, le=65535)
 
 
+class EnvelopeSection(_Section):
+    """Bounds of the motions of agents, beside the robot's own.
+
+    Attributes:
+        joints: Range of positions by joint [rad or m]; others have the robot's.
+        speed: Highest speed of any joint [rad/s or m/s]; None for the robot's.
+        force: Highest force of a contact [N]; None for any.
+    """
+
+    joints: dict[str, tuple[float, float]] = Field(default_factory=dict, strict=False)
+    speed: float | None = Field(default=None, gt=0.0)
+    force: float | None = Field(default=None, ge=0.0)
+
+
 class AgentsSection(_Section):
     """Programs with a token of the role `agent`.
 
@@ -282,10 +294,12 @@ class AgentsSection(_Section):
         approval: `always`: a person allows each change; `never`: none is asked, which
             is for a simulation alone that is paused and stepped.
         wait: How long a request waits for a person [s].
+        envelope: Bounds of their motions.
     """
 
     approval: Literal["always", "never"] = "always"
     wait: float = Field(default=60.0, gt=0.0, le=600.0)
+    envelope: EnvelopeSection = Field(default_factory=EnvelopeSection)
 
 
 class StationConfig(_Section):

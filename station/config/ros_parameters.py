@@ -89,7 +89,7 @@ def split_ros_parameters(values: dict[str, object], name: str) -> RosParameters:
 
 
 def join_ros2(files: Sequence[Mapping[str, object]], name: str) -> RosParameters:
-    """Return files of ROS 2 as one: types may be in one, parameters in another.
+    """Join files of ROS 2: types may be in one, parameters in another.
 
     Args:
         files: The content of each, in their order.

@@ -31,6 +31,8 @@ StationError
 ├── GainSetError                  a gain set cannot be read or written (OSError)
 ├── PlotLayoutNotFoundError       there is no plot layout of that name (KeyError)
 ├── PlotLayoutError               a plot layout cannot be read or written (OSError)
+├── SceneObjectNotFoundError      the scene has no object of that name (KeyError)
+├── SceneRefusedError             a solid object cannot be changed so (RuntimeError)
 ├── WaypointPathNotFoundError     there is no waypoint path of that name (KeyError)
 ├── WaypointPathError             a waypoint path cannot be read or written (OSError)
 ├── PathRefusedError              a path cannot be played as things are (RuntimeError)

@@ -24,7 +24,7 @@ EXTRAS: Mapping[str, tuple[str, ...]] = {
     **dict.fromkeys(("cma", "matplotlib", "pandas", "scipy"), ("experiments",)),
     "pyarrow": ("export", "experiments"),
     "distributed": ("cluster",),
-    **dict.fromkeys(("mcp", "mcp_types"), ("mcp",)),
+    "mcp": ("mcp",),
 }
 """The extras of this distribution that bring a package which `station` imports."""
 

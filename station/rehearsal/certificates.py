@@ -25,8 +25,9 @@ if TYPE_CHECKING:
 
     from station.core.facade.station import Station
 
-VALID_FOR = 60.0
-"""How long a certificate is valid [s wall time]."""
+VALID_FOR = 180.0
+"""How long a certificate is valid [s wall time]: a person may take a minute to allow an
+agent's command, and whatever matters is looked at again when it is given."""
 MOST = 32
 """Certificates that are kept; the oldest are dropped first."""
 _SCENE_TOLERANCE = 0.002

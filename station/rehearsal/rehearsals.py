@@ -9,9 +9,15 @@ from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any
 
-from station.core.errors import NoPathError, RehearsalError, RehearsalNeededError
+from station.core.errors import (
+    NoPathError,
+    RehearsalError,
+    RehearsalNeededError,
+    StationError,
+)
 from station.core.ports.receipt import Receipt
 from station.rehearsal.certificates import Certificates, Tolerances
+from station.rehearsal.envelope import Envelope
 from station.rehearsal.planning import Wish, plan
 from station.rehearsal.process_copy import run_in_copy
 from station.rehearsal.run_ahead import Plans, Script, run_ahead
@@ -24,6 +30,12 @@ _ATTEMPTS = 4
 """Paths that are planned and rehearsed at most for one wish."""
 _redeemed: ContextVar[bool] = ContextVar("redeemed", default=False)
 """Whether the command that is being given has the certificate of a rehearsal."""
+
+
+class AgentEnvelopeError(StationError, ValueError):
+    """A motion would leave the envelope of agents."""
+
+    code = "outside_envelope"
 
 
 class Policy(StrEnum):
@@ -43,19 +55,19 @@ class Rules:
 
     Attributes:
         operator: For people, and for every token that is not an agent's.
-        agent: For the named tokens of programs that decide by themselves.
-        agents: Names of these tokens.
+        agent: For programs that decide by themselves, with tokens of the role `agent`.
+        envelope: Bounds of the motions of agents.
         tolerances: How far the robot may be from what was rehearsed.
     """
 
     operator: Policy = Policy.OFF
     agent: Policy = Policy.REQUIRED
-    agents: frozenset[str] = frozenset()
+    envelope: Envelope = field(default_factory=Envelope)
     tolerances: Tolerances = field(default_factory=Tolerances)
 
-    def policy_of(self, token: str | None) -> Policy:
-        """Return the policy for the bearer of a named token; None has no name."""
-        return self.agent if token in self.agents else self.operator
+    def policy_of(self, *, is_agent: bool) -> Policy:
+        """Return the policy for an agent, or for everybody else."""
+        return self.agent if is_agent else self.operator
 
 
 class Rehearsals:
@@ -93,6 +105,7 @@ class Rehearsals:
         seconds: float | None = None,
         *,
         certify: bool = False,
+        is_agent: bool = False,
     ) -> Rehearsal:
         """Carry steps out in a copy of the station; nothing moves.
 
@@ -102,6 +115,7 @@ class Rehearsals:
             seconds: How long the rehearsal lasts [s]; until the goals have ended and
                 the joints stand still when None, 30 s at most.
             certify: Whether a certificate is wanted.
+            is_agent: Whether an agent asks, whose motions have an envelope.
 
         Raises:
             RehearsalError: The robot is no simulated one, another rehearsal is under
@@ -122,6 +136,11 @@ class Rehearsals:
         finally:
             self._busy.release()
         told = replace(found.rehearsal, wall_time=time.perf_counter() - begun)
+        if is_agent and told.outcome is RehearsalOutcome.COMPLETED:
+            names, tube = self._station.joint_names, self.rules.tolerances.tube
+            fault = self.rules.envelope.fault(found, names, tube)
+            if fault is not None:
+                told = replace(told, outcome=RehearsalOutcome.FAILED, error=fault)
         if certify and told.outcome is RehearsalOutcome.COMPLETED:
             issue = self._certificates.issue
             certificate = issue(steps, found.conditions, found.positions)
@@ -200,20 +219,37 @@ class Rehearsals:
             finally:
                 _redeemed.reset(before)
 
-    def check(self, token: str | None) -> None:
+    def check(self, *, is_agent: bool) -> None:
         """Refuse a motion that has to be rehearsed and has no certificate.
 
         Args:
-            token: Name of the caller's named token; None without one.
+            is_agent: Whether an agent gives it.
 
         Raises:
             RehearsalNeededError: The caller's policy requires a rehearsal.
         """
-        if self.rules.policy_of(token) is Policy.REQUIRED and not _redeemed.get():
+        policy = self.rules.policy_of(is_agent=is_agent)
+        if policy is Policy.REQUIRED and not _redeemed.get():
             raise RehearsalNeededError(
-                f"The token '{token}' may move the robot only as it was rehearsed."
-                if token
-                else "The robot may be moved only as it was rehearsed.",
+                "The robot may be moved only as it was rehearsed.",
                 remedy="Rehearse the command with `certificate: true`, and give it "
                 "with the certificate of the answer.",
             )
+
+    def check_range(self, joint: str, size: float) -> None:
+        """Refuse a test of a joint by an agent that would leave its envelope.
+
+        Args:
+            joint: Name of the joint.
+            size: Largest offset from where it is [rad or m].
+
+        Raises:
+            AgentEnvelopeError: It would.
+        """
+        names, now = self._station.joint_names, self._station.latest()
+        if joint not in names:
+            return  # the bench refuses it by name
+        q = now.position[names.index(joint)]
+        text = self.rules.envelope.check_range(joint, q - abs(size), q + abs(size))
+        if text is not None:
+            raise AgentEnvelopeError(text, remedy="Ask for less, or ask a person.")

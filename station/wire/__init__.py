@@ -130,6 +130,7 @@ from station.wire.robots import (
     ArmReport as ArmReport,
     Arms as Arms,
     CartesianImpedance as CartesianImpedance,
+    ContactBudget as ContactBudget,
     EndEffectorFrame as EndEffectorFrame,
     ExternalForce as ExternalForce,
     Fault as Fault,

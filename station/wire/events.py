@@ -26,6 +26,7 @@ EventKindName = Literal[
     "incident",
     "experiment",
     "alarm",
+    "agent",
     "events",
 ]
 

@@ -235,7 +235,6 @@ class BenchRequest(RequestModel):
         duration: How long the response is measured [s], above 0, at most 10.
         settling_band: Half-width of the band of the settling time, as a share of the
             step, above 0 and below 1.
-
         relay_gain: Proportional gain of the joint during a relay test, > 0, with
             integral and derivative gain 0, so that the oscillation is that of the joint
             alone; afterwards the gains are the old ones. None leaves them in force.

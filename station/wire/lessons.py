@@ -80,6 +80,9 @@ class LessonBeginRequest(RequestModel):
 
     Attributes:
         person: Name of the person, whose progress is kept.
+
+    Example:
+        {"person": "ada"}
     """
 
     person: Person = ""

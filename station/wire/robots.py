@@ -425,6 +425,39 @@ class ArmModel(ResponseModel):
     body_jacobian: Measurements
 
 
+class RegionBudget(ResponseModel):
+    """The budget of a body region.
+
+    Attributes:
+        speed: Speed up to which a transient contact stays below `force` [m/s].
+        force: Force that the region bears in a transient contact [N].
+        energy: Energy that the region takes up then [J].
+    """
+
+    speed: float
+    force: float
+    energy: float
+
+
+class ContactBudget(ResponseModel):
+    """Estimate of the speeds at which a contact stays below a person's limits.
+
+    It is no safety function.
+
+    Attributes:
+        direction: Direction of motion of the end effector, a unit vector in the base
+            frame; at rest that of the largest effective mass.
+        effective_mass: Mass that a push along it meets [kg].
+        speed: Present speed of the end effector [m/s].
+        regions: Budget by body region.
+    """
+
+    direction: Items[float]
+    effective_mass: float
+    speed: float
+    regions: dict[str, RegionBudget]
+
+
 class FrankaState(ResponseModel):
     """The whole state, as `franka_msgs/FrankaState`; see libfranka for each field.
 

@@ -20,6 +20,7 @@ from tests.swing_station import SwingServices, make_swing_station
 
 # The model that a client sends for each service of an arm.
 MODELS = {
+    "contact_budget": None,
     "set_joint_impedance": wire.JointImpedance,
     "set_cartesian_impedance": wire.CartesianImpedance,
     "set_EE_frame": wire.EndEffectorFrame,

@@ -30,7 +30,10 @@ def test_no_word_of_the_validator_is_handed_on():
             "timeout: must be a number (it is '1')",
         ),
         ('{"start": ["a"], "timeout": 99}', "body/timeout: must be at most 60"),
-        ('{"start": ["a"], "strictness": "no"}', "must be 'strict' or 'best_effort'"),
+        (
+            '{"start": ["a"], "strictness": "no"}',
+            "must be 'strict', 'best_effort', 'auto' or 'force_auto'",
+        ),
         ("{}", "body: name at least one controller in 'start' or 'stop'."),
         ("[]", "body: must be an object."),
         ('{"start": ["a"], "timeout": NaN}', "at character 28: JSON has no NaN"),

@@ -9,8 +9,9 @@ from station.core.errors import CertificateVoidError, RehearsalNeededError
 from station.core.franka.arms import Arms
 from station.core.loop.stop_latch import StopState
 from station.core.ports.goal import GoalStatus
+from station.rehearsal.envelope import Envelope
 from station.rehearsal.process_copy import run_in_copy
-from station.rehearsal.rehearsals import Policy, Rehearsals, Rules
+from station.rehearsal.rehearsals import AgentEnvelopeError, Policy, Rehearsals, Rules
 from station.rehearsal.run_ahead import Script, digest_of, run_ahead
 
 READY = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]
@@ -329,13 +330,47 @@ def test_other_command_is_no_certified_one(ready):
 
 def test_agents_need_a_certificate_and_people_do_not(ready):
     robot = ready(EFFORT)
-    rules = Rules(agents=frozenset({"planner"}))
+    rules = Rules()
     rehearsals = Rehearsals(robot.facade, rules=rules)
-    rehearsals.check(None)
-    rehearsals.check("ada")
-    with pytest.raises(RehearsalNeededError, match="planner"):
-        rehearsals.check("planner")
+    rehearsals.check(is_agent=False)
+    with pytest.raises(RehearsalNeededError):
+        rehearsals.check(is_agent=True)
     certificate = rehearsals.rehearse(STEPS, certify=True).certificate
     with rehearsals.redeemed(certificate.name, STEPS[0]):
-        rehearsals.check("planner")
-    assert rules.policy_of("planner") is Policy.REQUIRED
+        rehearsals.check(is_agent=True)
+    assert rules.policy_of(is_agent=True) is Policy.REQUIRED
+
+
+def test_a_motion_out_of_the_envelope_gets_no_certificate(ready):
+    robot = ready(EFFORT)
+    free = Rehearsals(robot.facade).rehearse(STEPS, certify=True, is_agent=True)
+    assert free.certificate is not None
+    fastest = max(free.joints, key=lambda one: one.velocity)
+    name, end = fastest.joint, fastest.position
+    begin = robot.facade.latest().position[robot.facade.joint_names.index(name)]
+    middle = 0.5 * (begin + end)
+    reach = abs(middle - begin)
+    for envelope, text in [
+        (Envelope(speed=0.9 * fastest.velocity), f"{name} reaches"),
+        (Envelope(joints={name: (middle - reach, middle + reach)}), f"{name} comes to"),
+        (Envelope(joints={name: (begin - 0.05, begin + 0.05)}), f"{name} comes to"),
+    ]:
+        bounded = Rehearsals(robot.facade, rules=Rules(envelope=envelope))
+        told = bounded.rehearse(STEPS, certify=True, is_agent=True)
+        assert told.outcome == "failed", text
+        assert (told.error.cause, told.error.where) == ("envelope", name)
+        assert text in told.error.text
+        assert told.certificate is None
+        persons = bounded.rehearse(STEPS, certify=True)
+        assert persons.certificate is not None
+
+
+def test_a_test_of_an_agent_keeps_to_the_ranges(ready):
+    robot = ready(EFFORT)
+    name = robot.facade.joint_names[0]
+    q = robot.facade.latest().position[0]
+    rules = Rules(envelope=Envelope(joints={name: (q - 0.1, q + 0.1)}))
+    rehearsals = Rehearsals(robot.facade, rules=rules)
+    rehearsals.check_range(name, 0.09)
+    with pytest.raises(AgentEnvelopeError, match=f"{name} would move from"):
+        rehearsals.check_range(name, 0.11)

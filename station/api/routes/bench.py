@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 from fastapi import APIRouter, Path
 
+from station.api.auth import Role
 from station.api.dependencies import (
     AccessDep,
     LeaseKey,
@@ -51,7 +52,11 @@ def measure_response(
     anything moves the excitation is checked: size, rate, and distance from the joint's
     limits. A stop, a loss of control, or a joint that leaves the envelope ends it.
     """
-    admit = partial(services.control.admit, access, key, name)
+    if access.role is Role.AGENT:
+        services.rehearsals.check_range(
+            request.excitation.joint, request.excitation.amplitude
+        )
+    admit = partial(services.control.admit, access, key, name, is_bounded=True)
     found = services.bench.measure(name, request, admit)
     return services.bench_runs.keep(found, request.name)
 

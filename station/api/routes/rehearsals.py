@@ -2,7 +2,8 @@
 
 from fastapi import APIRouter
 
-from station.api.dependencies import Operator, ServicesDep, Viewer
+from station.api.auth import Role
+from station.api.dependencies import Operator, RoleDep, ServicesDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
 from station.rehearsal.planning import Wish
@@ -17,7 +18,9 @@ router = APIRouter(tags=["rehearsals"], dependencies=[Viewer], route_class=JsonR
     dependencies=[Operator],
     responses=problems(413, 422, 503),
 )
-def rehearse(request: RehearsalRequest, services: ServicesDep) -> Rehearsal:
+def rehearse(
+    request: RehearsalRequest, services: ServicesDep, role: RoleDep
+) -> Rehearsal:
     """Forecast the end of commands without moving anything.
 
     A copy of the simulated station carries them out ahead of time: the same world, the
@@ -27,7 +30,10 @@ def rehearse(request: RehearsalRequest, services: ServicesDep) -> Rehearsal:
     """
     steps = [step.as_input() for step in request.steps]
     return services.rehearsals.rehearse(
-        steps, request.seconds, certify=request.certificate
+        steps,
+        request.seconds,
+        certify=request.certificate,
+        is_agent=role is Role.AGENT,
     )
 
 

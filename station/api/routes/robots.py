@@ -119,6 +119,13 @@ for _name, _request in (
     ("disconnect", None),
 ):
     add_service(router, _SERVICES[_name], _request, wire.ArmReport, _report_after)
+add_service(
+    router,
+    _SERVICES["contact_budget"],
+    None,
+    wire.ContactBudget,
+    lambda _, __, returned: returned,
+)
 
 
 @router.put(

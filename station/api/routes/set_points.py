@@ -47,20 +47,18 @@ def put_command(
     """
     values, timeout, rates = request.command, request.timeout, request.rates
     command = {"name": name, "values": values, "timeout": timeout, "rates": rates}
-    with (
-        by_rehearsal.giving("set_point", **command) as certified,
-        # Control may have changed hands since the request's access was checked.
-        services.control.commanding(access, key, name),
-    ):
+    with by_rehearsal.giving("set_point", **command) as certified:
         receipt = certified or station.motion.receipt()
-        epoch = station.motion.set_command(
-            name,
-            values,
-            request.epoch,
-            timeout,
-            rates,
-            receipt,
-        )
+        # Control may have changed hands since the request's access was checked.
+        with services.control.commanding(access, key, name):
+            epoch = station.motion.set_command(
+                name,
+                values,
+                request.epoch,
+                timeout,
+                rates,
+                receipt,
+            )
     return CommandAccepted(epoch=epoch, cycle=station.motion.wait_for(receipt))
 
 

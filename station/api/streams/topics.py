@@ -28,7 +28,7 @@ from station.core.hardware.robot_report import (
 )
 from station.core.loop.snapshot import Snapshot
 from station.events import EventLog
-from station.reports import Event
+from station.reports import Clearance, Event
 from station.wire import FrankaState, Scene
 
 CONTROLLER_STATE = "controller_state/"
@@ -263,7 +263,7 @@ class SceneTopic(ReportTopic):
 
     name = "scene"
     default_rate = 10.0
-    fields = ("objects", "contacts", "bases")
+    fields = ("objects", "contacts", "bases", "clearances")
     sample_fields = ("stamp", *fields)
 
     @override
@@ -273,16 +273,18 @@ class SceneTopic(ReportTopic):
             station.scene.report(),
             station.contacts(),
             station.bases(),
+            station.scene.clearances(),
         ))
 
     @override
     def every_cycle(self) -> CycleSamples:
         world = self._station.loop.hw.simulated_world()
+        clearances = self._station.scene.clearances
 
         def read() -> _SceneReport:
             if world is None:
-                return ((), (), ())
-            return (world.scene(), world.contacts(), world.bases())
+                return ((), (), (), clearances())
+            return (world.scene(), world.contacts(), world.bases(), clearances())
 
         return TapSamples(self._station, read, _scene_sample)
 
@@ -328,13 +330,21 @@ class EventsTopic(Topic):
 
 
 _SceneReport = tuple[
-    Sequence[SceneObjectReport], Sequence[ContactReport], Sequence[MovingBaseReport]
+    Sequence[SceneObjectReport],
+    Sequence[ContactReport],
+    Sequence[MovingBaseReport],
+    Sequence[Clearance],
 ]
 
 
 def _scene_sample(report: _SceneReport) -> Data:
-    objects, contacts, bases = report
-    found = {"objects": objects, "contacts": contacts, "bases": bases}
+    objects, contacts, bases, clearances = report
+    found = {
+        "objects": objects,
+        "contacts": contacts,
+        "bases": bases,
+        "clearances": clearances,
+    }
     return Scene.model_validate(found).model_dump()
 
 

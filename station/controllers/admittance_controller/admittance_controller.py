@@ -41,7 +41,8 @@ from station.core.ports.set_point import (
     ActiveSetPoint,
     SetPointElement,
     SetPointPort,
-    TimeoutAction,
+    read_command_timeout,
+    timeout_parameters,
 )
 from station.memory.doubles import doubles, put, zeros
 
@@ -170,6 +171,7 @@ class AdmittanceController(ChainableController):
     def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
         return (
             *super().declared_parameters(),
+            *timeout_parameters(),
             JOINTS,
             _COMMANDS,
             _REFERENCES,
@@ -331,11 +333,12 @@ class AdmittanceController(ChainableController):
             ]
             for kind in (JointQuantity.POSITION, JointQuantity.VELOCITY)
         ]
-        self.set_points = SetPointPort(ports[0])
+        timeout, action = read_command_timeout(params)
+        self.set_points = SetPointPort(ports[0], timeout=timeout)
         self.set_points.feed_forward = ports[1]
         self._active = ActiveSetPoint(
             self.set_points,
-            TimeoutAction.HOLD,
+            action,
             ", ".join(self.joint_names),
             lambda: [*self._joints.positions],
         )

@@ -49,7 +49,8 @@ from station.core.ports.set_point import (
     ActiveSetPoint,
     SetPointElement,
     SetPointPort,
-    TimeoutAction,
+    read_command_timeout,
+    timeout_parameters,
 )
 from station.memory.doubles import put, zeros
 
@@ -206,6 +207,7 @@ class PidController(ChainableController):
     def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
         return (
             *super().declared_parameters(),
+            *timeout_parameters(),
             _DOF_NAMES,
             _STATE_NAMES,
             _COMMAND,
@@ -333,12 +335,13 @@ class PidController(ChainableController):
             ]
             for kind in quantities
         ]
-        self.set_points = SetPointPort(elements[0])
+        timeout, action = read_command_timeout(params)
+        self.set_points = SetPointPort(elements[0], timeout=timeout)
         if len(elements) > 1:
             self.set_points.feed_forward = elements[1]
         self._active = ActiveSetPoint(
             self.set_points,
-            TimeoutAction.HOLD,
+            action,
             ", ".join(self.joint_names),
             lambda: self._rest(0),
         )

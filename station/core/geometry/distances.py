@@ -418,7 +418,7 @@ def put_capsule(
 
 
 def reaches(chain: Doubles, capsules: Doubles, owners: Indices) -> list[float]:
-    """Return the largest distance of a point of an arm from each joint's axis [m].
+    """Return the greatest distance of an arm's point from each joint axis [m].
 
     Args:
         chain: The arm, see `arm_chain`.

@@ -388,7 +388,7 @@ class RobotHW(InterfaceManager):
         return None
 
     def guards(self) -> Sequence[SceneGuard]:
-        """Return the guards that keep this robot's arms clear of a scene, if any.
+        """Return the guards that keep this robot clear of a scene; may be empty.
 
         The same objects from `init` on.
         """

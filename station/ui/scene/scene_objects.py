@@ -77,7 +77,7 @@ def _colour_of(thing: SceneObject) -> tuple[int, int, int]:
 
 
 def _shape_of(thing: SceneObject) -> object:
-    """Return the part that a drawing cannot change: it has to be made anew."""
+    """Return the shape, which a drawing cannot change: it has to be made anew."""
     return thing.type, thing.size, thing.file, thing.role, thing.colour
 
 
