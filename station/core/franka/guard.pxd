@@ -7,7 +7,7 @@ from station.core.numerics.rigid_motion cimport twist_between
 from station.memory.functions cimport square_root
 
 cdef int _PASSES, _SLOWED, _CANNOT_STOP
-cdef double _SLACK, _HARDEST, _BRAKING_SHARE, _REACTION, _CATCH_UP, _ZONE
+cdef double _SLACK, _HARDEST, _BRAKING_SHARE, _CARTESIAN_SHARE, _REACTION, _CATCH_UP, _ZONE
 cdef double _STIFFNESS, _DAMPING, _SINGULAR, _EXIT, _APPROACH, _JOINT_SHARE, _SOFT_BRAKE
 
 cdef class Guard:
@@ -49,7 +49,9 @@ cdef class Guard:
     cpdef int limit_pose(self, double[::1] pose)
     @cython.locals(k=long)
     cpdef int limit_twist(self, double[::1] twist)
-    @cython.locals(k=long, change=double, most=double)
+    @cython.locals(
+        k=long, change=double, most=double, was_slowing=bint, rest=double[::1]
+    )
     cdef bint twist_passes(self)
     @cython.locals(
         i=long, k=long, scale=double, share=double, wanted=double, change=double,

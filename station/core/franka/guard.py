@@ -26,6 +26,9 @@ _PASSES, _SLOWED, _CANNOT_STOP = PASSES, SLOWED, CANNOT_STOP  # as C numbers
 # Share of the acceleration limits with which the arm is to stop. The other half is for
 # turning the acceleration round, and for a line that bends towards a solid.
 _BRAKING_SHARE = 0.5
+# Share with which a Cartesian command is expected to stop the joints: less than it may
+# use of them, because the way bends and the slower twist is approached gradually.
+_CARTESIAN_SHARE = 0.25
 # Share with which it stops when the command is given up.
 _HARDEST = 0.8
 # By how much a margin may be missed before a command is given up [m]: an arm that rests
@@ -378,13 +381,22 @@ class Guard:
 
     def twist_passes(self) -> bool:
         """Return whether `twist` may be sent as it is."""
-        if self.is_slowing:
+        was_slowing, rest = self.is_slowing, self.rest
+        if was_slowing:
             for k in range(6):
                 change = (self.twist[k] - self.last_twist[k]) / self.period
                 most = _EXIT * self.translation[1 if k < 3 else 3]
                 if not -most <= change <= most:
                     return False
         self.is_slowing = self.look_ahead_of_twist() < 1.0
+        # Near a singular pose even a small step of the acceleration is one of joints
+        # that the arm refuses.
+        if was_slowing and not self.is_slowing:
+            for k in range(6):
+                change = (self.twist[k] - self.last_twist[k]) / self.period
+                rest[k] = change - self.last_change[k]
+            self.solve_joints()
+            self.is_slowing = self.share_within(self.jerk, self.period) < 1.0
         return not self.is_slowing
 
     def slow_twist(self) -> int:
@@ -456,7 +468,7 @@ class Guard:
         self.solve_joints()
         for i in range(self.size):
             self.v[i] += self.dq_d[i]
-        return self.look_ahead(self.q_d, longest, _BRAKING_SHARE)
+        return self.look_ahead(self.q_d, longest, _CARTESIAN_SHARE)
 
     def solve_joints(self) -> None:
         """Write the least joint velocities with the twist `rest` to `v`."""
