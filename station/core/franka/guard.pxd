@@ -1,56 +1,34 @@
 cimport cython
 from station.core.franka.command_rates cimport limit_steps, limited
-from station.core.geometry.distances cimport Nearness, place_segments, put_capsule
+from station.core.geometry.clearances cimport Clearances
+from station.core.geometry.distances cimport Nearness
 from station.core.numerics.arm_chain cimport least_rates, place_links, zero_jacobian
 from station.core.numerics.rigid_motion cimport twist_between
 from station.memory.functions cimport square_root
 
-cdef long _ROW, _MARGIN, _MOST_STEPS, _REFINEMENTS
 cdef int _PASSES, _SLOWED, _CANNOT_STOP
-cdef double _SLACK, _HARDEST, _FAR, _BRAKING_SHARE, _REACTION, _STEP, _CATCH_UP, _ROUNDING, _ZONE
+cdef double _SLACK, _HARDEST, _BRAKING_SHARE, _CARTESIAN_SHARE, _REACTION, _CATCH_UP, _ZONE
 cdef double _STIFFNESS, _DAMPING, _SINGULAR, _EXIT, _APPROACH, _JOINT_SHARE, _SOFT_BRAKE
 
 cdef class Guard:
-    cdef double[::1] chain, capsules, q_d, dq_d, ddq_d, q, dq, tau_J_d, last_pose
-    cdef double[::1] last_twist, last_change, velocity, acceleration, jerk, translation, links
-    cdef double[::1] segments, v, way, at, jacobian, matrix, rest, push, reach, extents
-    cdef double[::1] triangles, gaps
-    cdef readonly double[::1] committed, twist, solids
-    cdef long[::1] owners, allowed
+    cdef double[::1] chain, q_d, dq_d, ddq_d, q, dq, tau_J_d, last_pose
+    cdef double[::1] last_twist, last_change, velocity, acceleration, jerk, translation
+    cdef double[::1] v, way, pushing, jacobian, matrix, rest, push
+    cdef readonly double[::1] committed, twist
     cdef long size, fixed
-    cdef readonly long count, solid_count, pair, blocking, interventions
+    cdef readonly long count, interventions
     cdef readonly tuple names, things
     cdef readonly dict memory
-    cdef double torque_step, period, horizon, arm_margin, slack
-    cdef readonly double distance
+    cdef double torque_step, period, arm_margin
     cdef readonly bint is_active, is_slowing
     cdef public bint is_committing
-    cdef Nearness nearness
+    cdef readonly Clearances clearances
     cdef readonly list others, neighbours, places, arms
     @cython.locals(row=long, i=long, number=long, other=Guard, place=double[::1])
     cpdef place_others(self)
     cpdef commit(self, double[::1] q, double share)
-    @cython.locals(i=long, k=long)
+    @cython.locals(i=long, k=long, near=Clearances)
     cdef put_places(self, double[::1] q, double share, long offset)
-    @cython.locals(i=long)
-    cdef void move(self, double[::1] q, double share) noexcept
-    @cython.locals(k=long, o=long, ends=double[::1], middle=double)
-    cdef double bound(self, long capsule, long solid) noexcept
-    cdef double exact(self, long capsule, long solid) noexcept
-    @cython.locals(
-        least=double, capsule=long, solid=long, number=long, margin=double, gap=double
-    )
-    cpdef double measure(self, double[::1] q, double horizon) noexcept
-    @cython.locals(
-        capsule=long, solid=long, number=long, before=double, allowed=double,
-        margin=double,
-    )
-    cdef long blocked_at(self, double[::1] q, double share) noexcept
-    @cython.locals(
-        length=double, step=double, i=long, steps=long, number=long, low=double,
-        high=double, middle=double, found=long,
-    )
-    cpdef double free_share(self, double[::1] q)
     @cython.locals(
         i=long, time=double, speed=double, half=double, share=double, scale=double,
         room=double, root=double,
@@ -71,7 +49,9 @@ cdef class Guard:
     cpdef int limit_pose(self, double[::1] pose)
     @cython.locals(k=long)
     cpdef int limit_twist(self, double[::1] twist)
-    @cython.locals(k=long, change=double, most=double)
+    @cython.locals(
+        k=long, change=double, most=double, was_slowing=bint, rest=double[::1]
+    )
     cdef bint twist_passes(self)
     @cython.locals(
         i=long, k=long, scale=double, share=double, wanted=double, change=double,
@@ -82,16 +62,17 @@ cdef class Guard:
     cdef double share_within(self, double[::1] limits, double factor) noexcept
     @cython.locals(
         i=long, k=long, longest=double, size=double, total=double, twist=double[::1],
-        jacobian=double[::1],
+        jacobian=double[::1], links=double[::1],
     )
     cdef double look_ahead_of_twist(self)
     cdef void solve_joints(self) noexcept
     @cython.locals(
-        i=long, capsule=long, solid=long, gap=double, can_stop=bint, is_pushed=bint
+        i=long, capsule=long, solid=long, gap=double, zone=double, can_stop=bint,
+        is_pushed=bint, near=Clearances,
     )
     cpdef bint limit_torques(self, double[::1] result)
     @cython.locals(
-        joint=long, k=long, closing=double, force=double,
+        joint=long, last=long, k=long, closing=double, force=double,
         near=Nearness, links=double[::1], px=double, py=double, pz=double, nx=double,
         ny=double, nz=double,
     )

@@ -11,35 +11,24 @@ rest, so that both can stop whatever either of them does next.
 """
 
 from collections.abc import Sequence
-from math import dist
 
 from station.core.franka.command_rates import limit_steps, limited
-from station.core.geometry.distances import (
-    MARGIN,
-    ROW,
-    Nearness,
-    place_segments,
-    put_capsule,
-    reaches,
-)
-from station.core.numerics.arm_chain import (
-    least_rates,
-    new_links,
-    place_links,
-    zero_jacobian,
-)
+from station.core.geometry.clearances import Clearances
+from station.core.geometry.distances import MARGIN, ROW
+from station.core.numerics.arm_chain import least_rates, place_links, zero_jacobian
 from station.core.numerics.rigid_motion import twist_between
-from station.memory.doubles import Doubles, Storage, doubles, indices, zeros
+from station.memory.doubles import Doubles, Storage, doubles, zeros
 from station.memory.functions import square_root
 
-_ROW, _MARGIN = ROW, MARGIN  # as C numbers, by the .pxd
-_FAR = 1e9
 PASSES, SLOWED, CANNOT_STOP = range(3)
 """What becomes of a Cartesian command."""
-_PASSES, _SLOWED, _CANNOT_STOP = PASSES, SLOWED, CANNOT_STOP
+_PASSES, _SLOWED, _CANNOT_STOP = PASSES, SLOWED, CANNOT_STOP  # as C numbers
 # Share of the acceleration limits with which the arm is to stop. The other half is for
 # turning the acceleration round, and for a line that bends towards a solid.
 _BRAKING_SHARE = 0.5
+# Share with which a Cartesian command is expected to stop the joints: less than it may
+# use of them, because the way bends and the slower twist is approached gradually.
+_CARTESIAN_SHARE = 0.25
 # Share with which it stops when the command is given up.
 _HARDEST = 0.8
 # By how much a margin may be missed before a command is given up [m]: an arm that rests
@@ -47,14 +36,8 @@ _HARDEST = 0.8
 _SLACK = 5e-4
 # Time for turning the acceleration round at the limits of jerk, and one cycle [s].
 _REACTION = 0.006
-# Largest way of any point of the arm between two poses that are compared [m].
-_STEP = 0.05
-_MOST_STEPS = 6
-_REFINEMENTS = 5
 # Share of the velocity limits with which an arm that was slowed catches up.
 _CATCH_UP = 0.25
-# A pair nearer than its margin may not come nearer by more than rounding [m].
-_ROUNDING = 1e-9
 # Share of the limits of acceleration at which a Cartesian command passes again, rate at
 # which its velocity is approached [1/s], share of the limits of joints that this may
 # use, and the square of the damping of the inverse kinematics.
@@ -92,9 +75,8 @@ class Guard:
     Attributes:
         is_active: Whether there is anything to keep clear of.
         is_slowing: Whether commands are slowed.
-        interventions: Number of cycles in which a command was changed.
-        distance: Distance of the nearest pair [m], by what it has over its margin.
-        pair: Number of the nearest pair: capsule times solids plus solid; -1 for none.
+        interventions: Number of cycles in which a command was changed or given up.
+        clearances: Distances of the pairs of a capsule and a solid.
         committed: Ends of all axes where the arm is, then where it would come to rest
             [m], 12 numbers per capsule.
     """
@@ -115,10 +97,9 @@ class Guard:
         period: float,
     ) -> None:
         self.chain = chain
-        self.capsules = doubles(capsules)
-        self.owners = indices(owners)
-        self.count = len(owners)
-        self.size = size = len(chain) // 4 - 1
+        self.clearances = Clearances(chain, capsules, owners)
+        self.count, self.way = len(owners), self.clearances.way
+        self.size = size = len(self.way)
         self.names = tuple(names)
         self.things: tuple[str, ...] = ()
         self.memory = memory
@@ -131,23 +112,12 @@ class Guard:
         self.acceleration, self.jerk = doubles(acceleration), doubles(jerk)
         self.torque_step, self.period = torque_step, period
         self.translation = doubles(translation)
-        self.links = new_links(chain)
-        self.segments = zeros(6 * self.count)
         self.committed = zeros(12 * self.count)
-        self.nearness = Nearness()
-        self.v, self.way, self.at = zeros(size), zeros(size), zeros(size)
+        self.v, self.pushing = zeros(size), zeros(size)
         self.twist, self.jacobian = zeros(6), zeros(6 * size)
         self.matrix, self.rest = zeros(36), zeros(6)
         self.push = zeros(size)
-        self.reach = doubles(reaches(chain, self.capsules, self.owners))
-        # Half of the axis and the radius: how far a capsule reaches from its middle.
-        self.extents = doubles(
-            0.5 * dist(self.capsules[k : k + 3], self.capsules[k + 3 : k + 6])
-            + self.capsules[k + 6]
-            for k in range(0, len(self.capsules), 7)
-        )
         self.is_committing = False
-        self.slack = 0.0
         self.neighbours: list[Guard] = []
         self.arms: list[str] = []
         self.places: list[Doubles] = []
@@ -178,15 +148,10 @@ class Guard:
             for _ in range(2)
         ]
         self.things = (*things, *names)
-        self.solid_count = len(self.things)
-        self.solids = doubles([*solids, *([0.0] * (ROW * len(names)))])
-        self.triangles = doubles(triangles or [0.0] * 9)
-        self.allowed = indices([1] * max(1, self.count * self.solid_count))
-        self.gaps = zeros(max(1, self.count * self.solid_count))
-        self.is_active = self.solid_count > 0
+        self.clearances.set_solids([*solids, *([0.0] * (ROW * len(names)))], triangles)
+        self.is_active = len(self.things) > 0
         self.is_slowing = False
         self.interventions = 0
-        self.distance, self.pair, self.blocking = _FAR, -1, -1
         for i in range(self.size):
             self.push[i] = 0.0
         self.commit(self.q_d, 0.0)
@@ -211,20 +176,19 @@ class Guard:
             solid: Number of the solid.
             links: Names of the links.
         """
-        for i, name in enumerate(self.names):
-            self.allowed[i * self.solid_count + solid] = int(name in links)
+        self.clearances.allow(solid, [name in links for name in self.names])
 
     def margin_of(self, solid: int) -> float:
         """Return the margin of a solid [m]."""
-        margin: float = self.solids[ROW * solid + MARGIN]
+        margin: float = self.clearances.solids[ROW * solid + MARGIN]
         return margin
 
     def reflex(self) -> str:
-        """Return why the arm was stopped, in words."""
-        pair = self.blocking
+        """Return the reason for which the arm was stopped, in words."""
+        pair = self.clearances.blocking
         if pair < 0:
             return "guard_reflex: too near"
-        capsule, solid = divmod(pair, self.solid_count)
+        capsule, solid = divmod(pair, len(self.things))
         margin = 1000.0 * self.margin_of(solid)
         return (
             f"guard_reflex: {self.names[capsule]} would have come nearer than "
@@ -238,11 +202,11 @@ class Guard:
             other = self.others[number]
             place = self.places[number]
             for i in range(2 * other.count):
-                put_capsule(
-                    self.solids[_ROW * row : _ROW * row + _ROW],
+                self.clearances.put_capsule(
+                    row,
                     place,
                     other.committed[6 * i : 6 * i + 6],
-                    other.capsules[7 * (i // 2) + 6],
+                    other.clearances.capsules[7 * (i // 2) + 6],
                     self.arm_margin,
                 )
                 row += 1
@@ -261,128 +225,11 @@ class Guard:
 
     def put_places(self, q: Doubles, share: float, offset: int) -> None:
         """Write the axes at a share of the way into `committed`."""
-        self.move(q, share)
+        near = self.clearances
+        near.place(q, share)
         for i in range(self.count):
             for k in range(6):
-                self.committed[12 * i + offset + k] = self.segments[6 * i + k]
-
-    def move(self, q: Doubles, share: float) -> None:
-        """Place the axes of the capsules at a share of the way from a pose."""
-        for i in range(self.size):
-            self.at[i] = q[i] + share * self.way[i]
-        place_links(self.chain, self.at, self.links)
-        place_segments(self.capsules, self.owners, self.links, self.segments)
-
-    def bound(self, capsule: int, solid: int) -> float:
-        """Return a distance that a capsule and a solid have at least [m]."""
-        k, ends, o = 6 * capsule, self.segments, _ROW * solid
-        middle = self.nearness.of_row(
-            0.5 * (ends[k] + ends[k + 3]),
-            0.5 * (ends[k + 1] + ends[k + 4]),
-            0.5 * (ends[k + 2] + ends[k + 5]),
-            self.solids,
-            o,
-            self.triangles,
-        )
-        return self.solids[o + 17] * middle - self.extents[capsule]
-
-    def exact(self, capsule: int, solid: int) -> float:
-        """Return the distance of a capsule and a solid [m]."""
-        return self.nearness.to_row(
-            self.segments,
-            6 * capsule,
-            self.capsules[7 * capsule + 6],
-            self.solids,
-            _ROW * solid,
-            self.triangles,
-        )
-
-    def measure(self, q: Doubles, horizon: float) -> float:
-        """Measure all pairs at a pose, exactly where it matters; return the least gap.
-
-        A gap is what a distance has over its margin [m].
-
-        Args:
-            q: Joint positions [rad], shape (n,).
-            horizon: Gaps up to it are to be exact [m].
-        """
-        least = _FAR
-        self.move(q, 0.0)
-        # The last nearest pair first: it lets most of the others be passed over.
-        if self.pair >= 0:
-            capsule, solid = self.pair // self.solid_count, self.pair % self.solid_count
-            margin = self.solids[_ROW * solid + _MARGIN]
-            self.distance = self.exact(capsule, solid)
-            least = self.distance - margin
-        for capsule in range(self.count):
-            for solid in range(self.solid_count):
-                number = capsule * self.solid_count + solid
-                if not self.allowed[number]:
-                    self.gaps[number] = _FAR
-                    continue
-                margin = self.solids[_ROW * solid + _MARGIN]
-                gap = self.bound(capsule, solid) - margin
-                if gap <= least or gap <= horizon:
-                    gap = self.exact(capsule, solid) - margin
-                    if gap < least:
-                        least = gap
-                        self.distance, self.pair = gap + margin, number
-                self.gaps[number] = gap
-        return least
-
-    def blocked_at(self, q: Doubles, share: float) -> int:
-        """Return the first pair that is too near at a share of the way, or -1."""
-        self.move(q, share)
-        for capsule in range(self.count):
-            for solid in range(self.solid_count):
-                number = capsule * self.solid_count + solid
-                before = self.gaps[number]
-                if before > self.horizon:
-                    continue
-                allowed = before - _ROUNDING if before < 0.0 else 0.0
-                allowed -= self.slack
-                margin = self.solids[_ROW * solid + _MARGIN]
-                if self.bound(capsule, solid) - margin > allowed:
-                    continue
-                if self.exact(capsule, solid) - margin < allowed:
-                    return number
-        return -1
-
-    def free_share(self, q: Doubles) -> float:
-        """Return the share of `way`, 0 to 1, on which every pair keeps its margin.
-
-        Args:
-            q: Joint positions from which the way leads [rad], shape (n,).
-        """
-        length = 0.0
-        for i in range(self.size):
-            step = self.way[i]
-            length += self.reach[i] * (step if step > 0.0 else -step)
-        self.horizon = length
-        if self.others:
-            self.place_others()
-        if self.measure(q, length + _ZONE) > length:
-            return 1.0
-        steps = int(length / _STEP) + 1
-        if steps > _MOST_STEPS:
-            steps = _MOST_STEPS
-        low, high, found = 0.0, 1.0, -1
-        for step in range(1, steps + 1):
-            high = step / (1.0 * steps)
-            found = self.blocked_at(q, high)
-            if found >= 0:
-                self.blocking = found
-                break
-            low = high
-        if low >= 1.0:
-            return 1.0
-        for _ in range(_REFINEMENTS):
-            middle = 0.5 * (low + high)
-            if self.blocked_at(q, middle) >= 0:
-                high = middle
-            else:
-                low = middle
-        return low
+                self.committed[12 * i + offset + k] = near.segments[6 * i + k]
 
     def look_ahead(self, q: Doubles, longest: float, braking: float) -> float:
         """Set `way` to where the arm stops from `v`; return how `v` may be scaled.
@@ -401,7 +248,9 @@ class Guard:
         half = 0.5 * time
         for i in range(self.size):
             self.way[i] = self.v[i] * (half + _REACTION)
-        share = self.free_share(q)
+        if self.others:
+            self.place_others()
+        share = self.clearances.free_share(q, _ZONE)
         scale = 1.0
         if share < 1.0:
             # half s^2 + reaction s = share (half + reaction)
@@ -532,13 +381,22 @@ class Guard:
 
     def twist_passes(self) -> bool:
         """Return whether `twist` may be sent as it is."""
-        if self.is_slowing:
+        was_slowing, rest = self.is_slowing, self.rest
+        if was_slowing:
             for k in range(6):
                 change = (self.twist[k] - self.last_twist[k]) / self.period
                 most = _EXIT * self.translation[1 if k < 3 else 3]
                 if not -most <= change <= most:
                     return False
         self.is_slowing = self.look_ahead_of_twist() < 1.0
+        # Near a singular pose even a small step of the acceleration is one of joints
+        # that the arm refuses.
+        if was_slowing and not self.is_slowing:
+            for k in range(6):
+                change = (self.twist[k] - self.last_twist[k]) / self.period
+                rest[k] = change - self.last_change[k]
+            self.solve_joints()
+            self.is_slowing = self.share_within(self.jerk, self.period) < 1.0
         return not self.is_slowing
 
     def slow_twist(self) -> int:
@@ -551,9 +409,9 @@ class Guard:
         self.interventions += 1
         for i in range(self.size):
             self.v[i] = self.dq_d[i]
-        self.slack = _SLACK
+        self.clearances.slack = _SLACK
         scale = self.look_ahead(self.q_d, 0.0, _HARDEST)
-        self.slack = 0.0
+        self.clearances.slack = 0.0
         if scale < 1.0:
             return _CANNOT_STOP
         scale = self.look_ahead_of_twist()
@@ -584,7 +442,7 @@ class Guard:
         return share
 
     def look_ahead_of_twist(self) -> float:
-        """Return how `twist` may be scaled.
+        """Return the share of `twist` with which the arm can stop in time.
 
         The joints move as they do now, and with the least change that leads to the
         twist: the arm's own inverse kinematics is not known.
@@ -599,9 +457,9 @@ class Guard:
             size /= _BRAKING_SHARE * self.translation[2 * (k // 3) + 1]
             if size > longest:
                 longest = size
-        jacobian = self.jacobian
-        place_links(self.chain, self.q_d, self.links)
-        zero_jacobian(self.links, self.last_pose, jacobian)
+        jacobian, links = self.jacobian, self.clearances.links
+        place_links(self.chain, self.q_d, links)
+        zero_jacobian(links, self.last_pose, jacobian)
         for k in range(6):
             total = twist[k]
             for i in range(self.size):
@@ -610,7 +468,7 @@ class Guard:
         self.solve_joints()
         for i in range(self.size):
             self.v[i] += self.dq_d[i]
-        return self.look_ahead(self.q_d, longest, _BRAKING_SHARE)
+        return self.look_ahead(self.q_d, longest, _CARTESIAN_SHARE)
 
     def solve_joints(self) -> None:
         """Write the least joint velocities with the twist `rest` to `v`."""
@@ -627,24 +485,28 @@ class Guard:
         """
         for i in range(self.size):
             self.v[i] = self.dq[i]
-        self.slack = _SLACK
+        self.clearances.slack = _SLACK
         can_stop = self.look_ahead(self.q, 0.0, _BRAKING_SHARE) >= 1.0
-        self.slack = 0.0
-        self.move(self.q, 0.0)
+        self.clearances.slack = 0.0
+        near = self.clearances
         is_pushed = False
         for i in range(self.size):
             is_pushed = is_pushed or self.push[i] != 0.0
             self.push[i] = 0.0
-        for capsule in range(self.count):
-            for solid in range(self.solid_count):
-                gap = self.gaps[capsule * self.solid_count + solid]
-                if gap < self.horizon + _ZONE and self.repel(capsule, solid, gap):
-                    is_pushed = True
+        zone = near.horizon + _ZONE
+        if near.least < zone:
+            near.place(self.q, 0.0)
+            for capsule in range(self.count):
+                for solid in range(near.solid_count):
+                    gap = near.gaps[capsule * near.solid_count + solid]
+                    if gap < zone and self.repel(capsule, solid, gap):
+                        is_pushed = True
         if is_pushed:
-            self.interventions += 1
             for i in range(self.size):
                 result[i] += self.push[i]
             limit_steps(result, self.tau_J_d, self.torque_step)
+        if is_pushed or not can_stop:
+            self.interventions += 1
         return can_stop
 
     def repel(self, capsule: int, solid: int, gap: float) -> bool:
@@ -653,19 +515,20 @@ class Guard:
         Returns:
             Whether there are any.
         """
-        near, links = self.nearness, self.links
-        self.exact(capsule, solid)
+        near, links = self.clearances.nearness, self.clearances.links
+        last = self.clearances.owners[capsule] + 1
+        self.clearances.exact(capsule, solid)
         px, py, pz = near.point[0], near.point[1], near.point[2]
         nx, ny, nz = near.normal[0], near.normal[1], near.normal[2]
         closing = 0.0
-        for joint in range(self.owners[capsule] + 1):
+        for joint in range(last):
             k = 16 * joint
             ax, ay, az = links[k + 8], links[k + 9], links[k + 10]
             x, y, z = px - links[k + 12], py - links[k + 13], pz - links[k + 14]
-            self.way[joint] = (
+            self.pushing[joint] = (
                 nx * (ay * z - az * y) + ny * (az * x - ax * z) + nz * (ax * y - ay * x)
             )
-            closing -= self.way[joint] * self.dq[joint]
+            closing -= self.pushing[joint] * self.dq[joint]
         force = 0.0
         if gap < _ZONE:
             force = _STIFFNESS * (_ZONE - gap)
@@ -673,6 +536,6 @@ class Guard:
             closing -= square_root(2.0 * _SOFT_BRAKE * gap)
         if closing > 0.0:
             force += _DAMPING * closing
-        for joint in range(self.owners[capsule] + 1):
-            self.push[joint] += force * self.way[joint]
+        for joint in range(last):
+            self.push[joint] += force * self.pushing[joint]
         return force > 0.0

@@ -37,9 +37,6 @@ cdef class Nearness:
     cpdef double of_mesh(
         self, double x, double y, double z, double[::1] solid, double[::1] triangles
     ) noexcept
-    cpdef double to_capsule(
-        self, double[::1] ends, double radius, double[::1] other, double other_radius
-    ) noexcept
 
 cdef double _clipped(double value) noexcept
 @cython.locals(s=double, t=double)

@@ -34,7 +34,7 @@ _EXACT = 1e-7
 
 
 class Nearness:
-    """Measures one capsule against one solid or another capsule; keeps the result.
+    """Measures one capsule against one solid; keeps the result.
 
     Attributes:
         distance: Distance of the surfaces at the last measurement [m]; negative when
@@ -284,22 +284,6 @@ class Nearness:
                 best = f
                 normal[0], normal[1], normal[2] = fx / f, fy / f, fz / f
         return inside if inside <= 0.0 else best
-
-    def to_capsule(
-        self, ends: Doubles, radius: float, other: Doubles, other_radius: float
-    ) -> float:
-        """Return the distance of a capsule to another one [m].
-
-        Args:
-            ends: Both ends of the capsule's axis [m], shape (6,).
-            radius: The capsule's radius [m].
-            other: Both ends of the other one's axis [m], shape (6,).
-            other_radius: The other one's radius [m].
-        """
-        normal, point = self.normal, self.point
-        distance = nearest_points(ends, other, point, normal)
-        self.distance = distance - radius - other_radius
-        return self.distance
 
 
 def _clipped(value: float) -> float:

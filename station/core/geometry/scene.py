@@ -261,24 +261,6 @@ def solid_of(thing: SceneObject, base: Pose, triangles: list[float]) -> list[flo
     return [kind, *axes, *pose.xyz, *sizes, thing.margin, side, begin, count]
 
 
-def words_for_pair(link: str, thing: str, distance: float, margin: float) -> str:
-    """Return a pair of a link and an object in words.
-
-    Args:
-        link: Name of the link.
-        thing: Name of the object.
-        distance: Distance of their surfaces [m].
-        margin: Distance that was to be kept [m].
-    """
-    short = 1000.0 * (margin - distance)
-    if distance < 0.0:
-        return f"{link} would come {-1000.0 * distance:.0f} mm into '{thing}'"
-    return (
-        f"{link} would come within {1000.0 * distance:.0f} mm of '{thing}', "
-        f"{short:.0f} mm less than its margin"
-    )
-
-
 def _numbers(values: object, count: int, where: str) -> tuple[float, ...]:
     if (
         not isinstance(values, (list, tuple))

@@ -64,11 +64,11 @@ def test_an_arm_stops_at_the_margin_of_a_wall():
     guard = make()
     q = drive(guard, [1.0, 0.0], 1500)
     # Stretched out at 1 m from its axis the arm touches the margin at this height.
-    assert guard.distance == pytest.approx(0.05, abs=1e-3)
-    assert guard.distance >= 0.05 - 1e-6
+    assert guard.clearances.distance == pytest.approx(0.05, abs=1e-3)
+    assert guard.clearances.distance >= 0.05 - 1e-6
     assert q[0] < 1.0
     assert guard.is_slowing
-    assert guard.things[guard.pair % guard.solid_count] == "wall"
+    assert guard.things[guard.clearances.pair % guard.clearances.solid_count] == "wall"
 
 
 def test_an_arm_leaves_a_wall_at_full_speed():
@@ -85,7 +85,7 @@ def test_commands_that_stay_clear_pass_bit_for_bit():
     guard.limit_velocities(command)
     assert [*command] == [-0.7, 0.3]
     assert guard.interventions == 0
-    assert guard.pair >= 0
+    assert guard.clearances.pair >= 0
 
 
 def test_a_fence_holds_the_arm_inside():
@@ -94,7 +94,7 @@ def test_a_fence_holds_the_arm_inside():
     )
     guard = make(things=(fence,))
     drive(guard, [1.0, 0.0], 1500)
-    assert guard.distance == pytest.approx(0.05, abs=1e-3)
+    assert guard.clearances.distance == pytest.approx(0.05, abs=1e-3)
 
 
 def test_a_role_for_some_links_lets_others_pass():
@@ -130,12 +130,14 @@ def test_two_arms_that_swing_at_each_other_keep_their_distance():
     for _ in range(700):
         drive(left, [-1.5, 0.0], 1)
         drive(right, [1.5, 0.0], 1)
-        closest = min(closest, left.distance, right.distance)
+        closest = min(closest, left.clearances.distance, right.clearances.distance)
 
     assert 0.05 - 1e-3 <= closest < 0.07
     assert left.is_slowing
     assert right.is_slowing
-    assert left.things[left.pair % left.solid_count].startswith("right ")
+    assert left.things[left.clearances.pair % left.clearances.solid_count].startswith(
+        "right "
+    )
 
 
 @needs_both
@@ -152,7 +154,7 @@ def test_both_modes_agree_bit_for_bit(values):
         for method in ("limit_velocities", "limit_positions", "limit_torques"):
             command = doubles(values[4:])
             getattr(guard, method)(command)
-            found += [*command, guard.distance, float(guard.pair)]
+            found += [*command, guard.clearances.distance, float(guard.clearances.pair)]
         twist = doubles([*values])
         guard.limit_twist(twist)
         return [*found, *guard.twist, float(guard.interventions)]

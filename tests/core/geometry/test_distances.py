@@ -145,7 +145,10 @@ def test_both_modes_agree_bit_for_bit(ends, kind, side, other):
         nearness = module.Nearness()
         nearness.to_solid(doubles(ends), 0.1, doubles(solid), zeros(9))
         found = [nearness.distance, *nearness.point, *nearness.normal]
-        nearness.to_capsule(doubles(ends), 0.1, doubles(other), 0.2)
-        return [*found, nearness.distance, *nearness.point, *nearness.normal]
+        point, normal = zeros(3), zeros(3)
+        found.append(
+            module.nearest_points(doubles(ends), doubles(other), point, normal)
+        )
+        return [*found, *point, *normal]
 
     assert_same("distances", scenario)

@@ -151,15 +151,19 @@ class Motions:
     def aim(self, q0: np.ndarray, seed: int):
         """Return the way of the joints and of the end effector, and its pose."""
         random = np.random.default_rng(1000 + seed)
-        way = random.uniform(-1.0, 1.0, 7) * np.array([1.2, 0.8, 0.8, 0.8, 1, 0.8, 1])
         lower, upper = np.array(PANDA_LIMITS.lower), np.array(PANDA_LIMITS.upper)
-        way = np.clip(q0 + way, lower + 0.15, upper - 0.15) - q0
+        while True:
+            way = random.uniform(-1.0, 1.0, 7)
+            way *= np.array([1.2, 0.8, 0.8, 0.8, 1, 0.8, 1])
+            way = np.clip(q0 + way, lower + 0.15, upper - 0.15) - q0
+            # Half of the motions end in an object.
+            if seed % 2 or self.closest(q0 + way) < MARGIN:
+                break
         turn = random.uniform(-1.0, 1.0, 6) * np.array([0.4, 0.4, 0.4, 0.3, 0.3, 0.3])
         pose0 = np.array(self.hw.robot_state.O_T_EE)
         if seed % 2 == 0:
-            # Towards an object, so that about half of the motions would hit one.
             goal = np.array(SCENE[seed // 2 % 4].pose().xyz) - pose0[12:15]
-            turn[:3] = goal * min(1.0, 0.35 / np.linalg.norm(goal))
+            turn[:3] = goal * min(1.0, 0.45 / np.linalg.norm(goal))
         return way, turn, pose0
 
     def run(self, kind: str, seed: int, *, guarded: bool, time: float = 1.6) -> Outcome:

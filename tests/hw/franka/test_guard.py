@@ -3,6 +3,7 @@
 import pytest
 
 from station.compiled import status
+from station.core.franka.franka_robot_state import RobotMode
 from tests.hw.franka.guarded_motions import KINDS, MARGIN, Motions
 
 compiled_alone = pytest.mark.skipif(
@@ -33,6 +34,9 @@ def check(motions: Motions, kinds, seeds) -> tuple[int, int]:
             guarded = motions.run(kind, seed, guarded=True)
             where = f"{kind} {seed}"
             assert guarded.closest >= MARGIN - _TOLERANCE, where
+            # What the arm can follow is slowed, not ended; torques may end in a reflex.
+            if kind != "torque" and bare.mode is RobotMode.MOVE:
+                assert guarded.mode is RobotMode.MOVE, f"{where}: {guarded.refusal}"
             near += bare.closest < MARGIN
             if guarded.interventions == 0:
                 free += 1

@@ -155,15 +155,15 @@ class ArmGuard(SceneGuard):
     @override
     def report(self) -> Clearance | None:
         guard = self.guard
-        pair = guard.pair
+        pair = guard.clearances.pair
         if not guard.is_active or pair < 0:
             return None
-        capsule, solid = divmod(pair, guard.solid_count)
+        capsule, solid = divmod(pair, len(guard.things))
         return Clearance(
             arm=self.arm_id,
             link=guard.names[capsule],
             object=guard.things[solid],
-            distance=guard.distance,
+            distance=guard.clearances.distance,
             margin=guard.margin_of(solid),
             is_slowing=guard.is_slowing,
             interventions=guard.interventions,

@@ -1,0 +1,267 @@
+"""Distances of an arm to the solids around it, at a pose and on the way from it.
+
+Between two measurements a pair comes nearer by no more than the arm and the solid have
+moved. So the last gap of a pair, less that, is a bound, and only pairs whose bound is
+small are measured again: the result is the same as if all were.
+"""
+
+from collections.abc import Sequence
+from math import dist
+
+from station.core.geometry.distances import (
+    MARGIN,
+    ROW,
+    Nearness,
+    place_segments,
+    put_capsule,
+    reaches,
+)
+from station.core.numerics.arm_chain import new_links, place_links
+from station.memory.doubles import Doubles, doubles, indices, zeros
+from station.memory.functions import square_root
+
+_ROW, _MARGIN = ROW, MARGIN  # as C numbers, by the .pxd
+_FAR = 1e9
+# Largest way of any point of the arm between two poses that are compared [m].
+_STEP = 0.05
+_MOST_STEPS = 6
+_REFINEMENTS = 5
+# A pair nearer than its margin may not come nearer by more than rounding, and a bound
+# is lower by it [m].
+_ROUNDING = 1e-9
+
+
+class Clearances:
+    """Measures an arm against solids. Control thread only.
+
+    A gap is what a distance has over its margin [m]. A pair has a number: that of its
+    capsule times the number of solids plus that of its solid.
+
+    Args:
+        chain: The arm, see `arm_chain`.
+        capsules: Capsules of its links, 7 numbers each.
+        owners: Index of the link of each capsule.
+
+    Attributes:
+        count, solid_count: Numbers of capsules and of solids.
+        capsules, owners: As given.
+        links, segments: Poses of the links and ends of the axes where `place` put them.
+        solids: Rows of `distances`.
+        nearness: Result of the last `exact`.
+        way: Way of the joints [rad], shape (n,), along which `free_share` looks.
+        slack: By how much a margin may be missed on it [m].
+        gaps: Gaps of all pairs at the last measurement: exact up to the horizon and for
+            the nearest pair, bounds beyond.
+        least: The least of them.
+        horizon: Gaps that `way` can use up at most [m].
+        distance: Distance of the nearest pair [m], by its gap.
+        pair: Number of the nearest pair; -1 for none.
+        blocking: The last pair that came to its margin on a way; -1 for none.
+    """
+
+    def __init__(
+        self, chain: Doubles, capsules: Sequence[float], owners: Sequence[int]
+    ) -> None:
+        self.chain, self.capsules = chain, doubles(capsules)
+        self.owners, self.count = indices(owners), len(owners)
+        self.size = size = len(chain) // 4 - 1
+        self.links = new_links(chain)
+        self.segments = zeros(6 * self.count)
+        self.nearness = Nearness()
+        self.way, self.at, self.last = zeros(size), zeros(size), zeros(size)
+        self.moved = zeros(size)
+        self.reach = doubles(reaches(chain, self.capsules, self.owners))
+        # Half of the axis and the radius: how far a capsule reaches from its middle.
+        self.extents = doubles(
+            0.5 * dist(self.capsules[k : k + 3], self.capsules[k + 3 : k + 6])
+            + self.capsules[k + 6]
+            for k in range(0, len(self.capsules), 7)
+        )
+        self.slack = 0.0
+        self.set_solids([], [])
+
+    def set_solids(self, solids: Sequence[float], triangles: Sequence[float]) -> None:
+        """Measure these solids from now on, and no others.
+
+        Args:
+            solids: Rows of `distances` in the frame of the base.
+            triangles: Their triangles.
+        """
+        self.solid_count = len(solids) // ROW
+        self.solids = doubles(solids)
+        self.triangles = doubles(triangles or [0.0] * 9)
+        pairs = max(1, self.count * self.solid_count)
+        self.allowed = indices([1] * pairs)
+        # None has been measured yet.
+        self.gaps = doubles([-_FAR] * pairs)
+        self.shifts = zeros(max(1, self.solid_count))
+        self.least = self.distance = _FAR
+        self.pair = self.blocking = -1
+        self.horizon = 0.0
+
+    def allow(self, solid: int, capsules: Sequence[bool]) -> None:
+        """Let a solid count for some capsules alone.
+
+        Args:
+            solid: Number of the solid.
+            capsules: Whether it counts for each capsule.
+        """
+        for i, counts in enumerate(capsules):
+            self.allowed[i * self.solid_count + solid] = int(counts)
+
+    def put_capsule(
+        self, solid: int, place: Doubles, ends: Doubles, radius: float, margin: float
+    ) -> None:
+        """Move a solid that is a capsule of another arm.
+
+        Args:
+            solid: Number of the solid.
+            place: Pose of the other arm's base, 16 numbers.
+            ends: Ends of the axis in the frame of that base [m], shape (6,).
+            radius: Radius [m].
+            margin: Distance to keep [m].
+        """
+        row = self.solids[_ROW * solid : _ROW * solid + _ROW]
+        half, x, y, z = row[14], row[10], row[11], row[12]
+        ux, uy, uz = half * row[7], half * row[8], half * row[9]
+        put_capsule(row, place, ends, radius, margin)
+        half, x, y, z = row[14], row[10] - x, row[11] - y, row[12] - z
+        ux, uy, uz = half * row[7] - ux, half * row[8] - uy, half * row[9] - uz
+        self.shifts[solid] += square_root(x * x + y * y + z * z)
+        self.shifts[solid] += square_root(ux * ux + uy * uy + uz * uz)
+
+    def place(self, q: Doubles, share: float) -> None:
+        """Place the axes of the capsules at a share of the way from a pose."""
+        for i in range(self.size):
+            self.at[i] = q[i] + share * self.way[i]
+        place_links(self.chain, self.at, self.links)
+        place_segments(self.capsules, self.owners, self.links, self.segments)
+
+    def bound(self, capsule: int, solid: int) -> float:
+        """Return a distance that a capsule and a solid have at least [m]."""
+        k, ends, o = 6 * capsule, self.segments, _ROW * solid
+        middle = self.nearness.of_row(
+            0.5 * (ends[k] + ends[k + 3]),
+            0.5 * (ends[k + 1] + ends[k + 4]),
+            0.5 * (ends[k + 2] + ends[k + 5]),
+            self.solids,
+            o,
+            self.triangles,
+        )
+        return self.solids[o + 17] * middle - self.extents[capsule]
+
+    def exact(self, capsule: int, solid: int) -> float:
+        """Return the distance of a capsule and a solid [m]."""
+        return self.nearness.to_row(
+            self.segments,
+            6 * capsule,
+            self.capsules[7 * capsule + 6],
+            self.solids,
+            _ROW * solid,
+            self.triangles,
+        )
+
+    def note_motion(self, q: Doubles) -> None:
+        """Note how far the points of each link can have moved since the last pose."""
+        total = 0.0
+        for i in range(self.size):
+            step = q[i] - self.last[i]
+            total += self.reach[i] * (step if step > 0.0 else -step)
+            self.moved[i] = total + _ROUNDING
+            self.last[i] = q[i]
+
+    def measure(self, q: Doubles, horizon: float) -> float:
+        """Measure all pairs at a pose, exactly where it matters; return the least gap.
+
+        Args:
+            q: Joint positions [rad], shape (n,).
+            horizon: Gaps up to it are to be exact [m].
+        """
+        least, first = _FAR, self.pair
+        self.note_motion(q)
+        self.place(q, 0.0)
+        # The last nearest pair first: it lets most of the others be passed over.
+        if first >= 0:
+            capsule, solid = first // self.solid_count, first % self.solid_count
+            margin = self.solids[_ROW * solid + _MARGIN]
+            self.distance = self.exact(capsule, solid)
+            least = self.distance - margin
+            self.gaps[first] = least
+        for capsule in range(self.count):
+            moved = self.moved[self.owners[capsule]]
+            for solid in range(self.solid_count):
+                number = capsule * self.solid_count + solid
+                if number == first:
+                    continue
+                gap = self.gaps[number] - moved - self.shifts[solid]
+                if gap > least and gap > horizon:
+                    self.gaps[number] = gap
+                    continue
+                if not self.allowed[number]:
+                    self.gaps[number] = _FAR
+                    continue
+                margin = self.solids[_ROW * solid + _MARGIN]
+                gap = self.bound(capsule, solid) - margin
+                if gap <= least or gap <= horizon:
+                    gap = self.exact(capsule, solid) - margin
+                    if gap < least:
+                        least = gap
+                        self.distance, self.pair = gap + margin, number
+                self.gaps[number] = gap
+        for solid in range(self.solid_count):
+            self.shifts[solid] = 0.0
+        self.least = least
+        return least
+
+    def blocked_at(self, q: Doubles, share: float) -> int:
+        """Return the first pair that is too near at a share of the way, or -1."""
+        self.place(q, share)
+        for capsule in range(self.count):
+            for solid in range(self.solid_count):
+                number = capsule * self.solid_count + solid
+                before = self.gaps[number]
+                if before > self.horizon:
+                    continue
+                allowed = before - _ROUNDING if before < 0.0 else 0.0
+                allowed -= self.slack
+                margin = self.solids[_ROW * solid + _MARGIN]
+                if self.bound(capsule, solid) - margin > allowed:
+                    continue
+                if self.exact(capsule, solid) - margin < allowed:
+                    return number
+        return -1
+
+    def free_share(self, q: Doubles, zone: float) -> float:
+        """Return the share of `way`, 0 to 1, on which every pair keeps its margin.
+
+        Args:
+            q: Joint positions from which the way leads [rad], shape (n,).
+            zone: Gaps up to the horizon and this are to be exact [m].
+        """
+        length = 0.0
+        for i in range(self.size):
+            step = self.way[i]
+            length += self.reach[i] * (step if step > 0.0 else -step)
+        self.horizon = length
+        if self.measure(q, length + zone) > length:
+            return 1.0
+        steps = int(length / _STEP) + 1
+        if steps > _MOST_STEPS:
+            steps = _MOST_STEPS
+        low, high, found = 0.0, 1.0, -1
+        for step_number in range(1, steps + 1):
+            high = step_number / (1.0 * steps)
+            found = self.blocked_at(q, high)
+            if found >= 0:
+                self.blocking = found
+                break
+            low = high
+        if low >= 1.0:
+            return 1.0
+        for _ in range(_REFINEMENTS):
+            middle = 0.5 * (low + high)
+            if self.blocked_at(q, middle) >= 0:
+                high = middle
+            else:
+                low = middle
+        return low
