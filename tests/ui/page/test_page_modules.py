@@ -26,4 +26,6 @@ def test_no_script_of_the_page_is_long():
     own = (f for f in STATIC.rglob("*.js") if "vendor" not in f.parts)
     lengths = {str(file): len(file.read_text().splitlines()) for file in own}
     assert max(lengths.values()) <= 450
-    assert sum(lengths.values()) <= 6000
+    # What the docks for lessons, replay and identification need, and little more: a new
+    # panel has to find what it shares with another one.
+    assert sum(lengths.values()) <= 6600

@@ -30,9 +30,7 @@ function button(label, title, run) {
 }
 
 function group(name, ...children) {
-  const made = h("div", { class: "tools-group" }, h("span", { ariaHidden: "true" }, name), ...children);
-  made.setAttribute("role", "group");
-  made.setAttribute("aria-label", name);
+  const made = h("div", { class: "tools-group", role: "group", ariaLabel: name }, h("span", { ariaHidden: "true" }, name), ...children);
   return made;
 }
 

@@ -32,13 +32,11 @@ class Bench extends Panel {
   build() {
     const button = (label, title, run, look = "s") => h("button", { class: look, type: "button", title, onclick: run, disabled: true }, label);
     const choice = (label, options) => {
-      const select = h("select", {}, ...options.map((text) => h("option", {}, text)));
-      select.setAttribute("aria-label", label);
+      const select = h("select", { ariaLabel: label }, ...options.map((text) => h("option", {}, text)));
       return select;
     };
     const field = (label, value, unit) => {
-      const input = h("input", { class: "value", value, inputMode: "decimal" });
-      input.setAttribute("aria-label", `${label} [${unit}]`);
+      const input = h("input", { class: "value", value, inputMode: "decimal", ariaLabel: `${label} [${unit}]` });
       return { input, label: h("label", {}, `${label} `, input, ` ${unit}`) };
     };
     this.kind = choice("Kind of test", Object.keys(EXCITATIONS));
@@ -64,8 +62,7 @@ class Bench extends Panel {
       for (const [name, value] of Object.entries(usual)) if (!isTyped.has(name)) this.fields[name].input.value = String(value);
     };
     this.kind.addEventListener("change", this.choose);
-    this.runName = h("input", { class: "name", placeholder: "name of the run" });
-    this.runName.setAttribute("aria-label", "Name of the run");
+    this.runName = h("input", { class: "name", placeholder: "name of the run", ariaLabel: "Name of the run" });
     this.runButton = button("Run test", "Moves the chosen joint through the running controller, at most 0.3 rad, and leads it back.", () => this.run(), "s primary");
     this.findButton = button("Find gains by relay", "Lets a relay with a quarter of p swing the joint, and proposes gains by named rules. Nothing is applied.", () => this.run("relay"));
     const time = h("div", { class: "chart response" });

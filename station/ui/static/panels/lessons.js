@@ -25,14 +25,12 @@ function markdown(text) {
 
 class LessonBook extends Panel {
   build() {
-    this.person = h("input", { class: "name", placeholder: "your name", value: kept.get("student", "") });
-    this.person.setAttribute("aria-label", "Name of the student");
+    this.person = h("input", { class: "name", placeholder: "your name", value: kept.get("student", ""), ariaLabel: "Name of the student" });
     this.person.addEventListener("change", () => {
       kept.set("student", this.person.value.trim());
       this.list();
     });
-    this.choice = h("select", {});
-    this.choice.setAttribute("aria-label", "Lesson");
+    this.choice = h("select", { ariaLabel: "Lesson" });
     this.choice.addEventListener("change", () => {
       this.result = null;
       this.draw();

@@ -28,8 +28,7 @@ class Plots extends Panel {
     this.streamed = new Channels((key, time, value) => this.history(key).add(time, value));
     this.plots = [];
     this.paused = false;
-    this.pause = h("button", { class: "s", type: "button", title: "Hold the picture; the robot goes on." }, "Pause");
-    this.pause.addEventListener("click", () => this.setPaused(!this.paused));
+    this.pause = h("button", { class: "s", type: "button", title: "Hold the picture; the robot goes on.", onclick: () => this.setPaused(!this.paused) }, "Pause");
     const add = h("button", { class: "s", type: "button" }, "+ plot");
     add.addEventListener("click", () => {
       this.addPlot([]);
@@ -222,8 +221,7 @@ class Plots extends Panel {
       this.keep();
     });
     across.setAttribute("aria-pressed", String(xy));
-    const transform = h("select", { title: "What is shown of the channels." }, ...Object.entries(TRANSFORMS).map(([value, text]) => h("option", { value }, text)));
-    transform.setAttribute("aria-label", "Show");
+    const transform = h("select", { title: "What is shown of the channels.", ariaLabel: "Show" }, ...Object.entries(TRANSFORMS).map(([value, text]) => h("option", { value }, text)));
     transform.value = how;
     transform.addEventListener("change", () => {
       entry.how = transform.value;
@@ -245,8 +243,7 @@ class Plots extends Panel {
         this.keep();
       }),
     );
-    const summary = h("summary", { title: "Channels, time shown, CSV, remove." }, "⋯");
-    summary.setAttribute("aria-label", "Choose channels");
+    const summary = h("summary", { title: "Channels, time shown, CSV, remove.", ariaLabel: "Choose channels" }, "⋯");
     const menu = h("details", { class: "picker" }, summary, h("div", {}, tools, h("div", { class: "choices" })));
     entry.menu = menu;
     const box = h("div", { class: "plot" }, h("div", { class: "plot-head" }, legend, menu), canvas);
@@ -267,8 +264,7 @@ class Plots extends Panel {
   /** Fill a plot's menu: the usual channels, then every number of every stream. */
   fillMenu(entry) {
     const list = entry.menu.querySelector(".choices");
-    const search = h("input", { type: "search", placeholder: "search, e.g. tau_J_d or p99" });
-    search.setAttribute("aria-label", "Search channels");
+    const search = h("input", { type: "search", placeholder: "search, e.g. tau_J_d or p99", ariaLabel: "Search channels" });
     const usual = h("div", {}, ...[...this.channels].map(([key, { label, unit }]) => this.choice(entry, key, label, unit)));
     const recorded = replay.runs.slice(0, 1).map(({ name, columns }) => ({ id: "recorded", title: `recorded in ${name}`, columns: columns.slice(4) }));
     const groups = [...recorded, ...sources()].map((source) => this.sourceGroup(entry, source));
@@ -315,8 +311,7 @@ class Plots extends Panel {
   /** Return the row of a channel: a button for it, and one for its rate of change. */
   choice(entry, key, label, unit) {
     const choose = (wanted, name, look) => {
-      const choice = h("button", { class: look, type: "button" }, name);
-      choice.setAttribute("aria-label", wanted === key ? name : `rate of change of ${label}`);
+      const choice = h("button", { class: look, type: "button", ariaLabel: wanted === key ? name : `rate of change of ${label}` }, name);
       choice.setAttribute("aria-pressed", String(entry.keys.includes(wanted)));
       choice.addEventListener("click", () => {
         entry.keys = entry.keys.includes(wanted) ? entry.keys.filter((other) => other !== wanted) : [...entry.keys, wanted];

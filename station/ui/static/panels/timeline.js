@@ -23,15 +23,12 @@ class Timeline extends Panel {
   build() {
     this.chosen = "events";
     this.buttons = SOURCES.map((source) => {
-      const button = h("button", { class: "s", type: "button" }, source.title);
-      button.addEventListener("click", () => this.choose(source.id));
+      const button = h("button", { class: "s", type: "button", onclick: () => this.choose(source.id) }, source.title);
       button.dataset.id = source.id;
       return button;
     });
-    this.record = h("button", { class: "s", type: "button", hidden: true }, "Record");
-    this.record.addEventListener("click", () => this.toggleRecording());
-    this.list = h("div", { class: "log", tabIndex: 0 });
-    this.list.setAttribute("aria-label", "What happened");
+    this.record = h("button", { class: "s", type: "button", hidden: true, onclick: () => this.toggleRecording() }, "Record");
+    this.list = h("div", { class: "log", tabIndex: 0, ariaLabel: "What happened" });
     this.append(h("div", { class: "tabs" }, ...this.buttons, this.record), this.list);
     replay.addEventListener("runs", () => this.ask());
     alarms.addEventListener("change", () => this.chosen === "alarms" && this.drawAlarms());

@@ -37,9 +37,7 @@ class TuneSearch extends Panel {
     this.progress = h("progress", { max: 1, value: 0, ariaLabel: "Progress of the search" });
     this.state = h("p", { class: "hint state", role: "status" }, "");
     this.diff = h("p", { class: "hint" });
-    const chart = h("div", { class: "chart response" });
-    chart.setAttribute("role", "img");
-    chart.setAttribute("aria-label", "Responses at the start of the search and of the best trial");
+    const chart = h("div", { class: "chart response", role: "img", ariaLabel: "Responses at the start of the search and of the best trial" });
     this.plot = new Plot(chart);
     this.rows = h("tbody", {});
     const heads = ["", "at the start", "best so far"].map((text) => h("th", {}, text));
