@@ -52,7 +52,9 @@ def compared(workspace, enabled):
     workspace.button("plots", "End replay").click()
     assert workspace.page.evaluate(f"() => {PLOTS}[0].plot.end") is None
     rows = workspace.dock("timeline")
-    assert rows.get_by_role("button", name=re.compile("^Compare")).count() == 0
+    compare = rows.get_by_role("button", name=re.compile("^Compare"))
+    # Drawn once the station has answered.
+    assert wait_until(lambda: compare.count() == 0)
 
 
 def _rows(client, recording, tmp_path):
@@ -180,7 +182,9 @@ def test_the_moment_of_an_incident_is_linked_in_three_clicks(workspace, enabled)
 
     def new():
         found = enabled.incidents.list()
-        return [one for one in found if one.identifier not in known]
+        # Listed while it is written; its length and file are there at the end.
+        done = [one for one in found if one.state != "recording"]
+        return [one for one in done if one.identifier not in known]
 
     assert wait_until(new, 20.0)
     (incident,) = new()

@@ -1,5 +1,11 @@
-"""Two browsers at one station: one operates; the other watches, stops, takes over."""
+"""Two browsers at one station: one operates; the other watches, stops, takes over.
 
+An agent asks there, too, and the page answers it.
+"""
+
+from concurrent.futures import ThreadPoolExecutor
+
+import httpx
 import pytest
 
 from tests.browser.conftest import logged_in
@@ -138,3 +144,38 @@ def test_the_watching_browser_stops_the_robot(ada, watching, enabled):
     bar.get_by_role("button", name="Release stop").click()
     bar.get_by_role("button", name="Allow motion").click()
     assert wait_until(lambda: enabled.status().stop_state == "armed")
+
+
+@pytest.fixture(scope="module")
+def agent(running_station):
+    """A client of an agent."""
+    url = f"{running_station.api}/api/v1"
+    given = {"name": "tuner", "role": "agent"}
+    operator = {"Authorization": f"Bearer {running_station.token}"}
+    answer = httpx.post(f"{url}/tokens", json=given, headers=operator)
+    secret = answer.raise_for_status().json()["token"]
+    bearer = {"Authorization": f"Bearer {secret}"}
+    with httpx.Client(base_url=url, headers=bearer, timeout=40) as client:
+        yield client
+
+
+@pytest.mark.parametrize(
+    ("click", "status", "runs"), [("Refuse", 403, CONTROLLER), ("Allow", 200, OTHER)]
+)
+def test_a_click_answers_what_an_agent_asks_for(
+    workspace, enabled, agent, click, status, runs
+):
+    agent.post("/control", json={"ttl": 60.0}).raise_for_status()
+    wanted = {"start": [OTHER], "stop": [CONTROLLER]}
+    with ThreadPoolExecutor(1) as thread:
+        asked = thread.submit(agent.post, "/controllers/switch", json=wanted)
+        card = workspace.page.get_by_label("Request of tuner")
+        card.get_by_text("tuner asks for").wait_for()
+        assert OTHER in card.locator("pre").text_content()
+        assert not asked.done()
+        assert enabled.controller(CONTROLLER).state == "running"
+        card.get_by_role("button", name=click, exact=True).click()
+        answer = asked.result(20)
+    assert answer.status_code == status, answer.text
+    card.wait_for(state="detached")
+    assert enabled.controller(runs).state == "running"

@@ -63,10 +63,15 @@ class Joints extends Panel {
   }
 
   async readPoses() {
-    const told = await api("GET", POSES).catch(({ status }) => (status === 404 ? { waypoints: [] } : null));
-    if (told) this.kept = told.waypoints;
+    try {
+      // Asked for only when there are some: the console of a browser lists what is not found.
+      const { waypoint_paths: names } = await api("GET", "/waypoint-paths");
+      this.kept = names.includes("poses") ? (await api("GET", POSES)).waypoints : [];
+    } catch {
+      return false; // The strip says that the station does not answer.
+    }
     this.showPoses();
-    return told !== null;
+    return true;
   }
 
   showPoses() {
