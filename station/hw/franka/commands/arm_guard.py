@@ -20,7 +20,7 @@ from station.hw.franka.commands.rate_limiter import PERIOD, rate_limits_of
 from station.memory.doubles import doubles, put
 from station.reports import Clearance
 
-# Found by `geometry.capsules.enclose` from the convex hulls of the collision meshes,
+# One or two for each link, the smallest around the hulls of the collision meshes,
 # the fingers both open and closed; rounded, and each radius a little larger. Those of
 # hand and fingers are in the frame of link 7. The base, link 0, does not move.
 CAPSULES = (
