@@ -215,8 +215,10 @@ def enabled(client, workspace):
     others = [n for n in running if n not in {CONTROLLER, "joint_state_controller"}]
     if CONTROLLER not in running:
         client.switch_controllers(start=[CONTROLLER], stop=others)
+    # An open dock that finds no room folds the one that was used longest ago.
+    workspace.dock("joints")
     workspace.page.wait_for_function(
-        "() => !document.querySelector('.joints input').disabled"
+        "() => document.querySelector('.joints input')?.disabled === false"
     )
     return client
 

@@ -18,7 +18,9 @@ class WorkspacePage:
     def __init__(self, page):
         self.page = page
         page.wait_for_selector('#bar[data-link="live"]')
-        page.wait_for_selector(".joints tbody tr")
+        fold = page.locator('.dock[data-dock="joints"] .fold')
+        if fold.get_attribute("aria-expanded") == "true":
+            page.wait_for_selector(".joints tbody tr")
 
     def dock(self, name):
         """Return a dock, unfolded and in view."""
