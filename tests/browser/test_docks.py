@@ -239,8 +239,14 @@ def test_nothing_is_tuned_without_gains(workspace):
     assert dock.get_by_role("button", name="Tune for me").is_hidden()
     chosen.select_option(CONTROLLER)
     dock.get_by_role("button", name="Tune for me").wait_for()
-    dock.locator(".gains input").first.wait_for()
-    assert dock.get_by_role("button", name="Apply", exact=True).is_enabled()
+    gain = dock.locator(".gains input").first
+    apply = dock.get_by_role("button", name="Apply", exact=True)
+    assert apply.is_disabled()  # nothing was typed
+    was = gain.input_value()
+    gain.fill("1")
+    assert apply.is_enabled()
+    gain.fill(was)
+    assert apply.is_disabled()
 
 
 def test_gains_are_searched_previewed_applied_and_taken_back(workspace, enabled):
