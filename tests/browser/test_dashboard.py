@@ -161,7 +161,7 @@ def test_a_refusal_is_shown_as_the_station_words_it(page, viser_page, idle):
     before = _position(idle, "panda_joint1")
     with idle.control(owner="ada"):
         viser_page.drag_slider("joint1 [rad]", 0.3)
-        page.locator("#notice").get_by_text("ada").wait_for()
+        page.locator("#messages").get_by_text("ada").first.wait_for()
     assert _position(idle, "panda_joint1") == pytest.approx(before, abs=2e-3)
 
 

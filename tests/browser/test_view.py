@@ -109,7 +109,9 @@ def _reset(client):
 
 def test_a_line_says_what_loads_until_all_arms_are_drawn(page, view):
     said = page.evaluate("() => window.progressSaid")
-    assert said[0] in {"Opening the 3D view …", "Loading the 3D view …"}
+    # Robots that are loaded at once leave the first words no time.
+    begins = ("Opening the 3D view", "Loading the 3D view", "3D view: loading")
+    assert said[0].startswith(begins)
     assert said[-1] == ""
     wanted = page.evaluate(
         "async () => (await (await fetch('/workspace/state')).json()).triangles"
@@ -265,6 +267,7 @@ def test_the_trail_ends_at_the_flange_and_a_waypoint_is_previewed_as_a_ghost(
     assert wait_until(lambda: np.linalg.norm(trail()[-1] - here()) < 0.01)
     arrived = here()
     assert np.linalg.norm(trail() - captured[:3, 3], axis=1).min() < 0.01
+    dock = workspace.dock("move")  # it may have been folded for the joints
     dock.get_by_role("button", name=re.compile("Move to this waypoint")).hover()
     words.wait_for("waypoint .*")
     ghost = "/ghost_0/.*/panda_link8"
