@@ -218,7 +218,7 @@ def test_the_simulation_pauses_and_steps(workspace, client):
 
 
 def test_a_plot_takes_other_channels(workspace):
-    dock = workspace.dock("plots")
+    dock = workspace.dock("plots").locator(".plot").first
     dock.locator(".picker > summary").first.click()
     dock.get_by_role("button", name="hand z [m]").first.click()
     assert "hand z" in dock.locator(".legend").first.inner_text()
