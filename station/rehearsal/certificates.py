@@ -91,7 +91,7 @@ class Conditions:
                     *one.position,
                     *one.orientation,
                 )
-                for one in station.scene.report()
+                for one in station.scene()
             },
             dict(zip(names, now.position, strict=True)),
             dict(zip(names, now.velocity, strict=True)),

@@ -58,10 +58,10 @@ def reset(station: StationDep, request: ResetRequest | None = None) -> Simulatio
 def scene(station: StationDep) -> Scene:
     """Return the objects around the robots, contacts and moving bases."""
     return Scene.model_validate({
-        "objects": station.scene.report(),
+        "objects": station.scene(),
         "contacts": station.contacts(),
         "bases": station.bases(),
-        "clearances": station.scene.clearances(),
+        "clearances": station.surroundings.clearances(),
     })
 
 
@@ -73,7 +73,7 @@ def put_scene_object(
 ) -> SceneObject:
     """Add an object with a role, or change, move or drag the one of that name."""
     values = request.model_dump(exclude_unset=True)
-    return SceneObject.model_validate(station.scene.put(name, values))
+    return SceneObject.model_validate(station.surroundings.put(name, values))
 
 
 @router.delete(
@@ -81,5 +81,5 @@ def put_scene_object(
 )
 def delete_scene_object(name: ObjectName, station: StationDep) -> Scene:
     """Remove an object with a role; answers with what is left."""
-    station.scene.remove(name)
+    station.surroundings.remove(name)
     return scene(station)

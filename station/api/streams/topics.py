@@ -270,16 +270,16 @@ class SceneTopic(ReportTopic):
     def report(self) -> Data:
         station = self._station
         return _scene_sample((
-            station.scene.report(),
+            station.scene(),
             station.contacts(),
             station.bases(),
-            station.scene.clearances(),
+            station.surroundings.clearances(),
         ))
 
     @override
     def every_cycle(self) -> CycleSamples:
         world = self._station.loop.hw.simulated_world()
-        clearances = self._station.scene.clearances
+        clearances = self._station.surroundings.clearances
 
         def read() -> _SceneReport:
             if world is None:

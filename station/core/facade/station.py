@@ -31,6 +31,7 @@ from station.core.hardware.robot_report import (
     ContactReport,
     JointLimitsReport,
     MovingBaseReport,
+    SceneObjectReport,
 )
 from station.core.loop.control_loop import ControlLoop
 from station.core.loop.snapshot import Snapshot, SnapshotRing
@@ -176,7 +177,7 @@ class Station:
         tuning: Gains of several controllers at once, and the last change taken back.
         parameter_server: The tree of parameters, read and changed.
         simulation: Pause, step and reset of a simulated robot.
-        scene: The objects around the robots, and their roles.
+        surroundings: The objects around the robots, and their roles.
         watchdog_failure: Why no watchdog looks after the station at the moment; None
             when one does, or when none is wanted.
     """
@@ -195,7 +196,7 @@ class Station:
         self.motion = MotionCommands(loop, manager, self.inputs)
         self.robots = Robots(loop, manager, self.inputs)
         self.simulation = SimulationControl(loop, self.inputs)
-        self.scene = StationScene(loop, parameters)
+        self.surroundings = StationScene(loop, parameters)
         self.boot_id = uuid.uuid4().hex
         self.watchdog_failure: str | None = None
         self.parameters = parameters
@@ -268,6 +269,14 @@ class Station:
         """
         world = self.loop.hw.simulated_world()
         return [] if world is None else list(self.loop.run_in_cycle(world.bases))
+
+    def scene(self) -> list[SceneObjectReport]:
+        """Return the objects around the robots, solid ones where they are now.
+
+        Raises:
+            LoopError: The loop died or hangs.
+        """
+        return self.surroundings.report()
 
     def contacts(self) -> list[ContactReport]:
         """Return the contacts between bodies of a simulated world.

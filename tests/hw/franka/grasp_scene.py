@@ -42,7 +42,7 @@ def run_until_done(station: Station, most: int = 5_000) -> GripperState:
 
 def box_height(station: Station) -> float:
     """Return how high the box is [m]."""
-    return station.scene.report()[0].position[2]
+    return station.scene()[0].position[2]
 
 
 def contact_force(station: Station, finger: str) -> float:
