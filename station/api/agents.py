@@ -193,7 +193,12 @@ class Agents:
         """
         operation = request.scope["route"].name
         body = await request.json() if await request.body() else {}
-        is_preview = isinstance(body, dict) and body.get("dry_run") is True
+        # Other operations may have a body that nobody reads: only this one previews.
+        is_preview = (
+            operation == "switch_controllers"
+            and isinstance(body, dict)
+            and body.get("dry_run") is True
+        )
         if operation not in ASKED or is_preview:
             return
         if not self._policy.approval:

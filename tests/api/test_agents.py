@@ -160,6 +160,28 @@ def test_what_is_refused_or_not_answered_changes_nothing(run):
     run(story, AgentPolicy(wait=0.02))
 
 
+@pytest.mark.parametrize("path", ["/gain-sets/undo", "/robots/panda/gripper/homing"])
+def test_what_is_no_preview_is_asked_for_whatever_it_says(path, run):
+    async def story(world, agent):
+        await take(agent)
+        answer = await agent.post(f"/api/v1{path}", json={"dry_run": True})
+        assert answer.json()["code"] == "agent_refused"
+        assert world.results() == ["asked", "expired"]
+
+    run(story, AgentPolicy(wait=0.02))
+
+
+def test_a_preview_of_a_switch_is_free(run):
+    async def story(world, agent):
+        await take(agent)
+        body = {"start": ["spring"], "dry_run": True}
+        answer = await agent.post("/api/v1/controllers/switch", json=body)
+        assert answer.status_code == 200
+        assert world.results() == []
+
+    run(story, AgentPolicy(wait=0.02))
+
+
 def test_an_answer_counts_once(run):
     async def story(world, agent):
         await take(agent)
