@@ -123,8 +123,8 @@ class ControlLoop:
         self._failure = ""
         self._scheduler = ""
         manager.pump = self.step
-        # A switch posted before a stop must not start anything after it.
         manager.period = period
+        # A switch posted before a stop must not start anything after it.
         manager.lifecycle.start_gate = self.stop_latch.check
 
     @property
@@ -194,12 +194,8 @@ class ControlLoop:
                 f"The control thread did not end within {timeout} s.",
                 remedy="A cycle hangs in the hardware or in a controller.",
             )
-        self._thread = None
         self.manager.end_async_threads()
-        self.manager.pump = self.step
-        self.manager.controller_update.update_budget = (
-            inf  # steps do not follow the wall clock
-        )
+        self._be_stepped()
         if self._state is LoopState.RUNNING:
             self._state = LoopState.STOPPED
 
@@ -243,11 +239,15 @@ class ControlLoop:
             Whether no cycle was under way, so that the next one can follow.
         """
         is_whole = self.snapshots.newest == self.cycle
-        self._thread = None
+        self._be_stepped()
         self._state = LoopState.STOPPED
-        self.manager.pump = self.step
-        self.manager.controller_update.update_budget = inf
         return is_whole
+
+    def _be_stepped(self) -> None:
+        self._thread = None
+        self.manager.pump = self.step
+        # Steps do not follow the wall clock.
+        self.manager.controller_update.update_budget = inf
 
     def run_in_cycle(
         self, action: Callable[[], T], timeout: float = 1.0, *, moves: bool = False

@@ -132,6 +132,12 @@ class ArmModes:
 
         None when the motion could start; see `RobotArm.refusal`.
         """
+        refused = self._refusal_of_mode(controller, generator)
+        return self._singular_start(generator) if refused is None else refused
+
+    def _refusal_of_mode(
+        self, controller: ControllerMode, generator: MotionGeneratorMode
+    ) -> str | None:
         mode = self._state.robot_mode
         if self._world.diverged_because:
             return f"{self._world.diverged_because}; {self.remedy()}"
@@ -142,7 +148,7 @@ class ArmModes:
         is_external = controller is ControllerMode.EXTERNAL_CONTROLLER
         if generator is MotionGeneratorMode.NONE and not is_external:
             return "the internal controller needs a motion generator"
-        return self._singular_start(generator)
+        return None
 
     def begin_motion(
         self, controller: ControllerMode, generator: MotionGeneratorMode
@@ -152,12 +158,14 @@ class ArmModes:
         Raises:
             ArmCommandError: A motion runs already, or `refusal` has a reason.
         """
-        reason = self.refusal(controller, generator)
+        kind: type[ArmCommandError] = ArmCommandError
         if self._state.robot_mode is RobotMode.MOVE:
-            reason = "a motion runs already"
+            reason: str | None = "a motion runs already"
+        else:
+            reason = self._refusal_of_mode(controller, generator)
+        if reason is None:
+            kind, reason = SingularStartError, self._singular_start(generator)
         if reason is not None:
-            is_singular = reason == self._singular_start(generator)
-            kind = SingularStartError if is_singular else ArmCommandError
             raise kind(
                 f"The arm cannot start a motion: {reason}.",
                 remedy="Stop the running motion, recover, or ask for other modes.",
