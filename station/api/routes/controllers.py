@@ -9,7 +9,7 @@ from station.api.audit import note_preview
 from station.api.by_rehearsal import ByRehearsalDep
 from station.api.dependencies import Operator, ServicesDep, StationDep, Viewer
 from station.api.idempotency import Idempotent, IdempotentRoute
-from station.api.routes.problems import problems
+from station.api.routes.problems import change, problems
 from station.core.control import switching
 from station.core.facade.station import Station
 from station.wire import (
@@ -146,11 +146,7 @@ def list_controller_types(station: StationDep) -> ControllerTypes:
     )
 
 
-@router.post(
-    "/controller-types/reload",
-    dependencies=[Operator],
-    responses=problems(409, 413, 422, 504),
-)
+@router.post("/controller-types/reload", **change(409, 413, 422, 504))
 def reload_controller_types(
     station: StationDep, request: ReloadRequest | None = None
 ) -> Reloaded:

@@ -6,10 +6,10 @@ from typing import Annotated
 from fastapi import APIRouter, Header, Path, Response
 
 from station.api import answers
-from station.api.dependencies import Operator, ServicesDep, StationDep, Viewer
+from station.api.dependencies import ServicesDep, StationDep, Viewer
 from station.api.errors import ProblemError
 from station.api.json_route import JsonRoute
-from station.api.routes.problems import problems
+from station.api.routes.problems import change, problems
 from station.api.services import Services
 from station.core.facade.station import Station
 from station.library import gain_sets
@@ -42,11 +42,7 @@ def get_gains(name: str, response: Response, station: StationDep) -> Gains:
     return answers.gains(found, etag)
 
 
-@router.patch(
-    "/controllers/{name}/gains",
-    dependencies=[Operator],
-    responses=problems(404, 412, 413, 422, 503),
-)
+@router.patch("/controllers/{name}/gains", **change(404, 412, 413, 422, 503))
 def patch_gains(
     name: str,
     request: GainsPatch,
@@ -67,11 +63,7 @@ def patch_gains(
     return change
 
 
-@router.patch(
-    "/gains",
-    dependencies=[Operator],
-    responses=problems(404, 412, 413, 422, 503),
-)
+@router.patch("/gains", **change(404, 412, 413, 422, 503))
 def patch_gains_of_controllers(
     request: GainsOfControllersPatch, station: StationDep
 ) -> GainsChanges:
@@ -110,7 +102,7 @@ def list_gain_sets(services: ServicesDep) -> GainSets:
     return GainSets(gain_sets=services.gain_sets.names())
 
 
-@router.post("/gain-sets/undo", dependencies=[Operator], responses=problems(409, 503))
+@router.post("/gain-sets/undo", **change(409, 503))
 def undo_gains(services: ServicesDep) -> GainsChanges:
     """Take the last change of gains back, whether it set gains or applied a set.
 
@@ -125,9 +117,7 @@ def get_gain_set(name: Name, services: ServicesDep) -> GainSet:
     return _gain_set(services, services.gain_sets.get(name))
 
 
-@router.put(
-    "/gain-sets/{name}", dependencies=[Operator], responses=problems(404, 413, 422)
-)
+@router.put("/gain-sets/{name}", **change(404, 413, 422))
 def save_gain_set(
     name: Name, services: ServicesDep, request: GainSetRequest | None = None
 ) -> GainSet:
@@ -136,9 +126,7 @@ def save_gain_set(
     return _gain_set(services, saved)
 
 
-@router.delete(
-    "/gain-sets/{name}", dependencies=[Operator], responses=problems(404, 422)
-)
+@router.delete("/gain-sets/{name}", **change(404, 422))
 def delete_gain_set(name: Name, services: ServicesDep) -> GainSet:
     """Delete a set; return its last content."""
     found = _gain_set(services, services.gain_sets.get(name))
@@ -146,11 +134,7 @@ def delete_gain_set(name: Name, services: ServicesDep) -> GainSet:
     return found
 
 
-@router.post(
-    "/gain-sets/{name}/apply",
-    dependencies=[Operator],
-    responses=problems(404, 413, 422, 503),
-)
+@router.post("/gain-sets/{name}/apply", **change(404, 413, 422, 503))
 def apply_gain_set(
     name: Name, services: ServicesDep, request: GainSetRequest | None = None
 ) -> GainsChanges:

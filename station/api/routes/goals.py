@@ -10,13 +10,12 @@ from station.api.by_rehearsal import ByRehearsalDep
 from station.api.dependencies import (
     AccessDep,
     LeaseKey,
-    Operator,
     ServicesDep,
     StationDep,
     Viewer,
 )
 from station.api.json_route import JsonRoute
-from station.api.routes.problems import problems
+from station.api.routes.problems import change, problems
 from station.wire import (
     CommandAccepted,
     DesiredState,
@@ -32,8 +31,7 @@ router = APIRouter(tags=["goals"], dependencies=[Viewer], route_class=JsonRoute)
 @router.post(
     "/controllers/{name}/goals",
     status_code=201,
-    dependencies=[Operator],
-    responses=problems(404, 409, 412, 413, 422, 423, 428),
+    **change(404, 409, 412, 413, 422, 423, 428),
 )
 def submit_goal(
     name: str,
@@ -69,11 +67,7 @@ def get_goal(name: str, goal_id: str, station: StationDep) -> Goal:
     return answers.goal(station.motion.goal(name, goal_id))
 
 
-@router.delete(
-    "/controllers/{name}/goals/{goal_id}",
-    dependencies=[Operator],
-    responses=problems(404, 422),
-)
+@router.delete("/controllers/{name}/goals/{goal_id}", **change(404, 422))
 def cancel_goal(name: str, goal_id: str, station: StationDep) -> Goal:
     """Cancel a goal; the joints hold from the next cycle on.
 
@@ -83,9 +77,7 @@ def cancel_goal(name: str, goal_id: str, station: StationDep) -> Goal:
 
 
 @router.post(
-    "/controllers/{name}/trajectory",
-    dependencies=[Operator],
-    responses=problems(404, 409, 412, 413, 422, 423, 428),
+    "/controllers/{name}/trajectory", **change(404, 409, 412, 413, 422, 423, 428)
 )
 def follow_trajectory(
     name: str,

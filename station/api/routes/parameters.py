@@ -2,9 +2,9 @@
 
 from fastapi import APIRouter
 
-from station.api.dependencies import Operator, StationDep, Viewer
+from station.api.dependencies import StationDep, Viewer
 from station.api.json_route import JsonRoute
-from station.api.routes.problems import problems
+from station.api.routes.problems import change, problems
 from station.wire import Parameter, ParameterRequest
 
 router = APIRouter(
@@ -27,7 +27,7 @@ def get_parameter(path: str, station: StationDep) -> Parameter:
     return _parameter(path, station.parameter_server.get(path))
 
 
-@router.put("/{path:path}", dependencies=[Operator], responses=problems(409, 413, 422))
+@router.put("/{path:path}", **change(409, 413, 422))
 def set_parameter(
     path: str, request: ParameterRequest, station: StationDep
 ) -> Parameter:
@@ -40,9 +40,7 @@ def set_parameter(
     return _parameter(path, request.value)
 
 
-@router.delete(
-    "/{path:path}", dependencies=[Operator], responses=problems(404, 409, 422)
-)
+@router.delete("/{path:path}", **change(404, 409, 422))
 def delete_parameter(path: str, station: StationDep) -> Parameter:
     """Delete a parameter or a namespace; return its last value."""
     return _parameter(path, station.parameter_server.delete(path))

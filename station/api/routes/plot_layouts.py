@@ -4,9 +4,9 @@ from typing import Annotated
 
 from fastapi import APIRouter, Path
 
-from station.api.dependencies import Operator, ServicesDep, Viewer
+from station.api.dependencies import ServicesDep, Viewer
 from station.api.json_route import JsonRoute
-from station.api.routes.problems import problems
+from station.api.routes.problems import change, problems
 from station.reports import PlotLayout, PlotSettings
 from station.wire import PlotLayoutRequest, PlotLayouts
 from station.wire.base import FileName
@@ -29,9 +29,7 @@ def get_plot_layout(name: Name, services: ServicesDep) -> PlotLayout:
     return services.plot_layouts.get(name)
 
 
-@router.put(
-    "/plot-layouts/{name}", dependencies=[Operator], responses=problems(404, 413, 422)
-)
+@router.put("/plot-layouts/{name}", **change(404, 413, 422))
 def save_plot_layout(
     name: Name, request: PlotLayoutRequest, services: ServicesDep
 ) -> PlotLayout:
@@ -40,9 +38,7 @@ def save_plot_layout(
     return services.plot_layouts.save(name, plots)
 
 
-@router.delete(
-    "/plot-layouts/{name}", dependencies=[Operator], responses=problems(404, 422)
-)
+@router.delete("/plot-layouts/{name}", **change(404, 422))
 def delete_plot_layout(name: Name, services: ServicesDep) -> PlotLayout:
     """Delete a layout; return its last content."""
     return services.plot_layouts.delete(name)

@@ -3,9 +3,9 @@
 from fastapi import APIRouter
 
 from station.api.auth import Role
-from station.api.dependencies import Operator, RoleDep, ServicesDep, Viewer
+from station.api.dependencies import RoleDep, ServicesDep, Viewer
 from station.api.json_route import JsonRoute
-from station.api.routes.problems import problems
+from station.api.routes.problems import change
 from station.rehearsal.planning import Wish
 from station.reports import Plan, Rehearsal
 from station.wire.rehearsal import PlanRequest, RehearsalRequest
@@ -13,11 +13,7 @@ from station.wire.rehearsal import PlanRequest, RehearsalRequest
 router = APIRouter(tags=["rehearsals"], dependencies=[Viewer], route_class=JsonRoute)
 
 
-@router.post(
-    "/rehearse",
-    dependencies=[Operator],
-    responses=problems(413, 422, 503),
-)
+@router.post("/rehearse", **change(413, 422, 503))
 def rehearse(
     request: RehearsalRequest, services: ServicesDep, role: RoleDep
 ) -> Rehearsal:
@@ -37,11 +33,7 @@ def rehearse(
     )
 
 
-@router.post(
-    "/plan",
-    dependencies=[Operator],
-    responses=problems(404, 409, 413, 422, 503),
-)
+@router.post("/plan", **change(404, 409, 413, 422, 503))
 def plan(request: PlanRequest, services: ServicesDep) -> Plan:
     """Return a goal that leads to a pose and touches nothing; nothing moves.
 

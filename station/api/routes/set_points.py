@@ -7,14 +7,13 @@ from station.api.by_rehearsal import ByRehearsalDep
 from station.api.dependencies import (
     AccessDep,
     LeaseKey,
-    Operator,
     ServicesDep,
     StationDep,
     Viewer,
 )
 from station.api.errors import ProblemError
 from station.api.json_route import JsonRoute
-from station.api.routes.problems import problems
+from station.api.routes.problems import change, problems
 from station.core.control import controller as core_controller
 from station.wire import CommandAccepted, CommandInfo, CommandRequest, ControllerSample
 
@@ -27,11 +26,7 @@ def get_command(name: str, station: StationDep) -> CommandInfo:
     return answers.command_info(station.motion.set_point(name))
 
 
-@router.put(
-    "/controllers/{name}/command",
-    dependencies=[Operator],
-    responses=problems(404, 409, 412, 413, 422, 423, 428),
-)
+@router.put("/controllers/{name}/command", **change(404, 409, 412, 413, 422, 423, 428))
 def put_command(
     name: str,
     request: CommandRequest,

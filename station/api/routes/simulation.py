@@ -4,9 +4,9 @@ from typing import Annotated
 
 from fastapi import APIRouter, Path
 
-from station.api.dependencies import Operator, StationDep, Viewer
+from station.api.dependencies import StationDep, Viewer
 from station.api.json_route import JsonRoute
-from station.api.routes.problems import problems
+from station.api.routes.problems import change, problems
 from station.reports import Simulation
 from station.wire import (
     ResetRequest,
@@ -21,7 +21,7 @@ router = APIRouter(tags=["simulation"], dependencies=[Viewer], route_class=JsonR
 ObjectName = Annotated[
     str, Path(description="Name of the object.", examples=["wall"], max_length=128)
 ]
-_CHANGE = problems(409, 413, 422, 503)
+_CHANGE = change(409, 413, 422, 503)
 
 
 @router.get("/simulation", responses=problems(409))
@@ -30,7 +30,7 @@ def get_simulation(station: StationDep) -> Simulation:
     return station.simulation.report()
 
 
-@router.patch("/simulation", dependencies=[Operator], responses=_CHANGE)
+@router.patch("/simulation", **_CHANGE)
 def patch_simulation(request: SimulationPatch, station: StationDep) -> Simulation:
     """Pause, resume or change the pace. Stops and switches work while it is paused."""
     return station.simulation.change(
@@ -38,13 +38,13 @@ def patch_simulation(request: SimulationPatch, station: StationDep) -> Simulatio
     )
 
 
-@router.post("/simulation/step", dependencies=[Operator], responses=_CHANGE)
+@router.post("/simulation/step", **_CHANGE)
 def step(station: StationDep, request: StepRequest | None = None) -> Simulation:
     """Run some cycles of a paused simulation; answers when they are done."""
     return station.simulation.step((request or StepRequest()).n)
 
 
-@router.post("/simulation/reset", dependencies=[Operator], responses=_CHANGE)
+@router.post("/simulation/reset", **_CHANGE)
 def reset(station: StationDep, request: ResetRequest | None = None) -> Simulation:
     """Put the world back to its start, or to a keyframe of the robot.
 
@@ -65,9 +65,7 @@ def scene(station: StationDep) -> Scene:
     })
 
 
-@router.put(
-    "/scene/{name}", dependencies=[Operator], responses=problems(409, 413, 422, 503)
-)
+@router.put("/scene/{name}", **change(409, 413, 422, 503))
 def put_scene_object(
     name: ObjectName, request: SceneObjectRequest, station: StationDep
 ) -> SceneObject:
@@ -76,9 +74,7 @@ def put_scene_object(
     return SceneObject.model_validate(station.surroundings.put(name, values))
 
 
-@router.delete(
-    "/scene/{name}", dependencies=[Operator], responses=problems(404, 409, 503)
-)
+@router.delete("/scene/{name}", **change(404, 409, 503))
 def delete_scene_object(name: ObjectName, station: StationDep) -> Scene:
     """Remove an object with a role; answers with what is left."""
     station.surroundings.remove(name)

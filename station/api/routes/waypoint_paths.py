@@ -5,9 +5,9 @@ from typing import Annotated
 from fastapi import APIRouter, Path
 
 from station.api.by_rehearsal import ByRehearsalDep
-from station.api.dependencies import Operator, ServicesDep, Viewer
+from station.api.dependencies import ServicesDep, Viewer
 from station.api.json_route import JsonRoute
-from station.api.routes.problems import problems
+from station.api.routes.problems import change, problems
 from station.library.path_player import PlayOptions
 from station.reports import Playback, Waypoint, WaypointPath
 from station.wire import (
@@ -38,11 +38,7 @@ def get_waypoint_path(name: Name, services: ServicesDep) -> WaypointPath:
     return services.waypoint_paths.get(name)
 
 
-@router.put(
-    "/waypoint-paths/{name}",
-    dependencies=[Operator],
-    responses=problems(404, 413, 422),
-)
+@router.put("/waypoint-paths/{name}", **change(404, 413, 422))
 def save_waypoint_path(
     name: Name, request: WaypointPathRequest, services: ServicesDep
 ) -> WaypointPath:
@@ -53,19 +49,13 @@ def save_waypoint_path(
     return services.waypoint_paths.save(name, found)
 
 
-@router.delete(
-    "/waypoint-paths/{name}", dependencies=[Operator], responses=problems(404, 422)
-)
+@router.delete("/waypoint-paths/{name}", **change(404, 422))
 def delete_waypoint_path(name: Name, services: ServicesDep) -> WaypointPath:
     """Delete a path; return its last content."""
     return services.waypoint_paths.delete(name)
 
 
-@router.post(
-    "/waypoint-paths/{name}/capture",
-    dependencies=[Operator],
-    responses=problems(404, 413, 422, 503),
-)
+@router.post("/waypoint-paths/{name}/capture", **change(404, 413, 422, 503))
 def capture_waypoint(
     name: Name, services: ServicesDep, request: CaptureRequest | None = None
 ) -> WaypointPath:
@@ -79,9 +69,7 @@ def capture_waypoint(
 
 
 @router.post(
-    "/waypoint-paths/{name}/play",
-    dependencies=[Operator],
-    responses=problems(404, 409, 412, 413, 422, 423, 428, 503),
+    "/waypoint-paths/{name}/play", **change(404, 409, 412, 413, 422, 423, 428, 503)
 )
 def play_waypoint_path(
     name: Name,
@@ -108,11 +96,7 @@ def get_playback(services: ServicesDep) -> LastPlayback:
     return LastPlayback.model_validate({"playback": found})
 
 
-@router.patch(
-    "/playback",
-    dependencies=[Operator],
-    responses=problems(404, 409, 413, 422, 423, 503),
-)
+@router.patch("/playback", **change(404, 409, 413, 422, 423, 503))
 def change_playback(request: PlaybackPatch, services: ServicesDep) -> Playback:
     """Pause or resume the path that plays; change its speed, or whether it loops."""
     player = services.path_player
@@ -122,7 +106,7 @@ def change_playback(request: PlaybackPatch, services: ServicesDep) -> Playback:
     return found
 
 
-@router.delete("/playback", dependencies=[Operator], responses=problems(404, 409))
+@router.delete("/playback", **change(404, 409))
 def cancel_playback(services: ServicesDep) -> Playback:
     """End the path that plays; the robot holds where it is."""
     return services.path_player.cancel()
