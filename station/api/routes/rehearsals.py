@@ -3,7 +3,7 @@
 from fastapi import APIRouter
 
 from station.api.auth import Role
-from station.api.dependencies import RoleDep, ServicesDep, Viewer
+from station.api.dependencies import AccessDep, ServicesDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import change
 from station.rehearsal.planning import Wish
@@ -13,9 +13,9 @@ from station.wire.rehearsal import PlanRequest, RehearsalRequest
 router = APIRouter(tags=["rehearsals"], dependencies=[Viewer], route_class=JsonRoute)
 
 
-@router.post("/rehearse", **change(413, 422, 503))
+@router.post("/rehearse", **change(413, 422, 429, 503))
 def rehearse(
-    request: RehearsalRequest, services: ServicesDep, role: RoleDep
+    request: RehearsalRequest, services: ServicesDep, access: AccessDep
 ) -> Rehearsal:
     """Forecast the end of commands without moving anything.
 
@@ -29,18 +29,18 @@ def rehearse(
         steps,
         request.seconds,
         certify=request.certificate,
-        is_agent=role is Role.AGENT,
+        is_agent=access.role is Role.AGENT,
+        who=access.name,
     )
 
 
-@router.post("/plan", **change(404, 409, 413, 422, 503))
-def plan(request: PlanRequest, services: ServicesDep) -> Plan:
+@router.post("/plan", **change(404, 409, 413, 422, 429, 503))
+def plan(request: PlanRequest, services: ServicesDep, access: AccessDep) -> Plan:
     """Return a goal that leads to a pose and touches nothing; nothing moves.
 
     The path keeps 5 mm from everything, is timed within the limits, and was rehearsed.
     Without a path the answer says why: which bodies would touch in the pose, which
     joint would leave its range, or that the time was over.
     """
-    return services.rehearsals.plan(
-        Wish(request.controller, request.positions, request.timeout, request.seed)
-    )
+    wish = Wish(request.controller, request.positions, request.timeout, request.seed)
+    return services.rehearsals.plan(wish, access.name)
