@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Literal
 
 from station.cli.connection import locate, open_client
 from station.cli.errors import UsageError
-from station.cli.output import say, say_model, say_models, say_table
+from station.cli.output import answer, answer_table, say
 from station.core.installation import MissingExtraError
 
 if TYPE_CHECKING:
@@ -49,18 +49,13 @@ def agents(options: Namespace) -> int:
     with open_client(options) as client:
         if options.action != "list":
             answered = client.agents.answer(options.number, VERDICTS[options.action])
-            say_model(answered) if options.json else say(f"It is {answered.verdict}.")
-            return 0
+            return answer(options, answered, f"It is {answered.verdict}.")
         found = client.agents.requests()
-        if options.json:
-            say_models(found)
-        else:
-            rows = [
-                (r.number, r.agent, r.operation, r.target, r.verdict or "waits")
-                for r in found
-            ]
-            say_table(("number", "agent", "operation", "target", "verdict"), rows)
-    return 0
+    rows = [
+        (r.number, r.agent, r.operation, r.target, r.verdict or "waits") for r in found
+    ]
+    headers = ("number", "agent", "operation", "target", "verdict")
+    return answer_table(options, found, headers, rows)
 
 
 def add_mcp(parser: "Parser") -> None:
@@ -100,11 +95,9 @@ async def _replay(url: str, token: str, options: Namespace) -> int:
     from station.mcp.server import replay
 
     refused = 0
-    async for tool, is_refused, answer in replay(
-        url, token, options.ca, options.replay
-    ):
+    async for tool, is_refused, told in replay(url, token, options.ca, options.replay):
         refused += is_refused
-        say(f"{tool}: {answer}")
+        say(f"{tool}: {told}")
     return 1 if refused else 0
 
 

@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING
 
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
-from station.cli.output import say, say_model, say_models, say_table
+from station.cli.output import answer_table, say, say_json, say_table
+from station.cli.verbs.gains import answer_change
 
 if TYPE_CHECKING:
     from station.cli.parser import Parser
@@ -84,7 +85,7 @@ def bench(options: Namespace) -> int:
         if options.action == "apply":
             return _apply(client, found, options)
     if options.json:
-        say_model(found)
+        say_json(found)
     else:
         _tell(found)
     return 0
@@ -153,14 +154,9 @@ def _measure(client: "StationClient", options: Namespace) -> "BenchResponse":
 
 def _list(client: "StationClient", options: Namespace) -> int:
     runs = client.bench_runs.list()
-    if options.json:
-        say_models(runs)
-    elif runs:
-        rows = [[r.name, r.kind, r.joint, r.controller, r.created_at] for r in runs]
-        say_table(["run", "kind", "joint", "controller", "measured"], rows)
-    else:
-        say("No run is kept.")
-    return 0
+    rows = [[r.name, r.kind, r.joint, r.controller, r.created_at] for r in runs]
+    headers = ["run", "kind", "joint", "controller", "measured"]
+    return answer_table(options, runs, headers, rows, "No run is kept.")
 
 
 def _tell(run: "BenchResponse") -> None:
@@ -192,17 +188,7 @@ def _apply(client: "StationClient", run: "BenchResponse", options: Namespace) ->
             if rules
             else "Only a relay test with --relay-gain proposes gains.",
         )
-    change = client.set_gains(run.controller, rules[options.rule].gains)
-    if options.json:
-        say_model(change)
-        return 0
-    say_table(
-        ["gain", "before", "now"],
-        [
-            [name, f"{change.previous[name]:g}", f"{change.values[name]:g}"]
-            for name in rules[options.rule].gains
-        ],
-    )
-    for note in filter(None, (rules[options.rule].note, *change.notes)):
-        say(f"Note: {note}")
-    return 0
+    rule = rules[options.rule]
+    change = client.set_gains(run.controller, rule.gains)
+    notes = filter(None, (rule.note, *change.notes))
+    return answer_change(options, change, rule.gains, notes)

@@ -1,11 +1,10 @@
 """Verb `doctor`: check this machine, or examine the description of a robot."""
 
 from argparse import Namespace
-from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from station.cli.machine_checks import CHECKS
-from station.cli.output import say, say_json, say_progress, say_table
+from station.cli.output import answer_table, say, say_progress
 from station.cli.parser import ROBOT, add_base
 
 if TYPE_CHECKING:
@@ -25,16 +24,11 @@ def doctor(options: Namespace) -> int:
     if options.robot is not None:
         return _examine(options)
     findings = [check() for check in CHECKS]
-    if options.json:
-        say_json([asdict(finding) for finding in findings])
-    else:
-        say_table(
-            ["check", "state", "finding"],
-            [[f.check, f.state, f.finding] for f in findings],
-        )
-        for finding in findings:
-            if finding.advice:
-                say(f"{finding.check}: {finding.advice}")
+    rows = [[f.check, f.state, f.finding] for f in findings]
+    answer_table(options, findings, ["check", "state", "finding"], rows)
+    for finding in () if options.json else findings:
+        if finding.advice:
+            say(f"{finding.check}: {finding.advice}")
     return int(any(finding.state == "problem" for finding in findings))
 
 
@@ -49,13 +43,7 @@ def _examine(options: Namespace) -> int:
 
     fetch_what_is_missing({"robot_description": options.robot}, say_progress)
     repairs = examine_robot(options.robot, options.base)
-    if options.json:
-        say_json([asdict(repair) for repair in repairs])
-    elif repairs:
-        say_table(
-            ["element", "what is wrong", "was", "now"],
-            [[r.element, r.problem, r.old or "-", r.new] for r in repairs],
-        )
-    else:
-        say("This robot is simulated as it is described.")
-    return 0
+    headers = ["element", "what is wrong", "was", "now"]
+    rows = [[r.element, r.problem, r.old or "-", r.new] for r in repairs]
+    nothing = "This robot is simulated as it is described."
+    return answer_table(options, repairs, headers, rows, nothing)

@@ -8,14 +8,10 @@ from typing import TYPE_CHECKING
 
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
-from station.cli.output import say, say_json, say_progress, say_table
+from station.cli.output import answer, say, say_json, say_progress, say_table
+from station.cli.parser import read_number
 from station.cli.verbs.experiment_results import METRIC, say_summary
-from station.cli.verbs.identification import (
-    add_setup,
-    load_setup,
-    read_number,
-    read_parameters,
-)
+from station.cli.verbs.identification import add_setup, load_setup, read_parameters
 from station.core.errors import show
 
 if TYPE_CHECKING:
@@ -35,6 +31,7 @@ if TYPE_CHECKING:
     )
 
 INTERRUPTED = 130
+_FIGURES = ("median", "p5", "p95", "worst")
 
 
 def add_sweep(parser: "Parser") -> None:
@@ -211,12 +208,12 @@ def _start(options: Namespace, request: "ExperimentRequest") -> int:
             )
     with open_client(options) as client:
         found = client.experiments.start(request)
-    if options.json:
-        say_json(found.model_dump())
-    else:
-        say(f"The station runs {found.name}. `station experiments watch {found.name}`")
-        say(f"shows how far it is, `station experiments cancel {found.name}` ends it.")
-    return 0
+    return answer(
+        options,
+        found,
+        f"The station runs {found.name}. `station experiments watch {found.name}`",
+        f"shows how far it is, `station experiments cancel {found.name}` ends it.",
+    )
 
 
 def _request(options: Namespace, kind: "ExperimentKind") -> "ExperimentRequest":
@@ -432,13 +429,7 @@ def _tell(results: "Results", progress: "Progress", options: Namespace) -> int:
             "repeated": progress.repeated,
             "refused": progress.refused,
             "metrics": {
-                d.metric: {
-                    "median": d.median,
-                    "p5": d.p5,
-                    "p95": d.p95,
-                    "worst": d.worst,
-                }
-                for d in found
+                d.metric: {key: getattr(d, key) for key in _FIGURES} for d in found
             },
         })
     else:

@@ -4,8 +4,8 @@ from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from station.cli.errors import UsageError
 from station.cli.output import say, say_json, say_table
+from station.cli.parser import read_number
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -124,22 +124,6 @@ def identify(options: Namespace) -> int:
     say_table(["parameter", "value", "95 %", "unit"], rows)
     say(f"{found.samples} samples; {found.residual:.3g} Nm or N are not explained.")
     return 0
-
-
-def read_number(word: str) -> tuple[str, float]:
-    """Return name and value of `NAME=VALUE`.
-
-    Raises:
-        UsageError: The text has another form.
-    """
-    name, equals, text = word.rpartition("=")
-    try:
-        return name, float(text if equals and name else "no number")
-    except ValueError as error:
-        raise UsageError(
-            f"{word!r} is not NAME=VALUE with a number.",
-            remedy="Write it like load=1.5.",
-        ) from error
 
 
 def _excite(options: Namespace) -> "Trace":

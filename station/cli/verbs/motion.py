@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from station.app.watchdog_client import stop_through_watchdog
 from station.cli.connection import locate, open_client
 from station.cli.errors import UsageError
-from station.cli.output import say, say_json, say_model
+from station.cli.output import answer
 from station.cli.verbs.switching import stop_running
 from station.local.station_locator import watchdog_of
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from station.cli.parser import Parser
     from station.client import StationClient
     from station.client.robots import Restart
-    from station.wire import ArmReport, Recoveries, Recovery, StopState
+    from station.wire import ArmReport, Recoveries, Recovery
 
 
 STOP_TIME = 0.5
@@ -68,11 +68,8 @@ def command(options: Namespace) -> int:
     """Send a controller a set-point."""
     with open_client(options) as client:
         accepted = client.command(options.controller, options.values)
-    if options.json:
-        say_model(accepted)
-    else:
-        say(f"{options.controller} took the set-point (epoch {accepted.epoch}).")
-    return 0
+    line = f"{options.controller} took the set-point (epoch {accepted.epoch})."
+    return answer(options, accepted, line)
 
 
 def goto(options: Namespace) -> int:
@@ -104,11 +101,9 @@ def goto(options: Namespace) -> int:
         except KeyboardInterrupt:
             handle.cancel()
             raise
-    if options.json:
-        say_model(goal)
-    else:
-        why = goal.result.message if goal.result else ""
-        say(f"{handle.controller}: the goal {goal.status}. {why}".rstrip())
+    why = goal.result.message if goal.result else ""
+    line = f"{handle.controller}: the goal {goal.status}. {why}"
+    answer(options, goal, line.rstrip())
     return 0 if goal.status == "succeeded" else 1
 
 
@@ -134,7 +129,7 @@ def stop(options: Namespace) -> int:
             client.timeout = STOP_TIME
         if options.names and _are_loaded(client, options.names):
             client.timeout = patience
-            return stop_running(client, options.names, as_json=options.json)
+            return stop_running(client, options)
         try:
             state = client.stop(reason)
         except StationUnreachableError:
@@ -142,17 +137,11 @@ def stop(options: Namespace) -> int:
                 raise
         else:
             if not (state.pending and watchdog_url and token):
-                return _tell(state, as_json=options.json)
-    return _stop_through_watchdog(watchdog_url, token, reason, as_json=options.json)
-
-
-def _stop_through_watchdog(url: str, token: str, reason: str, *, as_json: bool) -> int:
-    stopped = stop_through_watchdog(url, token, reason)
-    if as_json:
-        say_json({"state": "stopped", "pending": not stopped.carried_out})
-    else:
-        say(f"The robot is stopped, through the watchdog. {stopped.detail}")
-    return 0
+                return answer(options, state, _MEANING[state.state])
+    stopped = stop_through_watchdog(watchdog_url, token, reason)
+    found = {"state": "stopped", "pending": not stopped.carried_out}
+    line = f"The robot is stopped, through the watchdog. {stopped.detail}"
+    return answer(options, found, line)
 
 
 def _are_loaded(client: "StationClient", names: list[str]) -> bool:
@@ -169,7 +158,7 @@ def release(options: Namespace) -> int:
     """Release a stop, in two steps."""
     with open_client(options) as client:
         state = client.release_stop(arm=options.arm)
-    return _tell(state, as_json=options.json)
+    return answer(options, state, _MEANING[state.state])
 
 
 def recover(options: Namespace) -> int:
@@ -183,15 +172,12 @@ def recover(options: Namespace) -> int:
         else:
             recovered = client.recover_all(restart)
             arms = recovered.robots
-    if options.json:
-        say_model(recovered)
-        return 0
+    lines = []
     for arm in arms:
-        say(f"{arm.arm_id} is {arm.robot_mode}.")
-        if arm.caution:
-            say(f"Caution: {arm.caution}")
-    say(f"Started again: {', '.join(recovered.restarted) or 'nothing'}.")
-    return 0
+        lines.append(f"{arm.arm_id} is {arm.robot_mode}.")
+        lines += [f"Caution: {arm.caution}"] if arm.caution else []
+    started = ", ".join(recovered.restarted) or "nothing"
+    return answer(options, recovered, *lines, f"Started again: {started}.")
 
 
 _MEANING = {
@@ -200,11 +186,3 @@ _MEANING = {
     "`station release --arm`.",
     "armed": "Motion is possible. Nothing resumes by itself: start a controller.",
 }
-
-
-def _tell(state: "StopState", *, as_json: bool) -> int:
-    if as_json:
-        say_model(state)
-    else:
-        say(_MEANING[state.state])
-    return 0

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
-from station.cli.output import say, say_model
+from station.cli.output import say, say_json
 
 if TYPE_CHECKING:
     from pydantic import JsonValue
@@ -55,7 +55,7 @@ def rehearse(options: Namespace) -> int:
             certificate=options.certificate,
         )
     if options.json:
-        say_model(told)
+        say_json(told)
     else:
         _tell(told)
     return 0 if told.outcome == "completed" else 1

@@ -8,7 +8,7 @@ from argparse import ArgumentTypeError, Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from station.cli.output import say, say_json, say_progress
+from station.cli.output import answer, say_now, say_now_json, say_progress
 from station.cli.parser import ROBOT, add_base
 from station.cli.verbs.fci_check import CHECK, add_check, check
 
@@ -250,24 +250,19 @@ def _leave(code: int) -> int:
 
 
 def _tell(announcement: "Announcement") -> None:
-    for line in announcement.lines():
-        say(line)
-    sys.stdout.flush()
+    say_now("\n".join(announcement.lines()))
 
 
 def _tell_dashboard(announcement: "Announcement") -> None:
-    say(announcement.dashboard_line())
-    sys.stdout.flush()
+    say_now(announcement.dashboard_line())
 
 
 def _tell_json(announcement: "Announcement") -> None:
-    say_json(announcement.as_json())
-    sys.stdout.flush()
+    say_now_json(announcement.as_json())
 
 
 def _tell_dashboard_json(announcement: "Announcement") -> None:
-    say_json({"ui_ready": announcement.ui_url})
-    sys.stdout.flush()
+    say_now_json({"ui_ready": announcement.ui_url})
 
 
 def _warn(line: str) -> None:
@@ -291,21 +286,15 @@ def fci(options: Namespace) -> int:
     config = load_config(options.config, controller_files=[], flags={})
     fetch_what_is_missing(config.robot_parameters(), say_progress)
     settings = FciSettings(options.host, options.patience)
-    tell = _tell_line_json if options.json else _tell_line
+    tell = _tell_line_json if options.json else say_now
     version, desk = options.version, options.desk
     run = FciRun(config, settings, version, desk_port=desk, tell=tell, warn=_warn)
     run.run()
     return 0
 
 
-def _tell_line(line: str) -> None:
-    say(line)
-    sys.stdout.flush()
-
-
 def _tell_line_json(line: str) -> None:
-    say_json({"message": line})
-    sys.stdout.flush()
+    say_now_json({"message": line})
 
 
 def fetch_robot(options: Namespace) -> int:
@@ -313,8 +302,4 @@ def fetch_robot(options: Namespace) -> int:
     from station.app.panda_fetch import fetch_panda
 
     directory = fetch_panda(say_progress)
-    if options.json:
-        say_json({"directory": str(directory)})
-    else:
-        say(str(directory))
-    return 0
+    return answer(options, {"directory": str(directory)}, str(directory))

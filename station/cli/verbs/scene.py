@@ -4,7 +4,7 @@ from argparse import ArgumentTypeError, Namespace
 from typing import TYPE_CHECKING
 
 from station.cli.connection import open_client
-from station.cli.output import say, say_model
+from station.cli.output import answer, say
 
 if TYPE_CHECKING:
     from station.cli.parser import Parser
@@ -54,19 +54,13 @@ def scene(options: Namespace) -> int:
     with open_client(options) as client:
         if options.action == "put":
             found = client.put_object(options.name, **dict(options.values))
-            if options.json:
-                say_model(found)
-            else:
-                say(f"'{found.name}' is a {found.type} with the role {found.role}.")
-            return 0
+            line = f"'{found.name}' is a {found.type} with the role {found.role}."
+            return answer(options, found, line)
         if options.action == "remove":
             client.remove_object(options.name)
         for one in client.scene():
-            if options.json:
-                say_model(one)
-            else:
-                at = ", ".join(f"{value or 0.0:.3f}" for value in one.position)
-                say(f"{one.name}: {one.type}, {one.role}, at {at} m")
+            at = ", ".join(f"{value or 0.0:.3f}" for value in one.position)
+            answer(options, one, f"{one.name}: {one.type}, {one.role}, at {at} m")
         for pair in () if options.json else client.clearances():
             say(
                 f"{pair.arm}: {pair.link} is {1000.0 * pair.distance:.0f} mm from "

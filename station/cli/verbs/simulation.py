@@ -4,7 +4,7 @@ from argparse import ArgumentTypeError, Namespace
 from typing import TYPE_CHECKING
 
 from station.cli.connection import open_client
-from station.cli.output import say, say_model
+from station.cli.output import answer
 
 if TYPE_CHECKING:
     from station.cli.parser import Parser
@@ -46,34 +46,29 @@ def _joint_position(text: str) -> tuple[str, float]:
 def pause(options: Namespace) -> int:
     """Let simulated time stand still."""
     with open_client(options) as client:
-        return _tell(client.simulation.pause(), as_json=options.json)
+        return _tell(client.simulation.pause(), options)
 
 
 def resume(options: Namespace) -> int:
     """Let simulated time pass again."""
     with open_client(options) as client:
-        return _tell(client.simulation.resume(), as_json=options.json)
+        return _tell(client.simulation.resume(), options)
 
 
 def step(options: Namespace) -> int:
     """Run some cycles of a paused simulation."""
     with open_client(options) as client:
-        return _tell(client.simulation.step(options.n), as_json=options.json)
+        return _tell(client.simulation.step(options.n), options)
 
 
 def reset(options: Namespace) -> int:
     """Put the simulated world back to its start."""
     with open_client(options) as client:
         state = client.simulation.reset(dict(options.positions), options.keyframe)
-        return _tell(state, as_json=options.json)
+        return _tell(state, options)
 
 
-def _tell(state: "Simulation", *, as_json: bool) -> int:
-    if as_json:
-        say_model(state)
-    elif state.paused:
-        say(f"Paused; {state.time:.3f} s simulated.")
-    else:
-        factor = state.real_time_factor
-        say(f"Running at {factor:g} times real time; {state.time:.3f} s simulated.")
-    return 0
+def _tell(state: "Simulation", options: Namespace) -> int:
+    pace = f"Running at {state.real_time_factor:g} times real time"
+    how = "Paused" if state.paused else pace
+    return answer(options, state, f"{how}; {state.time:.3f} s simulated.")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
-from station.cli.output import say, say_model
+from station.cli.output import say, say_json
 
 if TYPE_CHECKING:
     from station.cli.parser import Parser
@@ -56,7 +56,7 @@ def echo(options: Namespace) -> int:
     ):
         for frame in itertools.islice(stream, options.count):
             if options.json:
-                say_model(frame)
+                say_json(frame)
             else:
                 _show_frame(frame)
             sys.stdout.flush()
@@ -144,7 +144,7 @@ def _is_wanted(event: "Event", options: Namespace) -> bool:
 
 def _show_event(event: "Event", *, as_json: bool) -> None:
     if as_json:
-        say_model(event)
+        say_json(event)
     else:
         when = datetime.fromtimestamp(event.time).astimezone()
         by = " ".join(filter(None, (event.who, event.where and f"({event.where})")))

@@ -4,7 +4,7 @@ from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from station.cli.output import say_json, say_progress, say_table
+from station.cli.output import answer_table, say_progress
 from station.cli.parser import add_base
 
 if TYPE_CHECKING:
@@ -48,14 +48,8 @@ def validate(options: Namespace) -> int:
     card = check_robot(setup, config.name)
     if options.page is not None:
         options.page.write_text(card.to_html(), encoding="utf-8")
-    if options.json:
-        say_json([
-            {"name": c.name, "outcome": c.outcome, "detail": c.detail}
-            for c in card.checks
-        ])
-    else:
-        rows = [[check.name, check.outcome, check.detail] for check in card.checks]
-        say_table(["check", "outcome", "what was seen"], rows)
+    rows = [[check.name, check.outcome, check.detail] for check in card.checks]
+    answer_table(options, card.checks, ["check", "outcome", "what was seen"], rows)
     return 0 if card.is_good else 1
 
 
