@@ -7,21 +7,13 @@ from fastapi import APIRouter, Depends, Path, Query
 from starlette.requests import Request
 from starlette.responses import FileResponse, StreamingResponse
 
+from station import wire
 from station.api.audit import origin_of
 from station.api.dependencies import ServicesDep, StationDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import change, problems
 from station.core.errors import RecordingRefusedError
 from station.records.record_store import RECORDING, RecordingInfo, RecordStore
-from station.wire import (
-    NoteRequest,
-    RecordedEvent,
-    RecordedEvents,
-    Recording,
-    RecordingRequest,
-    Recordings,
-    Trajectory,
-)
 from station.wire.protocol import PREFIX
 from station.wire.recordings import RecordingId
 
@@ -128,52 +120,52 @@ router = APIRouter(tags=["recordings"], dependencies=[Viewer], route_class=JsonR
 
 
 @router.get("/recordings", responses=problems(409))
-def list_recordings(recorder: RecorderDep) -> Recordings:
+def list_recordings(recorder: RecorderDep) -> wire.Recordings:
     """List the recordings, the oldest first."""
-    return Recordings.model_validate({"recordings": recorder.infos()})
+    return wire.Recordings.model_validate({"recordings": recorder.infos()})
 
 
 @router.post("/recordings", status_code=201, **change(409, 413, 422))
 def start_recording(
-    recorder: RecorderDep, request: RecordingRequest | None = None
-) -> Recording:
+    recorder: RecorderDep, request: wire.RecordingRequest | None = None
+) -> wire.Recording:
     """Begin to record every cycle; one recording runs at a time."""
-    asked = request or RecordingRequest()
-    return Recording.model_validate(recorder.start(asked.name, asked.note))
+    asked = request or wire.RecordingRequest()
+    return wire.Recording.model_validate(recorder.start(asked.name, asked.note))
 
 
 @router.get("/recordings/{identifier}", responses=problems(404, 409, 422))
-def get_recording(identifier: Id, recorder: RecorderDep) -> Recording:
+def get_recording(identifier: Id, recorder: RecorderDep) -> wire.Recording:
     """Return the description of a recording, finished or running."""
-    return Recording.model_validate(recorder.info(identifier))
+    return wire.Recording.model_validate(recorder.info(identifier))
 
 
 @router.post("/recordings/{identifier}/stop", **change(404, 409, 422))
-def stop_recording(identifier: Id, recorder: RecorderDep) -> Recording:
+def stop_recording(identifier: Id, recorder: RecorderDep) -> wire.Recording:
     """End a recording; its file is whole when the answer comes."""
-    return Recording.model_validate(recorder.stop(identifier))
+    return wire.Recording.model_validate(recorder.stop(identifier))
 
 
 @router.delete("/recordings/{identifier}", **change(404, 409, 422))
-def delete_recording(identifier: Id, recorder: RecorderDep) -> Recording:
+def delete_recording(identifier: Id, recorder: RecorderDep) -> wire.Recording:
     """Delete a recording that does not run; return its description."""
-    return Recording.model_validate(recorder.store.delete(identifier))
+    return wire.Recording.model_validate(recorder.store.delete(identifier))
 
 
 @router.get("/incidents", responses=problems(409))
-def list_incidents(store: StoreDep) -> Recordings:
+def list_incidents(store: StoreDep) -> wire.Recordings:
     """List the incidents, the oldest first.
 
     The ten seconds before and the two after every stop, reflex, burst of overruns and
     fault of a controller; the oldest incidents make room for new ones.
     """
-    return Recordings.model_validate({"recordings": store.infos()})
+    return wire.Recordings.model_validate({"recordings": store.infos()})
 
 
 @router.get("/incidents/{identifier}", responses=problems(404, 409, 422))
-def get_incident(identifier: Id, store: StoreDep) -> Recording:
+def get_incident(identifier: Id, store: StoreDep) -> wire.Recording:
     """Return the description of an incident."""
-    return Recording.model_validate(store.info(identifier))
+    return wire.Recording.model_validate(store.info(identifier))
 
 
 def both(
@@ -264,14 +256,16 @@ def get_table(
 @both(
     router, "GET", "trajectory", "get_{}_trajectory", responses=problems(404, 409, 422)
 )
-def get_trajectory(identifier: Id, store: StoreDep, rate: Rate = 30.0) -> Trajectory:
+def get_trajectory(
+    identifier: Id, store: StoreDep, rate: Rate = 30.0
+) -> wire.Trajectory:
     """Return the joint positions of a recording or an incident that has ended."""
     # Imported late: an application without a recorder needs no reader of MCAP.
     from station.records.recording_reader import read_trajectory
 
     info = ended(store, identifier)
     found = read_trajectory(store.file(info.identifier)).decimated(rate)
-    return Trajectory.model_validate({
+    return wire.Trajectory.model_validate({
         "name": list(found.names),
         "cycle": found.cycle.tolist(),
         "time": found.time.tolist(),
@@ -280,13 +274,13 @@ def get_trajectory(identifier: Id, store: StoreDep, rate: Rate = 30.0) -> Trajec
 
 
 @both(router, "GET", "events", "get_{}_events", responses=problems(404, 409, 422))
-def get_events(identifier: Id, store: StoreDep) -> RecordedEvents:
+def get_events(identifier: Id, store: StoreDep) -> wire.RecordedEvents:
     """Return the events of a recording or an incident that has ended, with notes."""
     # Imported late, as in `get_trajectory`.
     from station.records.recording_events import read_events
 
     found = read_events(store.file(ended(store, identifier).identifier))
-    return RecordedEvents.model_validate({"events": found})
+    return wire.RecordedEvents.model_validate({"events": found})
 
 
 @both(
@@ -299,11 +293,11 @@ def get_events(identifier: Id, store: StoreDep) -> RecordedEvents:
 )
 def add_note(
     identifier: Id,
-    note: NoteRequest,
+    note: wire.NoteRequest,
     request: Request,
     recorder: RecorderDep,
     store: StoreDep,
-) -> RecordedEvent:
+) -> wire.RecordedEvent:
     """Write a note into a recording or an incident; it becomes an event."""
     found = recorder.add_note(
         store,
@@ -313,7 +307,7 @@ def add_note(
         until=note.until,
         who=origin_of(request).who,
     )
-    return RecordedEvent.model_validate(found)
+    return wire.RecordedEvent.model_validate(found)
 
 
 def ended(store: RecordStore, identifier: str) -> RecordingInfo:

@@ -1,13 +1,20 @@
-"""Rehearsals: what a command would do, tried in a copy of the station."""
+"""Rehearsals: what a command would do, and commands as they were rehearsed."""
 
-from fastapi import APIRouter
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Query, Response
 
 from station.api.auth import Role
 from station.api.dependencies import AccessDep, ServicesDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import change
+from station.core.ports.receipt import Receipt
 from station.rehearsal.planning import Wish
+from station.rehearsal.rehearsals import Policy
 from station.reports import Plan, Rehearsal
+from station.wire.protocol import REHEARSAL_HEADER
 from station.wire.rehearsal import PlanRequest, RehearsalRequest
 
 router = APIRouter(tags=["rehearsals"], dependencies=[Viewer], route_class=JsonRoute)
@@ -44,3 +51,48 @@ def plan(request: PlanRequest, services: ServicesDep, access: AccessDep) -> Plan
     """
     wish = Wish(request.controller, request.positions, request.timeout, request.seed)
     return services.rehearsals.plan(wish, access.name)
+
+
+class ByRehearsal:
+    """Gives commands as the caller's policy and certificate want it. One request."""
+
+    def __init__(
+        self,
+        response: Response,
+        services: ServicesDep,
+        access: AccessDep,
+        certificate: Annotated[
+            str | None,
+            Query(
+                max_length=64,
+                examples=["9E5_mt3oyZPBL6Vy"],
+                description="The certificate of a rehearsal of this command: it is "
+                "refused if something that matters has changed since, and stopped if "
+                "the robot leaves the rehearsed motion.",
+            ),
+        ] = None,
+    ) -> None:
+        self._response = response
+        self._rehearsals = services.rehearsals
+        self._is_agent = access.role is Role.AGENT
+        self._certificate = certificate
+
+    @contextmanager
+    def giving(self, kind: str, **command: object) -> Iterator[Receipt | None]:
+        """Give a command in the body of a `with`, which must not wait for the robot.
+
+        Args:
+            kind: Its kind, as a step of a rehearsal.
+            command: Its arguments, as those of the step.
+        """
+        rehearsals, step = self._rehearsals, {"kind": kind, **command}
+        with rehearsals.redeemed(self._certificate, step) as receipt:
+            if kind != "switch":
+                rehearsals.check(is_agent=self._is_agent)
+            policy = rehearsals.rules.policy_of(is_agent=self._is_agent)
+            if policy is Policy.ADVISE and self._certificate is None:
+                self._response.headers[REHEARSAL_HEADER] = "advised"
+            yield receipt
+
+
+ByRehearsalDep = Annotated[ByRehearsal, Depends()]
