@@ -19,7 +19,7 @@ from station.ui.page.page_state import BarState, bar_state
 from station.ui.page.view_routes import ShownViews
 from station.ui.scene.layers.layer import PlacedRobot, SceneFacts
 from station.ui.scene.layers.push_layer import Pusher, Pushing
-from station.ui.scene.layers.trail_layer import Trails
+from station.ui.scene.layers.robot_layers import Trails
 from station.ui.scene.robot_model import RobotModel, RobotModelError, base_positions
 from station.ui.scene.robot_scene import RobotScene, prepare_room
 from station.ui.scene.scene_objects import SceneObjects

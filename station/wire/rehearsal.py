@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from station.wire.base import ControllerName, FileName, ParameterValues, RequestModel
-from station.wire.waypoint_paths import PlayRequest
+from station.wire.library import PlayRequest
 
 _Seconds = Annotated[float, Field(ge=0.0, le=60.0, allow_inf_nan=False)]
 _Numbers = list[Annotated[float, Field(allow_inf_nan=False)]]

@@ -67,7 +67,7 @@ simulation resume: let simulated time pass again
 simulation step: run some cycles while paused
 simulation reset: put the simulated world back to its start; running controllers start
     anew
-scene scene: list, put or remove the objects that arms keep clear of
+simulation scene: list, put or remove the objects that arms keep clear of
 records record: record every cycle; list, fetch, delete and run recordings again
 records incidents: list or fetch what was kept of stops, reflexes, overruns and faults
 records recover_file: mend a recording whose end is missing, or that has damaged bytes
@@ -81,7 +81,7 @@ experiments sweep: run a trial for each of many values of parameters
 experiments robustness: run trials under chance loads, friction and delays
 experiments tune: search for better gains with CMA-ES
 identification identify: fit friction and inertia of a joint to a motion
-validate validate: check a robot and its controllers; exit code 1 when a check fails
+doctor validate: check a robot and its controllers; exit code 1 when a check fails
 experiment_results experiments: look at, watch, cancel, draw, compare, replay, export
     and apply experiments
 """
