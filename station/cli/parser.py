@@ -3,6 +3,7 @@
 import argparse
 import importlib
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from typing_extensions import override
@@ -97,6 +98,24 @@ def read_number(word: str, example: str = "load=1.5") -> tuple[str, float]:
             f"{word!r} is not NAME=VALUE with a number.",
             remedy=f"Write it like {example}.",
         ) from error
+
+
+def add_controllers(parser: Parser, text: str) -> None:
+    """Add the option `--controllers` with files of parameters.
+
+    Args:
+        parser: Parser of the verb.
+        text: Help.
+    """
+    parser.add_argument(
+        "--controllers",
+        nargs="+",
+        action="extend",
+        default=[],
+        type=Path,
+        metavar="ROS_PARAMS.yaml",
+        help=text,
+    )
 
 
 def add_base(parser: Parser) -> None:

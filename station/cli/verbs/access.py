@@ -20,28 +20,20 @@ LOOK_PERIOD = 0.2
 
 def add_control(parser: "Parser") -> None:
     """Add the arguments of `control`."""
-    parser.add_argument(
-        "action", nargs="?", choices=("show", "take", "release"), default="show"
-    )
-    parser.add_argument("--owner", metavar="NAME", help="name that others are told")
-    parser.add_argument(
-        "--ttl", type=float, default=10.0, metavar="S", help="longest silence [s]"
-    )
-    parser.add_argument(
-        "--force", action="store_true", help="take it from whoever holds it"
-    )
+    add = parser.add_argument
+    add("action", nargs="?", choices=("show", "take", "release"), default="show")
+    add("--owner", metavar="NAME", help="name that others are told")
+    add("--ttl", type=float, default=10.0, metavar="S", help="longest silence [s]")
+    add("--force", action="store_true", help="take it from whoever holds it")
 
 
 def add_token(parser: "Parser") -> None:
     """Add the arguments of `token`."""
-    parser.add_argument("action", choices=("create", "list", "revoke"))
-    parser.add_argument("name", nargs="?", metavar="NAME", help="whose token")
-    parser.add_argument(
-        "--role", choices=("operator", "viewer", "agent"), default="operator"
-    )
-    parser.add_argument(
-        "--expires", type=float, metavar="S", help="how long it is valid [s]"
-    )
+    add = parser.add_argument
+    add("action", choices=("create", "list", "revoke"))
+    add("name", nargs="?", metavar="NAME", help="whose token")
+    add("--role", choices=("operator", "viewer", "agent"), default="operator")
+    add("--expires", type=float, metavar="S", help="how long it is valid [s]")
 
 
 def control(options: Namespace) -> int:

@@ -30,10 +30,9 @@ VERDICTS: "Mapping[str, Verdict]" = {
 
 def add_agents(parser: "Parser") -> None:
     """Add the arguments of `agents`."""
-    parser.add_argument(
-        "action", nargs="?", choices=("list", *VERDICTS), default="list"
-    )
-    parser.add_argument("number", nargs="?", metavar="NUMBER", help="which request")
+    add = parser.add_argument
+    add("action", nargs="?", choices=("list", *VERDICTS), default="list")
+    add("number", nargs="?", metavar="NUMBER", help="which request")
 
 
 def agents(options: Namespace) -> int:
@@ -60,13 +59,10 @@ def agents(options: Namespace) -> int:
 
 def add_mcp(parser: "Parser") -> None:
     """Add the arguments of `mcp`."""
-    parser.add_argument(
-        "--name", metavar="NAME", help="name of the agent, for people and events"
-    )
-    parser.add_argument(
-        "--journal", metavar="FILE", type=Path, help="write every call to this file"
-    )
-    parser.add_argument(
+    add = parser.add_argument
+    add("--name", metavar="NAME", help="name of the agent, for people and events")
+    add("--journal", metavar="FILE", type=Path, help="write every call to this file")
+    add(
         "--replay",
         metavar="FILE",
         type=Path,

@@ -24,15 +24,12 @@ if TYPE_CHECKING:
 
 def add_load_controller(parser: "Parser") -> None:
     """Add the arguments of `load_controller`."""
-    parser.add_argument("name")
+    add = parser.add_argument
+    add("name")
     source = "ROS parameter file with its parameters; else the station's configuration"
-    parser.add_argument(
-        "param_file", nargs="?", type=Path, metavar="PARAM_FILE", help=source
-    )
-    parser.add_argument("--type", help="its type, when no parameters say it")
-    parser.add_argument(
-        "--load-timeout", type=float, metavar="S", help="longest init [s]"
-    )
+    add("param_file", nargs="?", type=Path, metavar="PARAM_FILE", help=source)
+    add("--type", help="its type, when no parameters say it")
+    add("--load-timeout", type=float, metavar="S", help="longest init [s]")
 
 
 def add_unload_controller(parser: "Parser") -> None:
@@ -49,12 +46,9 @@ def add_reload_controller_libraries(parser: "Parser") -> None:
 
 def add_list_controllers(parser: "Parser") -> None:
     """Add the arguments of `list_controllers`."""
-    parser.add_argument(
-        "--claimed-interfaces", action="store_true", help="what each claims"
-    )
-    parser.add_argument(
-        "-v", "--verbose", action="store_true", help="claims, loop time and faults"
-    )
+    add = parser.add_argument
+    add("--claimed-interfaces", action="store_true", help="what each claims")
+    add("-v", "--verbose", action="store_true", help="claims, loop time and faults")
 
 
 def add_list_controller_types(parser: "Parser") -> None:

@@ -56,13 +56,14 @@ CONFIGURATIONS = frozenset({".yaml", ".yml"})
 
 def add_validate(parser: "Parser") -> None:
     """Add the arguments of `validate`."""
-    parser.add_argument(
+    add = parser.add_argument
+    add(
         "robot",
         metavar="ROBOT",
         help="example-robot-data:NAME, a URDF, or the configuration of a station",
     )
     add_base(parser)
-    parser.add_argument(
+    add(
         "controllers",
         nargs="*",
         default=[],
@@ -70,9 +71,7 @@ def add_validate(parser: "Parser") -> None:
         metavar="ROS_PARAMS.yaml",
         help="parameter files written for ROS",
     )
-    parser.add_argument(
-        "--page", type=Path, metavar="FILE.html", help="write the scorecard as a page"
-    )
+    add("--page", type=Path, metavar="FILE.html", help="write the scorecard as a page")
 
 
 def validate(options: Namespace) -> int:

@@ -29,26 +29,21 @@ _MOST_REASONS = 5
 
 def add_experiments(parser: "Parser") -> None:
     """Add the arguments of `experiments`."""
-    parser.add_argument("action", choices=tuple(_ACTIONS))
-    parser.add_argument("name", nargs="?", metavar="NAME", help="the experiment")
-    parser.add_argument(
+    add = parser.add_argument
+    add("action", choices=tuple(_ACTIONS))
+    add("name", nargs="?", metavar="NAME", help="the experiment")
+    add(
         "words",
         nargs="*",
         metavar="WORD",
         help="plot, export: a file; apply: a trial's hash, the best when left out; "
         "replay: one likewise, the worst when left out; compare: another experiment",
     )
-    parser.add_argument("--metric", nargs="+", action="extend", default=[], help=METRIC)
-    parser.add_argument(
-        "--kind", choices=("parallel", "pareto", "responses"), default="pareto"
-    )
-    parser.add_argument(
-        "--yes", action="store_true", help="apply: do it; without it: only show it"
-    )
-    parser.add_argument(
-        "--yaml", type=Path, metavar="FILE", help="apply: write the gains to a file"
-    )
-    parser.add_argument("--count", type=int, default=5, help="best: how many trials")
+    add("--metric", nargs="+", action="extend", default=[], help=METRIC)
+    add("--kind", choices=("parallel", "pareto", "responses"), default="pareto")
+    add("--yes", action="store_true", help="apply: do it; without it: only show it")
+    add("--yaml", type=Path, metavar="FILE", help="apply: write the gains to a file")
+    add("--count", type=int, default=5, help="best: how many trials")
 
 
 def experiments(options: Namespace) -> int:

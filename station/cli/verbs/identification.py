@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from station.cli.output import say, say_json, say_table
-from station.cli.parser import read_number
+from station.cli.parser import add_controllers, read_number
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -21,49 +21,37 @@ _IDENTIFYING = 4.0
 
 def add_identify(parser: "Parser") -> None:
     """Add the arguments of `identify`."""
-    parser.add_argument("joint", metavar="JOINT")
-    parser.add_argument(
+    add = parser.add_argument
+    add("joint", metavar="JOINT")
+    add(
         "--recording",
         type=Path,
         metavar="FILE.mcap",
         help="a recording of a station, or FILE.npz of --record",
     )
-    parser.add_argument(
+    add(
         "--controller",
         default="effort_group_position_controller",
         help="what moves the joint in a simulation, when there is no recording",
     )
-    parser.add_argument(
-        "--amplitude", type=float, default=0.2, metavar="A", help="[rad or m]"
-    )
-    parser.add_argument(
-        "--record", type=Path, metavar="FILE.npz", help="keep the simulated motion"
-    )
+    add("--amplitude", type=float, default=0.2, metavar="A", help="[rad or m]")
+    add("--record", type=Path, metavar="FILE.npz", help="keep the simulated motion")
     add_setup(parser)
 
 
 def add_setup(parser: "Parser") -> None:
     """Add the arguments for the trials' station and motions."""
-    parser.add_argument(
-        "--config", type=Path, metavar="CONFIG.yaml", help="a station's configuration"
-    )
-    parser.add_argument(
-        "--controllers",
-        nargs="+",
-        action="extend",
-        default=[],
-        type=Path,
-        metavar="ROS_PARAMS.yaml",
-        help="parameter files written for ROS",
-    )
-    parser.add_argument(
+    add = parser.add_argument
+    add("--config", type=Path, metavar="CONFIG.yaml", help="a station's configuration")
+    add_controllers(parser, "parameter files written for ROS")
+    add(
         "--script",
         type=Path,
         metavar="SCRIPT.yaml",
         help="what happens in a trial, or a recording (.mcap) whose set-points are "
         "given again; without it all joints move to and fro for 2 s",
     )
-    parser.add_argument(
+    add(
         "--with",
         dest="parameters",
         nargs="+",

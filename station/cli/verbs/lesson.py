@@ -17,12 +17,11 @@ if TYPE_CHECKING:
 
 def add_lesson(parser: "Parser") -> None:
     """Add the arguments of `lesson`."""
-    parser.add_argument("action", choices=("list", "show", "begin", "check"))
-    parser.add_argument("name", nargs="?", metavar="NAME", help="the lesson")
-    parser.add_argument(
-        "answers", nargs="*", metavar="ANSWER=VALUE", help="check: worked-out numbers"
-    )
-    parser.add_argument(
+    add = parser.add_argument
+    add("action", choices=("list", "show", "begin", "check"))
+    add("name", nargs="?", metavar="NAME", help="the lesson")
+    add("answers", nargs="*", metavar="ANSWER=VALUE", help="check: worked-out numbers")
+    add(
         "--person",
         default=getpass.getuser(),
         help="whose progress is kept; the user of this machine when left out",

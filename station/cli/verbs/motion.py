@@ -23,34 +23,32 @@ STOP_TIME = 0.5
 
 def add_command(parser: "Parser") -> None:
     """Add the arguments of `command`."""
-    parser.add_argument("controller")
-    parser.add_argument("values", nargs="+", type=float, metavar="V")
+    add = parser.add_argument
+    add("controller")
+    add("values", nargs="+", type=float, metavar="V")
 
 
 def add_goto(parser: "Parser") -> None:
     """Add the arguments of `goto`."""
-    parser.add_argument("name", help="a pose, e.g. `ready`, or a trajectory controller")
-    parser.add_argument(
-        "values", nargs="*", type=float, metavar="V", help="positions [rad or m]"
-    )
-    parser.add_argument(
-        "--duration", type=float, metavar="S", help="without it: a calm one"
-    )
-    parser.add_argument(
-        "--plan", action="store_true", help="go around what is in the way"
-    )
+    add = parser.add_argument
+    add("name", help="a pose, e.g. `ready`, or a trajectory controller")
+    add("values", nargs="*", type=float, metavar="V", help="positions [rad or m]")
+    add("--duration", type=float, metavar="S", help="without it: a calm one")
+    add("--plan", action="store_true", help="go around what is in the way")
 
 
 def add_stop(parser: "Parser") -> None:
     """Add the arguments of `stop`."""
-    parser.add_argument("names", nargs="*", metavar="NAME")
-    parser.add_argument("--reason", default="", help="for the record")
+    add = parser.add_argument
+    add("names", nargs="*", metavar="NAME")
+    add("--reason", default="", help="for the record")
 
 
 def add_recover(parser: "Parser") -> None:
     """Add the arguments of `recover`."""
-    parser.add_argument("arm_id", nargs="?", help="default: all arms")
-    parser.add_argument(
+    add = parser.add_argument
+    add("arm_id", nargs="?", help="default: all arms")
+    add(
         "--restart",
         action="store_true",
         help="start the controllers again that the error stopped",

@@ -21,23 +21,23 @@ _NEEDS_NAME = frozenset({"get", "delete", "rerun"})
 
 def add_record(parser: "Parser") -> None:
     """Add the arguments of `record`."""
-    parser.add_argument(
-        "action", choices=("start", "stop", "list", "get", "delete", "rerun")
-    )
-    parser.add_argument(
+    add = parser.add_argument
+    add("action", choices=("start", "stop", "list", "get", "delete", "rerun"))
+    add(
         "name",
         nargs="?",
         metavar="NAME",
         help="start: what to call it; stop, get, delete: which one; rerun: a file",
     )
-    parser.add_argument("--note", default="", help="start: for the record")
+    add("--note", default="", help="start: for the record")
     _add_file_options(parser)
 
 
 def add_incidents(parser: "Parser") -> None:
     """Add the arguments of `incidents`."""
-    parser.add_argument("action", choices=("list", "get"))
-    parser.add_argument("name", nargs="?", metavar="ID", help="get: which one")
+    add = parser.add_argument
+    add("action", choices=("list", "get"))
+    add("name", nargs="?", metavar="ID", help="get: which one")
     _add_file_options(parser)
 
 
@@ -47,13 +47,10 @@ def add_recover_file(parser: "Parser") -> None:
 
 
 def _add_file_options(parser: "Parser") -> None:
-    parser.add_argument(
-        "-o", "--output", type=Path, metavar="FILE", help="get: where to write"
-    )
-    parser.add_argument(
-        "--format", choices=FORMATS, default="mcap", help="get: mcap, or a table"
-    )
-    parser.add_argument(
+    add = parser.add_argument
+    add("-o", "--output", type=Path, metavar="FILE", help="get: where to write")
+    add("--format", choices=FORMATS, default="mcap", help="get: mcap, or a table")
+    add(
         "--channels",
         nargs="+",
         default=[],
@@ -61,10 +58,8 @@ def _add_file_options(parser: "Parser") -> None:
         help="get a table: of these channels, or fields of channels such as "
         "joint_states/position",
     )
-    parser.add_argument(
-        "--joints", nargs="+", default=[], metavar="JOINT", help="and of these joints"
-    )
-    parser.add_argument(
+    add("--joints", nargs="+", default=[], metavar="JOINT", help="and of these joints")
+    add(
         "--rate",
         type=float,
         metavar="HZ",

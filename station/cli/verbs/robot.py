@@ -29,11 +29,10 @@ _USAGE = (
 
 def add_robot(parser: "Parser") -> None:
     """Add the arguments of `robot`."""
-    parser.add_argument("arm_id", metavar="ROBOT", help="name of the robot, e.g. panda")
-    parser.add_argument(
-        "service", nargs="?", metavar="SERVICE", help="without it: list the services"
-    )
-    parser.add_argument(
+    add = parser.add_argument
+    add("arm_id", metavar="ROBOT", help="name of the robot, e.g. panda")
+    add("service", nargs="?", metavar="SERVICE", help="without it: list the services")
+    add(
         "arguments",
         nargs="*",
         metavar="NAME=VALUE",
@@ -43,25 +42,24 @@ def add_robot(parser: "Parser") -> None:
 
 def add_gripper(parser: "Parser") -> None:
     """Add the arguments of `gripper`."""
-    parser.add_argument(
+    add = parser.add_argument
+    add(
         "words",
         nargs="+",
         metavar="WORD",
         help="[ARM] state, stop, homing, move WIDTH or grasp WIDTH FORCE [m], [N]; an "
         "only arm needs no name",
     )
-    parser.add_argument(
-        "--speed", type=float, default=0.1, metavar="M/S", help="how fast it opens"
-    )
+    add("--speed", type=float, default=0.1, metavar="M/S", help="how fast it opens")
     for name, how in (("inner", "narrower"), ("outer", "wider")):
-        parser.add_argument(
+        add(
             f"--{name}",
             type=float,
             default=0.005,
             metavar="M",
             help=f"how much {how} than WIDTH what is grasped may be",
         )
-    parser.add_argument("--no-wait", action="store_true", help="only begin")
+    add("--no-wait", action="store_true", help="only begin")
 
 
 def robot(options: Namespace) -> int:
