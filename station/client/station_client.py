@@ -196,7 +196,7 @@ class AsyncStationClient(AsyncControllersClient):
 
     async def start_move(
         self,
-        target: Target,
+        target: Target | Pose,
         *,
         duration: float | None = None,
         controller: str = "",
@@ -209,7 +209,8 @@ class AsyncStationClient(AsyncControllersClient):
 
         Args:
             target: Name of a pose (`ready`, `stretched`), one position per joint of the
-                controller, or positions by joint [rad or m]; other joints stay.
+                controller, or positions by joint [rad or m]; other joints stay. With
+                `plan` also a `Pose`, or another name of a pose that the robot has.
             duration: How long the motion takes [s]; a calm one when None.
             controller: The trajectory controller; found when empty.
             plan: Go by a path that touches nothing, at its own pace.
@@ -224,6 +225,7 @@ class AsyncStationClient(AsyncControllersClient):
         *,
         duration: float | None = None,
         timeout: float | None = None,
+        plan: bool = False,
     ) -> None:
         """Move the arm and wait until it is there.
 
@@ -232,12 +234,14 @@ class AsyncStationClient(AsyncControllersClient):
                 its Cartesian streaming controller moves along a straight line.
             duration: How long a motion of joints takes [s]; a calm one when None.
             timeout: Longest wait [s]; None waits for ever.
+            plan: Go by a path of the joints that touches nothing, as `start_move`.
 
         Raises:
             MotionError: The arm did not arrive, and why.
             ValueError: A motion to a `Pose` was given a duration.
         """
-        await move_to(self, target, duration, timeout, self._connection.sleep)
+        sleep = self._connection.sleep
+        await move_to(self, target, duration, timeout, sleep, plan=plan)
 
     async def collect(
         self, seconds: float, topic: str = "joint_states", *, rate: Rate = "full"

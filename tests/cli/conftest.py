@@ -12,7 +12,7 @@ from station.core.control.controller_factory import ControllerType as CoreContro
 from station.core.ports.set_point import (
     timeout_parameters,
 )
-from station.reports import AgentRequest, Verdict
+from station.reports import AgentRequest, Plan, Verdict
 from station.wire import (
     ArmReport,
     ChainedController,
@@ -138,6 +138,9 @@ class _Awaited(_Source):
     async def submit_goal(self, name, goal, epoch=None, certificate=None):
         return self._fake.submit_goal(name, goal)
 
+    async def plan(self, controller, target):
+        return self._fake.plan(controller, target)
+
     async def goal(self, name, goal_id):
         return self._fake.goal(name, goal_id)
 
@@ -261,6 +264,18 @@ class FakeStation:
     def rehearse(self, steps, *, seconds=None, certificate=False):
         self.record("rehearse", steps, seconds, certificate)
         return self.rehearsal
+
+    def plan(self, controller, target):
+        self._record("plan", controller, target)
+        return Plan(
+            controller,
+            {"trajectory": {}},
+            duration=1.0,
+            direct=True,
+            planning_time=0.0,
+            joints=["j1"],
+            positions=[],
+        )
 
     def submit_goal(self, name, goal):
         self.record("submit_goal", name, goal)
