@@ -27,6 +27,7 @@ RepairKindName = Literal[
     "name",
     "armature",
     "gravity",
+    "ros2_control",
 ]
 
 
