@@ -64,17 +64,32 @@ VERBS = (
     ),
     Verb(
         "controllers",
+        "list_hardware_components",
+        "list the parts of the robot that have a life cycle, and their states",
+    ),
+    Verb(
+        "controllers",
+        "set_hardware_component_state",
+        "configure, activate, deactivate or shut down a part of the robot",
+    ),
+    Verb(
+        "controllers",
         "load_controller",
         "load a controller, without starting it",
-        ("load",),
+        ("load", "configure_controller"),
     ),
     Verb(
         "controllers",
         "unload_controller",
-        "unload a controller that is not running",
-        ("unload",),
+        "unload a controller that is not running; its parameters stay",
+        ("unload", "cleanup_controller"),
     ),
     Verb("switching", "switch_controllers", "start and stop controllers in one cycle"),
+    Verb(
+        "switching",
+        "set_controller_state",
+        "load, start, stop or unload a controller, in the words of ROS 2",
+    ),
     Verb("switching", "start", "start loaded controllers"),
     Verb(
         "switching",

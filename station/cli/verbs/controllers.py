@@ -33,6 +33,9 @@ def add_load_controller(parser: "Parser") -> None:
     parser.add_argument(
         "--load-timeout", type=float, metavar="S", help="longest init [s]"
     )
+    parser.add_argument(
+        "--set-state", choices=("inactive", "active"), help="active: start it, too"
+    )
 
 
 def add_unload_controller(parser: "Parser") -> None:
@@ -50,7 +53,16 @@ def add_reload_controller_libraries(parser: "Parser") -> None:
 def add_list_controllers(parser: "Parser") -> None:
     """Add the arguments of `list_controllers`."""
     parser.add_argument(
-        "--claimed-interfaces", action="store_true", help="what each claims"
+        "--claimed-interfaces",
+        "--required-command-interfaces",
+        action="store_true",
+        help="what each claims",
+    )
+    parser.add_argument(
+        "--chained-interfaces",
+        "--exported-interfaces",
+        action="store_true",
+        help="references and states of other controllers: as view_controller_chains",
     )
     parser.add_argument(
         "-v", "--verbose", action="store_true", help="claims, loop time and faults"
@@ -69,6 +81,66 @@ def add_list_hardware_interfaces(parser: "Parser") -> None:
     parser.add_argument(
         "-v", "--verbose", action="store_true", help="limits, repairs, clamps and more"
     )
+
+
+def add_list_hardware_components(parser: "Parser") -> None:
+    """Add the arguments of `list_hardware_components`."""
+    parser.add_argument(
+        "-v", "--verbose", action="store_true", help="interfaces that can be read, too"
+    )
+
+
+def add_set_hardware_component_state(parser: "Parser") -> None:
+    """Add the arguments of `set_hardware_component_state`."""
+    states = ("unconfigured", "inactive", "active", "finalized")
+    parser.add_argument("name", help="the component")
+    parser.add_argument("state", choices=states)
+    stops = "stop the controllers that command it; else it stays active"
+    parser.add_argument("--stop-controllers", action="store_true", help=stops)
+
+
+def list_hardware_components(options: Namespace) -> int:
+    """Print the hardware components with their states and interfaces."""
+    with open_client(options) as client:
+        components = client.hardware_components()
+    if options.json:
+        say_models(components)
+        return 0
+    for one in components:
+        problem = f" ({one.problem})" if one.problem else ""
+        say(f"{one.name}: {one.state}{problem}, {one.type}, {one.plugin}")
+        kinds = [("commanded", one.command_interfaces)]
+        if options.verbose:
+            kinds.append(("read", one.state_interfaces))
+        rows = [
+            [
+                each.resource,
+                each.hardware_interface,
+                what,
+                "available" if each.is_available else "unavailable",
+                ", ".join(each.claimed_by) or "-",
+            ]
+            for what, interfaces in kinds
+            for each in interfaces
+        ]
+        if rows:
+            say_table(
+                ["resource", "hardware interface", "is", "state", "claimed by"], rows
+            )
+    return 0
+
+
+def set_hardware_component_state(options: Namespace) -> int:
+    """Bring a hardware component into a state of its life cycle."""
+    with open_client(options) as client:
+        component = client.set_hardware_component_state(
+            options.name, options.state, stop_controllers=options.stop_controllers
+        )
+    if options.json:
+        say_model(component)
+    else:
+        say(f"{component.name} is {component.state}.")
+    return 0
 
 
 def add_view_controller_chains(parser: "Parser") -> None:
@@ -130,6 +202,9 @@ def _graph(chains: "ControllerChains") -> str:
 
 def list_controllers(options: Namespace) -> int:
     """Print the loaded controllers."""
+    if options.chained_interfaces:
+        options.dot = False
+        return view_controller_chains(options)
     with open_client(options) as client:
         controllers = client.controllers()
     if options.json:
@@ -246,6 +321,9 @@ def load_controller(options: Namespace) -> int:
             timeout=options.load_timeout,
             unknown_params="tell",
         )
+        if options.set_state == "active":
+            client.switch_controllers(start=[options.name])
+            state = client.controller(options.name)
     if options.json:
         say_model(state)
     else:

@@ -11,7 +11,7 @@ Source: gazebo_ros_control@2.9.2 default_robot_hw_sim.cpp, DefaultRobotHWSim; di
 """
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import ceil, inf
 
@@ -20,7 +20,7 @@ from typing_extensions import override
 from station.core.description.repair import Repair
 from station.core.description.robot_description import ROBOT_DESCRIPTION
 from station.core.description.robot_files import RobotFiles, load_robot_files
-from station.core.description.ros2_control import ComponentTag
+from station.core.description.ros2_control import ComponentTag, HardwareTag
 from station.core.description.srdf import group_states
 from station.core.description.urdf import JointType, Urdf
 from station.core.errors import (
@@ -31,7 +31,11 @@ from station.core.errors import (
 from station.core.geometry.scene import read_scene
 from station.core.hardware.interfaces import JointHandle, JointStateInterface
 from station.core.hardware.limits import joint_limits_from_parameters
-from station.core.hardware.robot_hw import ControllerInfo, RobotHW
+from station.core.hardware.robot_hw import (
+    ControllerInfo,
+    HardwareComponent,
+    RobotHW,
+)
 from station.core.hardware.robot_report import ClampReport, JointLimitsReport
 from station.core.hardware.transmissions import (
     ActuatorToJointStateInterface,
@@ -127,6 +131,7 @@ class MujocoRobotHW(RobotHW):
             sensors=tagged.sensors,
             initial_positions={**tagged.positions, **parameters.initial_positions},
         )
+        self._hardware = tagged.hardware
         description = tagged.description
         limited = hw_params if hw_params.has("joint_limits") else root_params
         repaired = repair_robot(
@@ -217,6 +222,18 @@ class MujocoRobotHW(RobotHW):
         for quantity in self._modes.quantities:
             self._to_actuators[quantity].propagate()
             self._motors.act(quantity)
+
+    @override
+    def components(self) -> Sequence[HardwareComponent]:
+        """Return one component per `<ros2_control>` element; `robot` without any."""
+        if not self._hardware:
+            return super().components()
+        return [
+            HardwareComponent(
+                one.name, self, one.type, one.plugin, frozenset(_resources_of(one))
+            )
+            for one in self._hardware
+        ]
 
     @override
     def joint_limits(self) -> Sequence[JointLimitsReport]:
@@ -422,6 +439,14 @@ def _read_tags(parameters: MujocoRobotParameters) -> TaggedRobot:
     if not parameters.uses_ros2_control:
         return TaggedRobot(files, (), {}, {}, {}, parameters.sensors, (), ())
     return read_tagged_robot(files, parameters.sensors, strict=parameters.strict)
+
+
+def _resources_of(hardware: HardwareTag) -> Iterator[str]:
+    for tag in (*hardware.joints, *hardware.sensors):
+        yield tag.name
+    for tag in hardware.gpios:
+        for one in (*tag.commands, *tag.states):
+            yield f"{tag.name}/{one.name}"
 
 
 def _effort_of(joint: str, limited: Parameters) -> float | None:
