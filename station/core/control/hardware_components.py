@@ -210,7 +210,7 @@ class HardwareComponents:
         return [info.name for info in controllers if _commands(live, info)]
 
     def refusal(self, info: ControllerInfo) -> str | None:
-        """Return why a controller cannot start; None if all it commands is active.
+        """Return the reason why a controller cannot start; None if it can.
 
         Any thread.
         """

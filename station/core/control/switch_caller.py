@@ -192,7 +192,7 @@ class SwitchCaller:
             request = replace(request, stop=(*request.stop, *sorted(held)))
 
     def _unavailable(self, plan: SwitchPlan, request: SwitchRequest) -> dict[str, str]:
-        """Return why controllers cannot start on hardware that is not active, by name.
+        """Return the controllers that cannot start on their hardware, each with why.
 
         Raises:
             SwitchRefusedError: There is one, and the request is not best effort.
