@@ -266,6 +266,47 @@ class HardwareInterface(Report):
 
 
 @dataclass(frozen=True, slots=True)
+class ComponentInterface(Report):
+    """A resource of a hardware component.
+
+    Attributes:
+        hardware_interface: Type of its interface.
+        resource: Its name, e.g. that of a joint.
+        is_available: Whether controllers can use it in the present state.
+        claimed_by: Names of the running controllers that claim it.
+    """
+
+    hardware_interface: str
+    resource: str
+    is_available: bool
+    claimed_by: Sequence[str] = field(default_factory=tuple)
+
+
+@dataclass(frozen=True, slots=True)
+class HardwareComponentReport(Report):
+    """A part of the robot that has a life cycle of its own.
+
+    Attributes:
+        name: Its name.
+        type: `system`, `actuator` or `sensor`.
+        plugin: What drives it, `package/Class` or `module:Class`.
+        state: `unconfigured`, `inactive`, `active` or `finalized`.
+        problem: The last error of a hook; empty without.
+        command_interfaces: What controllers can command while it is active.
+        state_interfaces: What controllers can read, unless it is unconfigured or
+            finalized.
+    """
+
+    name: str
+    type: str
+    plugin: str
+    state: str
+    problem: str = ""
+    command_interfaces: Sequence[ComponentInterface] = field(default_factory=tuple)
+    state_interfaces: Sequence[ComponentInterface] = field(default_factory=tuple)
+
+
+@dataclass(frozen=True, slots=True)
 class HardwareTransmission(Report):
     """A transmission between actuators and joints.
 

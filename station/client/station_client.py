@@ -32,6 +32,7 @@ from station.client.stores import (
 from station.client.streams import AsyncCommandStream, AsyncStream, Rate
 from station.local.station_locator import locate
 from station.local.tls import trust
+from station.wire.hardware import ComponentStateName
 
 
 class AsyncStationClient(AsyncControllersClient):
@@ -182,6 +183,32 @@ class AsyncStationClient(AsyncControllersClient):
     async def hardware(self) -> wire.Hardware:
         """Return interfaces, claims, limits, transmissions and clamps of the robot."""
         return await self._get("/hardware", wire.Hardware)
+
+    async def hardware_components(self) -> list[wire.HardwareComponentReport]:
+        """Return the hardware components with their states and interfaces."""
+        path = "/hardware/components"
+        found = await self._connection.get(path, wire.HardwareComponents)
+        return found.components
+
+    async def set_hardware_component_state(
+        self, name: str, state: ComponentStateName, *, stop_controllers: bool = False
+    ) -> wire.HardwareComponentReport:
+        """Bring a hardware component into a state of its life cycle.
+
+        Args:
+            name: The component.
+            state: `unconfigured`, `inactive`, `active` or `finalized`.
+            stop_controllers: Whether the controllers that command it are stopped first;
+                else a component in use stays active.
+        """
+        return await self._connection.send(
+            "PUT",
+            f"/hardware/components/{segment(name)}/state",
+            wire.HardwareComponentReport,
+            wire.HardwareComponentStateRequest(
+                state=state, stop_controllers=stop_controllers
+            ),
+        )
 
     def command_stream(
         self, controller: str, *, timeout: float = 0.2

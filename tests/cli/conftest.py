@@ -12,7 +12,13 @@ from station.core.control.controller_factory import ControllerType as CoreContro
 from station.core.ports.set_point import (
     timeout_parameters,
 )
-from station.reports import AgentRequest, Plan, Verdict
+from station.reports import (
+    AgentRequest,
+    ComponentInterface,
+    HardwareComponentReport,
+    Plan,
+    Verdict,
+)
 from station.wire import (
     ArmReport,
     ChainedController,
@@ -155,6 +161,15 @@ class FakeStation:
         self.timeout = 10.0
         self.calls: list[tuple[object, ...]] = []
         self.outcome = "committed"
+        self.component = HardwareComponentReport(
+            "left",
+            "system",
+            "franka_hw/FrankaHW",
+            "inactive",
+            "no cable",
+            (ComponentInterface("EffortJoint", "j1", is_available=False),),
+            (ComponentInterface("JointState", "j1", is_available=True),),
+        )
         self.states = {"arm": "running", "leg": "stopped"}
         self.frames: list[StreamFrame] = []
         self.faults: dict[str, str] = {}
@@ -201,6 +216,13 @@ class FakeStation:
             fallback=[],
             time=Percentiles(p50=0.0, p99=2e-5, p999=0.0, max=0.0, count=9),
         )
+
+    def hardware_components(self):
+        return [self.component]
+
+    def set_hardware_component_state(self, name, state, **options):
+        self._record("component", name, state, options)
+        return replace(self.component, state=state)
 
     def chains(self):
         reference = ExportedValue("wheel/joint/velocity", ("diff",))
