@@ -54,3 +54,4 @@ for _module in (
     streams,
 ):
     api_router.include_router(_module.router)
+api_router.include_router(recordings.uploads)
