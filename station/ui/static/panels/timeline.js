@@ -29,7 +29,7 @@ class Timeline extends Panel {
     this.record = button("Record", "Record every cycle, until it is clicked again.", () => this.toggleRecording());
     this.file = h("input", { type: "file", accept: ".mcap", hidden: true, onchange: () => this.upload(this.file.files[0]) });
     this.uploadButton = button("Upload …", "Keep the .mcap file of this station or another one among the recordings.", () => this.file.click());
-    this.fileTools = h("span", { hidden: true }, this.record, this.uploadButton, this.file);
+    this.fileTools = h("span", { class: "file-tools", hidden: true }, this.record, this.uploadButton, this.file);
     this.list = h("div", { class: "log", tabIndex: 0, ariaLabel: "What happened" });
     this.append(h("div", { class: "tabs" }, ...this.buttons, this.fileTools), this.list);
     replay.addEventListener("runs", () => this.ask());
