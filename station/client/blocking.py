@@ -92,6 +92,7 @@ class _Inline(httpx.AsyncBaseTransport):
 
     @override
     async def handle_async_request(self, request: httpx.Request) -> httpx.Response:
+        await request.aread()  # of a file that is uploaded, too
         answer = self._inner.handle_request(request)
         # A transport that blocks answers with a stream that blocks.
         stream = cast("httpx.SyncByteStream", answer.stream)
@@ -250,6 +251,7 @@ class RecordingsClient(_Client[AsyncRecordingsClient]):
     events = _waited_for(AsyncRecordingsClient.events)
     add_note = _waited_for(AsyncRecordingsClient.add_note)
     start = _waited_for(AsyncRecordingsClient.start)
+    upload = _waited_for(AsyncRecordingsClient.upload)
     stop = _waited_for(AsyncRecordingsClient.stop)
     delete = _waited_for(AsyncRecordingsClient.delete)
 

@@ -32,7 +32,8 @@ _PLAYBACK = "/playback"
 _PERIOD = 0.5
 """Time between two looks at an experiment that runs [s]."""
 _CHECKING = 60.0
-"""How much longer than usual the start of an experiment may take [s]."""
+"""How much longer than usual it may take to start an experiment, or to look at an
+uploaded file [s]."""
 
 
 class _AsyncFiles(ClientPart):
@@ -163,6 +164,25 @@ class AsyncRecordingsClient(_AsyncFiles):
                 raise LookupError("Nothing is being recorded.")
             identifier = running[-1].identifier
         return await self._send("POST", self._of(identifier, "stop"), wire.Recording)
+
+    async def upload(self, file: Path | str, name: str = "") -> wire.Recording:
+        """Keep an MCAP file of a station, this one or another, among the recordings.
+
+        Args:
+            file: The file.
+            name: Name of the recording: up to 80 letters, digits, `_`, `.` and `-`.
+
+        Raises:
+            FileNotFoundError: There is no such file.
+        """
+        return await self._connection.send(
+            "POST",
+            f"{self._path}/upload",
+            wire.Recording,
+            Path(file),
+            query={"name": name},
+            patience=_CHECKING,
+        )
 
     async def delete(self, identifier: str) -> wire.Recording:
         """Delete a recording that does not run; return its description."""

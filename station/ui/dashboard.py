@@ -7,7 +7,7 @@ ever set widgets at the same time.
 import asyncio
 import contextlib
 import logging
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import viser
@@ -18,7 +18,7 @@ from station.ui.link.station_view import StationView
 from station.ui.page.page_state import BarState, bar_state
 from station.ui.page.view_routes import ShownViews
 from station.ui.scene.layers.layer import PlacedRobot, SceneFacts
-from station.ui.scene.layers.push_layer import Pusher, Pushing
+from station.ui.scene.layers.push_layer import Pusher, Pushing, move_nothing
 from station.ui.scene.layers.robot_layers import Trails
 from station.ui.scene.robot_model import RobotModel, RobotModelError, base_positions
 from station.ui.scene.robot_scene import RobotScene, prepare_room
@@ -70,6 +70,7 @@ class Dashboard:
         beside: Further robots of the same station.
         session_key: Returns the key of the session of a browser.
         push: Pushes a link for a session.
+        move: Moves an object for a session.
 
     Attributes:
         views: The views of all sessions.
@@ -93,6 +94,7 @@ class Dashboard:
         beside: Sequence[RobotModel] = (),
         session_key: Callable[[viser.ClientHandle], str] = lambda _: "",
         push: Pusher = _push_nothing,
+        move: Callable[[str, str, list[float]], Awaitable[None]] = move_nothing,
     ) -> None:
         self._server = server
         self._client = client
@@ -111,7 +113,7 @@ class Dashboard:
         self.not_drawn = not_drawn
         placed = _placed(() if self.scene is None else (robot, *beside))
         self.triangles = sum(one.model.triangles() for one in placed)
-        pushing = Pushing(push, self.reporter.refused)
+        pushing = Pushing(push, self.reporter.refused, move=move)
         self.views = SceneViews(
             placed, session_key, pushing, lambda: server.initial_camera.position
         )
@@ -247,6 +249,7 @@ class Dashboard:
                 arms=view.arms,
                 contacts=view.contacts,
                 trails=self._trails.note(positions) if positions else (),
+                objects=view.objects,
             )
         )
 

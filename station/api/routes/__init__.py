@@ -48,3 +48,4 @@ for _module in (
     streams,
 ):
     api_router.include_router(_module.router)
+api_router.include_router(recordings.uploads)

@@ -3,8 +3,9 @@
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
+from anyio import to_thread
 from fastapi import APIRouter, Depends, Path, Query
-from starlette.requests import Request
+from starlette.requests import ClientDisconnect, Request
 from starlette.responses import FileResponse, StreamingResponse
 
 from station import wire
@@ -19,6 +20,7 @@ from station.wire.recordings import RecordingId
 
 if TYPE_CHECKING:
     from station.records.recorder import Recorder
+    from station.records.upload import Upload
 
 EndpointT = TypeVar("EndpointT", bound=Callable[..., object])
 MEDIA_TYPE = "application/octet-stream"
@@ -117,6 +119,8 @@ _TABLE: dict[int | str, dict[str, Any]] = {
     }
 }
 router = APIRouter(tags=["recordings"], dependencies=[Viewer], route_class=JsonRoute)
+uploads = APIRouter(tags=["recordings"], dependencies=[Viewer])
+"""Of a body that is no JSON: it is a file, read as it comes."""
 
 
 @router.get("/recordings", responses=problems(409))
@@ -132,6 +136,49 @@ def start_recording(
     """Begin to record every cycle; one recording runs at a time."""
     asked = request or wire.RecordingRequest()
     return wire.Recording.model_validate(recorder.start(asked.name, asked.note))
+
+
+@uploads.post(
+    "/recordings/upload",
+    status_code=201,
+    **change(409, 413, 422),
+    openapi_extra={
+        "requestBody": {
+            "required": True,
+            "description": "The MCAP file.",
+            "content": {MEDIA_TYPE: {"schema": {"type": "string", "format": "binary"}}},
+        }
+    },
+)
+async def upload_recording(
+    request: Request,
+    recorder: RecorderDep,
+    station: StationDep,
+    name: Annotated[
+        str,
+        Query(
+            max_length=80,
+            pattern=r"^([A-Za-z0-9_][A-Za-z0-9_.-]*)?$",
+            description="Name of the recording; may be empty.",
+            examples=["tuesday"],
+        ),
+    ] = "",
+) -> wire.Recording:
+    """Keep the MCAP file of a station, this one or another, among the recordings.
+
+    The body is the file, 500 MB at most. One that is no whole recording is refused.
+    """
+    # Imported late, as in `_trajectory`.
+    from station.records.upload import Upload
+
+    upload = await to_thread.run_sync(Upload, recorder.store, name)
+    try:
+        await _receive(request, upload)
+        pause = station.loop.right_of_way.give
+        info = await to_thread.run_sync(upload.finish, pause)
+    finally:
+        upload.close()
+    return wire.Recording.model_validate(info)
 
 
 @router.get("/recordings/{identifier}", responses=problems(404, 409, 422))
@@ -330,3 +377,18 @@ def ended(store: RecordStore, identifier: str) -> RecordingInfo:
             details={"id": info.identifier},
         )
     return info
+
+
+async def _receive(request: Request, upload: "Upload") -> None:
+    """Write the body of a request to the disk as it comes.
+
+    Raises:
+        RecordingRefusedError: It ended early.
+    """
+    try:
+        async for part in request.stream():
+            await to_thread.run_sync(upload.write, part)
+    except ClientDisconnect as error:
+        raise RecordingRefusedError(
+            "The upload ended before the end of the file.", remedy="Upload it again."
+        ) from error

@@ -116,13 +116,9 @@ def set_controller_state(options: Namespace) -> int:
             case 1, 0:
                 client.unload_controller(name)
             case 1, 2:
-                return _tell(
-                    client.switch_controllers(start=[name]), as_json=options.json
-                )
+                return _tell(client.switch_controllers(start=[name]), options)
             case 2, 1:
-                return _tell(
-                    client.switch_controllers(stop=[name]), as_json=options.json
-                )
+                return _tell(client.switch_controllers(stop=[name]), options)
             case _ if present != wanted:
                 raise UsageError(
                     f"'{name}' is {_STATES[present]}, and cannot become "
