@@ -47,6 +47,8 @@ STATUS: Mapping[type[errors.StationError], int] = {
     errors.StationError: 500,
     errors.HardwareInterfaceError: 422,
     errors.ResourceNotFoundError: 422,
+    errors.HardwareComponentNotFoundError: 404,
+    errors.HardwareComponentError: 409,
     errors.ParameterError: 422,
     errors.ConfigError: 422,
     errors.ControllerNotFoundError: 404,

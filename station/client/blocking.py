@@ -505,6 +505,10 @@ class StationClient(_Client[AsyncStationClient]):
     session = _waited_for(AsyncStationClient.session)
     status = _waited_for(AsyncStationClient.status)
     hardware = _waited_for(AsyncStationClient.hardware)
+    hardware_components = _waited_for(AsyncStationClient.hardware_components)
+    set_hardware_component_state = _waited_for(
+        AsyncStationClient.set_hardware_component_state
+    )
     controllers = _waited_for(AsyncStationClient.controllers)
     controller = _waited_for(AsyncStationClient.controller)
     chains = _waited_for(AsyncStationClient.chains)

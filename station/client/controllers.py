@@ -10,6 +10,7 @@ from pydantic import JsonValue
 from station import wire
 from station.client.connection import ClientPart, Sleep, segment
 from station.client.errors import MotionError
+from station.client.poses import Pose
 from station.wire.controllers import SWITCH_BOUND, SwitchStrictness
 from station.wire.excitations import BenchRequest, BenchResponse, Excitation
 from station.wire.protocol import KEY_HEADER
@@ -428,22 +429,23 @@ class AsyncControllersClient(ClientPart):
     async def plan(
         self,
         controller: str,
-        positions: Mapping[str, float],
+        target: Mapping[str, float] | Pose | str,
         *,
         timeout: float = 2.0,
         seed: int = 0,
     ) -> wire.Plan:
-        """Return a goal that leads to a pose and touches nothing; nothing moves.
+        """Return a goal that leads to a target and touches nothing; nothing moves.
 
         Args:
             controller: A running trajectory controller.
-            positions: Where joints are to go [rad or m], by name; others stay.
+            target: Where joints are to go [rad or m], by name, others stay; a `Pose` of
+                a Franka's end effector; or the name of a pose that the robot has.
             timeout: How long to search [s], above 0 and at most 30.
             seed: Of the random numbers; another seed finds another path.
         """
         request: dict[str, JsonValue] = {
             "controller": controller,
-            "positions": dict(positions),
+            **_target(target),
             "timeout": timeout,
             "seed": seed,
         }
@@ -471,6 +473,18 @@ class AsyncControllersClient(ClientPart):
             "POST", path, wire.Reloaded, request, patience=SWITCH_BOUND
         )
         return answer.unloaded
+
+
+def _target(target: Mapping[str, float] | Pose | str) -> dict[str, JsonValue]:
+    """Return the target of a plan as its request has it."""
+    if isinstance(target, str):
+        return {"name": target}
+    if isinstance(target, Pose):
+        place: dict[str, JsonValue] = {"position": [*target.position]}
+        if target.orientation is not None:
+            place["orientation"] = [*target.orientation]
+        return {"pose": place}
+    return {"positions": dict(target)}
 
 
 def _certified(path: str, certificate: str | None) -> str:

@@ -32,6 +32,7 @@ from station.client.stores import (
 from station.client.streams import AsyncCommandStream, AsyncStream, Rate
 from station.local.station_locator import locate
 from station.local.tls import trust
+from station.wire.hardware import ComponentStateName
 
 
 class AsyncStationClient(AsyncControllersClient):
@@ -183,6 +184,32 @@ class AsyncStationClient(AsyncControllersClient):
         """Return interfaces, claims, limits, transmissions and clamps of the robot."""
         return await self._get("/hardware", wire.Hardware)
 
+    async def hardware_components(self) -> list[wire.HardwareComponentReport]:
+        """Return the hardware components with their states and interfaces."""
+        path = "/hardware/components"
+        found = await self._connection.get(path, wire.HardwareComponents)
+        return found.components
+
+    async def set_hardware_component_state(
+        self, name: str, state: ComponentStateName, *, stop_controllers: bool = False
+    ) -> wire.HardwareComponentReport:
+        """Bring a hardware component into a state of its life cycle.
+
+        Args:
+            name: The component.
+            state: `unconfigured`, `inactive`, `active` or `finalized`.
+            stop_controllers: Whether the controllers that command it are stopped first;
+                else a component in use stays active.
+        """
+        return await self._connection.send(
+            "PUT",
+            f"/hardware/components/{segment(name)}/state",
+            wire.HardwareComponentReport,
+            wire.HardwareComponentStateRequest(
+                state=state, stop_controllers=stop_controllers
+            ),
+        )
+
     def command_stream(
         self, controller: str, *, timeout: float = 0.2
     ) -> AsyncCommandStream:
@@ -196,7 +223,7 @@ class AsyncStationClient(AsyncControllersClient):
 
     async def start_move(
         self,
-        target: Target,
+        target: Target | Pose,
         *,
         duration: float | None = None,
         controller: str = "",
@@ -209,7 +236,8 @@ class AsyncStationClient(AsyncControllersClient):
 
         Args:
             target: Name of a pose (`ready`, `stretched`), one position per joint of the
-                controller, or positions by joint [rad or m]; other joints stay.
+                controller, or positions by joint [rad or m]; other joints stay. With
+                `plan` also a `Pose`, or another name of a pose that the robot has.
             duration: How long the motion takes [s]; a calm one when None.
             controller: The trajectory controller; found when empty.
             plan: Go by a path that touches nothing, at its own pace.
@@ -224,6 +252,7 @@ class AsyncStationClient(AsyncControllersClient):
         *,
         duration: float | None = None,
         timeout: float | None = None,
+        plan: bool = False,
     ) -> None:
         """Move the arm and wait until it is there.
 
@@ -232,12 +261,14 @@ class AsyncStationClient(AsyncControllersClient):
                 its Cartesian streaming controller moves along a straight line.
             duration: How long a motion of joints takes [s]; a calm one when None.
             timeout: Longest wait [s]; None waits for ever.
+            plan: Go by a path of the joints that touches nothing, as `start_move`.
 
         Raises:
             MotionError: The arm did not arrive, and why.
             ValueError: A motion to a `Pose` was given a duration.
         """
-        await move_to(self, target, duration, timeout, self._connection.sleep)
+        sleep = self._connection.sleep
+        await move_to(self, target, duration, timeout, sleep, plan=plan)
 
     async def collect(
         self, seconds: float, topic: str = "joint_states", *, rate: Rate = "full"

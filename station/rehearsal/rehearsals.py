@@ -11,10 +11,12 @@ from enum import StrEnum
 from typing import TYPE_CHECKING, Any
 
 from station.core.errors import (
+    InvalidCommandError,
     NoPathError,
     RehearsalError,
     RehearsalNeededError,
     StationError,
+    suggest,
 )
 from station.core.ports.receipt import Receipt
 from station.rehearsal.certificates import Certificates, Tolerances
@@ -220,10 +222,11 @@ class Rehearsals:
         Raises:
             ControllerNotFoundError: None of that name is loaded.
             ControllerStateError: The controller is not running.
-            InvalidCommandError: The controller takes no trajectories, or has no such
-                joint.
+            InvalidCommandError: The controller takes no trajectories, has no such
+                joint, or moves no end effector.
             InvalidTrajectoryError: A joint would leave its range.
-            NoPathError: The pose touches something, or no path was found in time.
+            NoPathError: The pose touches something or is out of reach, or no path was
+                found in time.
             RehearsalError: The robot is no simulated one, or this machine cannot copy
                 the station.
             TooManyRehearsalsError: The client has made too many in a row.
@@ -246,6 +249,28 @@ class Rehearsals:
             remedy="Plan again with another seed, or go by way of another pose.",
             details={"cause": "rehearsal"},
         )
+
+    def named_pose(self, controller: str, name: str) -> dict[str, float]:
+        """Return a named pose of the robot for the joints of a controller.
+
+        Args:
+            controller: The controller.
+            name: A pose to which the simulation may be reset, such as `ready`.
+
+        Raises:
+            ControllerNotFoundError: There is no such controller.
+            InvalidCommandError: The robot has no such pose, or not of these joints.
+        """
+        world = self._station.loop.hw.simulated_world()
+        poses = {} if world is None else world.keyframes()
+        joints = self._station.manager.get_controller(controller).joint_names
+        found = {k: q for k, q in poses.get(name, {}).items() if k in joints}
+        if not found:
+            raise InvalidCommandError(
+                f"The robot has no pose '{name}' of the joints of '{controller}'.",
+                remedy=suggest(name, poses),
+            )
+        return found
 
     def _pay(self, who: str | None) -> None:
         """Count a copy of a live station for the client that it is made for."""

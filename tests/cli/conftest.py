@@ -12,7 +12,13 @@ from station.core.control.controller_factory import ControllerType as CoreContro
 from station.core.ports.set_point import (
     timeout_parameters,
 )
-from station.reports import AgentRequest, Verdict
+from station.reports import (
+    AgentRequest,
+    ComponentInterface,
+    HardwareComponentReport,
+    Plan,
+    Verdict,
+)
 from station.wire import (
     ArmReport,
     ChainedController,
@@ -138,6 +144,9 @@ class _Awaited(_Source):
     async def submit_goal(self, name, goal, epoch=None, certificate=None):
         return self._fake.submit_goal(name, goal)
 
+    async def plan(self, controller, target):
+        return self._fake.plan(controller, target)
+
     async def goal(self, name, goal_id):
         return self._fake.goal(name, goal_id)
 
@@ -152,6 +161,15 @@ class FakeStation:
         self.timeout = 10.0
         self.calls: list[tuple[object, ...]] = []
         self.outcome = "committed"
+        self.component = HardwareComponentReport(
+            "left",
+            "system",
+            "franka_hw/FrankaHW",
+            "inactive",
+            "no cable",
+            (ComponentInterface("EffortJoint", "j1", is_available=False),),
+            (ComponentInterface("JointState", "j1", is_available=True),),
+        )
         self.states = {"arm": "running", "leg": "stopped"}
         self.frames: list[StreamFrame] = []
         self.faults: dict[str, str] = {}
@@ -198,6 +216,13 @@ class FakeStation:
             fallback=[],
             time=Percentiles(p50=0.0, p99=2e-5, p999=0.0, max=0.0, count=9),
         )
+
+    def hardware_components(self):
+        return [self.component]
+
+    def set_hardware_component_state(self, name, state, **options):
+        self._record("component", name, state, options)
+        return replace(self.component, state=state)
 
     def chains(self):
         reference = ExportedValue("wheel/joint/velocity", ("diff",))
@@ -261,6 +286,18 @@ class FakeStation:
     def rehearse(self, steps, *, seconds=None, certificate=False):
         self.record("rehearse", steps, seconds, certificate)
         return self.rehearsal
+
+    def plan(self, controller, target):
+        self._record("plan", controller, target)
+        return Plan(
+            controller,
+            {"trajectory": {}},
+            duration=1.0,
+            direct=True,
+            planning_time=0.0,
+            joints=["j1"],
+            positions=[],
+        )
 
     def submit_goal(self, name, goal):
         self.record("submit_goal", name, goal)

@@ -229,6 +229,31 @@ def test_contact_names_bodies_force_and_link(ready):
     assert touched.cycle <= told.error.cycle
     assert touched.force > 10.0
     assert any("wall" in pair for pair in told.error.touching)
+    (near,) = told.clearances
+    assert "wall" in near.bodies
+    # Looked at every 20 cycles: between two looks the arm moves some millimetres.
+    assert near.distance < 0.03
+    assert near.margin is None
+
+
+def test_least_clearances_are_those_of_the_motion_that_follows(ready):
+    robot = ready(EFFORT)
+    place = {"type": "sphere", "size": [0.05], "position": [0.4, 0.4, 0.6]}
+    robot.facade.surroundings.put("ball", {**place, "role": "keep_out"})
+    told = Rehearsals(robot.facade).rehearse(STEPS)
+    solid, kept = told.clearances
+    assert solid.bodies[1] in {"wall", "world"}
+    assert solid.distance > 0.1
+    robot.facade.motion.submit_goal(EFFORT, STEPS[0]["request"])
+    pairs = []
+    for _ in range(told.cycles):
+        robot.step()
+        pairs.append(robot.facade.surroundings.clearance("panda"))
+    robot.facade.surroundings.remove("ball")
+    least = min(pairs, key=lambda pair: pair.distance)
+    assert (kept.bodies, kept.distance) == ((least.link, "ball"), least.distance)
+    assert kept.cycle == told.begin_cycle + pairs.index(least)
+    assert kept.margin == 0.02
 
 
 def test_rehearsal_changes_nothing(ready):

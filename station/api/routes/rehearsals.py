@@ -43,14 +43,24 @@ def rehearse(
 
 @router.post("/plan", **change(404, 409, 413, 422, 429, 503))
 def plan(request: PlanRequest, services: ServicesDep, access: AccessDep) -> Plan:
-    """Return a goal that leads to a pose and touches nothing; nothing moves.
+    """Return a goal that leads to a target and touches nothing; nothing moves.
 
-    The path keeps 5 mm from everything, is timed within the limits, and was rehearsed.
+    The target is a pose of joints, of the end effector, or one that has a name. The
+    path keeps 5 mm from everything, is timed within the limits, and was rehearsed.
     Without a path the answer says why: which bodies would touch in the pose, which
-    joint would leave its range, or that the time was over.
+    joint would leave its range or is at its end, or that the time was over.
     """
-    wish = Wish(request.controller, request.positions, request.timeout, request.seed)
-    return services.rehearsals.plan(wish, access.name)
+    rehearsals, positions, place = services.rehearsals, request.positions, request.pose
+    if request.name is not None:
+        positions = rehearsals.named_pose(request.controller, request.name)
+    wish = Wish(
+        request.controller,
+        positions or {},
+        None if place is None else (place.position, place.orientation),
+        request.timeout,
+        request.seed,
+    )
+    return rehearsals.plan(wish, access.name)
 
 
 class ByRehearsal:

@@ -62,9 +62,11 @@ def list_services(arm_id: str, station: StationDep) -> wire.Services:
 
 
 @router.get("/{arm_id}/state", responses=_READ)
-def get_arm_state(arm_id: str, arms: ArmsDep) -> wire.FrankaState:
+def get_arm_state(arm_id: str, arms: ArmsDep, station: StationDep) -> wire.FrankaState:
     """Return the arm's whole state."""
-    return answers.franka_state(arms.state(arm_id))
+    nearest = station.surroundings.clearance(arm_id)
+    values = answers.franka_state(arms.state(arm_id), nearest)
+    return wire.FrankaState.model_validate(values)
 
 
 @router.get("/{arm_id}/model", responses=problems(404, 422, 503))

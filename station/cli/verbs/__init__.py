@@ -38,9 +38,17 @@ controllers view_controller_chains: print who commands whose references, as text
 controllers list_controller_types list_types: list what can be loaded, or the parameters
     of one type
 controllers list_hardware_interfaces: list what can be claimed and who claims it
-controllers load_controller load: load a controller, without starting it
-controllers unload_controller unload: unload a controller that is not running
+controllers list_hardware_components: list the parts of the robot that have a life
+    cycle, and their states
+controllers set_hardware_component_state: configure, activate, deactivate or shut down a
+    part of the robot
+controllers load_controller load configure_controller: load a controller, without
+    starting it
+controllers unload_controller unload cleanup_controller: unload a controller that is not
+    running; its parameters stay
 switching switch_controllers: start and stop controllers in one cycle
+switching set_controller_state: load, start, stop or unload a controller, in the words
+    of ROS 2
 switching start: start loaded controllers
 switching spawn spawner: load and start controllers of the station's configuration
 switching kill: stop and unload controllers

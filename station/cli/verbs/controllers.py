@@ -30,6 +30,7 @@ def add_load_controller(parser: "Parser") -> None:
     add("param_file", nargs="?", type=Path, metavar="PARAM_FILE", help=source)
     add("--type", help="its type, when no parameters say it")
     add("--load-timeout", type=float, metavar="S", help="longest init [s]")
+    add("--set-state", choices=("inactive", "active"), help="active: start it, too")
 
 
 def add_unload_controller(parser: "Parser") -> None:
@@ -47,7 +48,18 @@ def add_reload_controller_libraries(parser: "Parser") -> None:
 def add_list_controllers(parser: "Parser") -> None:
     """Add the arguments of `list_controllers`."""
     add = parser.add_argument
-    add("--claimed-interfaces", action="store_true", help="what each claims")
+    add(
+        "--claimed-interfaces",
+        "--required-command-interfaces",
+        action="store_true",
+        help="what each claims",
+    )
+    add(
+        "--chained-interfaces",
+        "--exported-interfaces",
+        action="store_true",
+        help="references and states of other controllers: as view_controller_chains",
+    )
     add("-v", "--verbose", action="store_true", help="claims, loop time and faults")
 
 
@@ -63,6 +75,61 @@ def add_list_hardware_interfaces(parser: "Parser") -> None:
     parser.add_argument(
         "-v", "--verbose", action="store_true", help="limits, repairs, clamps and more"
     )
+
+
+def add_list_hardware_components(parser: "Parser") -> None:
+    """Add the arguments of `list_hardware_components`."""
+    parser.add_argument(
+        "-v", "--verbose", action="store_true", help="interfaces that can be read, too"
+    )
+
+
+def add_set_hardware_component_state(parser: "Parser") -> None:
+    """Add the arguments of `set_hardware_component_state`."""
+    states = ("unconfigured", "inactive", "active", "finalized")
+    parser.add_argument("name", help="the component")
+    parser.add_argument("state", choices=states)
+    stops = "stop the controllers that command it; else it stays active"
+    parser.add_argument("--stop-controllers", action="store_true", help=stops)
+
+
+def list_hardware_components(options: Namespace) -> int:
+    """Print the hardware components with their states and interfaces."""
+    with open_client(options) as client:
+        components = client.hardware_components()
+    if options.json:
+        return answer(options, components)
+    for one in components:
+        problem = f" ({one.problem})" if one.problem else ""
+        say(f"{one.name}: {one.state}{problem}, {one.type}, {one.plugin}")
+        kinds = [("commanded", one.command_interfaces)]
+        if options.verbose:
+            kinds.append(("read", one.state_interfaces))
+        rows = [
+            [
+                each.resource,
+                each.hardware_interface,
+                what,
+                "available" if each.is_available else "unavailable",
+                ", ".join(each.claimed_by) or "-",
+            ]
+            for what, interfaces in kinds
+            for each in interfaces
+        ]
+        if rows:
+            say_table(
+                ["resource", "hardware interface", "is", "state", "claimed by"], rows
+            )
+    return 0
+
+
+def set_hardware_component_state(options: Namespace) -> int:
+    """Bring a hardware component into a state of its life cycle."""
+    with open_client(options) as client:
+        component = client.set_hardware_component_state(
+            options.name, options.state, stop_controllers=options.stop_controllers
+        )
+    return answer(options, component, f"{component.name} is {component.state}.")
 
 
 def add_view_controller_chains(parser: "Parser") -> None:
@@ -120,6 +187,9 @@ def _graph(chains: "ControllerChains") -> str:
 
 def list_controllers(options: Namespace) -> int:
     """Print the loaded controllers."""
+    if options.chained_interfaces:
+        options.dot = False
+        return view_controller_chains(options)
     with open_client(options) as client:
         controllers = client.controllers()
     headers = ["name", "type", "state"]
@@ -229,6 +299,9 @@ def load_controller(options: Namespace) -> int:
             timeout=options.load_timeout,
             unknown_params="tell",
         )
+        if options.set_state == "active":
+            client.switch_controllers(start=[options.name])
+            state = client.controller(options.name)
     line = f"Loaded {state.name} ({state.type}); it is {state.state}."
     return answer(options, state, line, *(f"Note: {note}" for note in state.notes))
 

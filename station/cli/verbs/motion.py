@@ -13,6 +13,7 @@ from station.local.station_locator import watchdog_of
 if TYPE_CHECKING:
     from station.cli.parser import Parser
     from station.client import StationClient
+    from station.client.poses import Pose, Target
     from station.client.robots import Restart
     from station.wire import ArmReport, Recoveries, Recovery
 
@@ -31,10 +32,21 @@ def add_command(parser: "Parser") -> None:
 def add_goto(parser: "Parser") -> None:
     """Add the arguments of `goto`."""
     add = parser.add_argument
-    add("name", help="a pose, e.g. `ready`, or a trajectory controller")
+    add(
+        "name",
+        help="a pose, e.g. `ready` (with --plan also one of the robot's own), or a "
+        "trajectory controller",
+    )
     add("values", nargs="*", type=float, metavar="V", help="positions [rad or m]")
     add("--duration", type=float, metavar="S", help="without it: a calm one")
     add("--plan", action="store_true", help="go around what is in the way")
+    add(
+        "--pose",
+        action="store_true",
+        help="with --plan: the numbers are x y z [m] of a Franka's end effector in the "
+        "frame of its base, and a quaternion x y z w unless it is to stay turned as it "
+        "is",
+    )
 
 
 def add_stop(parser: "Parser") -> None:
@@ -78,18 +90,18 @@ def goto(options: Namespace) -> int:
     Controllers that command the same joints are stopped in that cycle.
 
     Raises:
-        UsageError: There is no such pose.
+        UsageError: There is no such pose, or its numbers are none.
         KeyboardInterrupt: The user gave up; the goal was cancelled.
     """
     from station.client.poses import UnknownPoseError
 
-    name, values = options.name, options.values
+    target = _target(options)
     with open_client(options) as client:
         try:
             handle = client.start_move(
-                values or name,
+                target,
                 duration=options.duration,
-                controller=name if values else "",
+                controller=options.name if options.values else "",
                 plan=options.plan,
             )
         except UnknownPoseError as error:
@@ -103,6 +115,29 @@ def goto(options: Namespace) -> int:
     line = f"{handle.controller}: the goal {goal.status}. {why}"
     answer(options, goal, line.rstrip())
     return 0 if goal.status == "succeeded" else 1
+
+
+def _target(options: Namespace) -> "Target | Pose":
+    """Return the target of a motion.
+
+    Raises:
+        UsageError: The numbers are those of no pose, or the way there is not planned.
+    """
+    from station.client.poses import Pose
+
+    values: list[float] = options.values
+    if not options.pose:
+        return values or str(options.name)
+    if len(values) not in {3, 7} or not options.plan:
+        raise UsageError(
+            "A pose has 3 or 7 numbers, and the way there is planned.",
+            remedy="station goto CONTROLLER x y z [qx qy qz qw] --pose --plan",
+        )
+    x, y, z, *turned = values
+    if not turned:
+        return Pose((x, y, z))
+    qx, qy, qz, qw = turned
+    return Pose((x, y, z), (qx, qy, qz, qw))
 
 
 def stop(options: Namespace) -> int:

@@ -146,6 +146,12 @@ def _tell(told: "Rehearsal") -> None:
     if near:
         least = min(near, key=lambda one: one.position_margin or 0.0)
         say(f"Nearest to a limit: {least.joint}, {least.position_margin:.3f} left.")
+    for one in told.clearances:
+        kept = "" if one.margin is None else f", margin {1e3 * one.margin:.0f} mm"
+        say(
+            f"Nearest: {' and '.join(one.bodies)}, {1e3 * one.distance:.0f} mm in "
+            f"cycle {one.cycle}{kept}."
+        )
     for contact in told.contacts:
         say(f"{' and '.join(contact.bodies)} touch with {contact.force:.1f} N.")
     cut = [one.joint for one in told.joints if one.cut_off]

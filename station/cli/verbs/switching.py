@@ -48,6 +48,13 @@ def add_start(parser: "Parser") -> None:
 
 
 add_spawn = add_kill = add_start
+_STATES = ("unconfigured", "inactive", "active")
+
+
+def add_set_controller_state(parser: "Parser") -> None:
+    """Add the arguments of `set_controller_state`."""
+    parser.add_argument("name")
+    parser.add_argument("state", choices=_STATES)
 
 
 def switch_controllers(options: Namespace) -> int:
@@ -89,6 +96,42 @@ def start(options: Namespace) -> int:
     """Start loaded controllers (ROS 1)."""
     with open_client(options) as client:
         return _tell(client.switch_controllers(start=options.names), options)
+
+
+def set_controller_state(options: Namespace) -> int:
+    """Bring a controller into a state by one step, as `ros2 control` does.
+
+    A controller that is not loaded is unconfigured; its parameters stay.
+
+    Raises:
+        UsageError: The state is not next to the present one.
+    """
+    name, wanted = options.name, _STATES.index(options.state)
+    with open_client(options) as client:
+        found = [one.state for one in client.controllers() if one.name == name]
+        present = 0 if not found else 2 if found[0] == "running" else 1
+        match present, wanted:
+            case 0, 1:
+                client.load_controller(name)
+            case 1, 0:
+                client.unload_controller(name)
+            case 1, 2:
+                return _tell(
+                    client.switch_controllers(start=[name]), as_json=options.json
+                )
+            case 2, 1:
+                return _tell(
+                    client.switch_controllers(stop=[name]), as_json=options.json
+                )
+            case _ if present != wanted:
+                raise UsageError(
+                    f"'{name}' is {_STATES[present]}, and cannot become "
+                    f"{options.state} at once.",
+                    remedy="Set it inactive first.",
+                )
+    if not options.json:
+        say(f"{name} is {options.state}.")
+    return 0
 
 
 def spawn(options: Namespace) -> int:
