@@ -36,7 +36,7 @@ _CHECKING = 60.0
 uploaded file [s]."""
 
 
-class _AsyncFiles(ClientPart):
+class AsyncFilesClient(ClientPart):
     """Common part of recordings and incidents."""
 
     async def list(self) -> list[wire.Recording]:
@@ -131,7 +131,7 @@ class _AsyncFiles(ClientPart):
         return await self._send("POST", path, BenchResponse, part)
 
 
-class AsyncRecordingsClient(_AsyncFiles):
+class AsyncRecordingsClient(AsyncFilesClient):
     """Recordings of every cycle on the station's disk: `client.recordings`.
 
     Every method raises what the station client's own methods raise.
@@ -189,7 +189,7 @@ class AsyncRecordingsClient(_AsyncFiles):
         return await self._send("DELETE", self._of(identifier), wire.Recording)
 
 
-class AsyncIncidentsClient(_AsyncFiles):
+class AsyncIncidentsClient(AsyncFilesClient):
     """Recordings around stops, reflexes and faults: `client.incidents`."""
 
     _path = "/incidents"
