@@ -19,11 +19,11 @@ from station.api.audit import note_access, origin_of
 from station.api.auth import Access, Role
 from station.api.errors import ProblemError
 from station.api.guard import Guard
-from station.api.host_policy import HostPolicy
 from station.api.services import services_of
 from station.api.streams.broadcaster import CLOSE_INTERNAL_ERROR, PORT, first_end
 from station.core.errors import StationError
 from station.events import EventKind, Origin, Severity
+from station.web.host_policy import HostPolicy
 from station.wire import (
     CLOSE_BAD_REQUEST,
     CLOSE_GOING_AWAY,

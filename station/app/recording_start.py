@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from station.api.host_policy import HostPolicy
 from station.app.access import host_names, is_loopback
 from station.config import StationConfig
 from station.core.description.robot_files import load_robot_files
@@ -16,6 +15,7 @@ from station.core.errors import RobotDescriptionError
 from station.core.facade.station import Station
 from station.core.installation import install_command
 from station.records.record_store import Quota, RecordStore, default_folder
+from station.web.host_policy import HostPolicy
 
 if TYPE_CHECKING:
     from fastapi import FastAPI

@@ -8,7 +8,6 @@ import pytest
 
 from station.api.app import create_app
 from station.api.auth import Authenticator
-from station.api.host_policy import HostPolicy
 from station.app.composition import compose
 from station.app.recording_start import (
     describe,
@@ -18,6 +17,7 @@ from station.app.recording_start import (
 )
 from station.config import load_config
 from station.records.record_store import RecordStore
+from station.web.host_policy import HostPolicy
 
 
 @pytest.fixture

@@ -11,8 +11,8 @@ from typing_extensions import override
 from station.api.foxglove.foxglove_changes import FoxgloveChanges
 from station.api.foxglove.foxglove_session import SUBPROTOCOLS, FoxgloveSession
 from station.api.foxglove.live_channels import LiveChannels
-from station.api.host_policy import HostPolicy
 from station.api.tool_port import ToolClient, ToolPort
+from station.web.host_policy import HostPolicy
 
 _PARAMETERS_EVERY = 25
 """Ticks between two looks whether gains have changed."""

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, ClassVar
 from fastapi import FastAPI
 from typing_extensions import override
 
-from station.api.host_policy import HostPolicy
 from station.api.rosbridge.publication import Publication
 from station.api.rosbridge.ros_graph import RosGraph
 from station.api.rosbridge.session import RosbridgeSession
@@ -15,6 +14,7 @@ from station.api.rosbridge.topics import LATCHED
 from station.api.tool_port import ToolClient, ToolPort
 from station.core.description.urdf import Urdf
 from station.records.cdr import Values
+from station.web.host_policy import HostPolicy
 
 if TYPE_CHECKING:
     from station.api.services import Services

@@ -6,10 +6,10 @@ import pytest
 
 from station.api.foxglove.foxglove_port import FoxglovePort
 from station.api.foxglove.live_channels import LiveChannels
-from station.api.host_policy import HostPolicy
 from station.api.server import ApiServer
 from station.core.control.switching import SwitchRequest
 from station.core.description.urdf_parser import parse_urdf
+from station.web.host_policy import HostPolicy
 from tests.api.foxglove.words import URDF
 
 

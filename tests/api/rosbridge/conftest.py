@@ -6,12 +6,12 @@ import pytest
 from websockets.sync.client import connect
 
 from station.api.app import create_app
-from station.api.host_policy import HostPolicy
 from station.api.rosbridge.rosbridge_port import RosbridgePort
 from station.api.server import ApiServer
 from station.app.composition import compose
 from station.config import load_config
 from station.core.description.urdf_parser import parse_urdf
+from station.web.host_policy import HostPolicy
 from tests.api.conftest import OPERATOR
 
 JOINTS = ["joint1", "joint2"]
