@@ -121,8 +121,8 @@ def test_a_tool_is_served_as_configured(build, tool, host, anonymous):
 
     assert found.tool.lower() == tool
     assert (found.host, found.port) == (host, 9)
-    assert found._anonymous is anonymous
-    allowed = found._guarded._policy
+    assert found.place.anonymous is anonymous
+    allowed = found.place.policy
     assert allowed.origins == {"https://mine.example", "https://tool.example"}
 
 
