@@ -2,23 +2,22 @@
 
 from typing import Annotated
 
-from fastapi import APIRouter, Header, Path, Query, Request
+from fastapi import Header, Path, Query, Request
 from fastapi.responses import StreamingResponse
 
 from station.api import answers
 from station.api.audit import origin_of
 from station.api.auth import until_first
-from station.api.dependencies import AccessDep, ServicesDep, Viewer
+from station.api.dependencies import AccessDep, ServicesDep
 from station.api.event_feed import MEDIA_TYPE
-from station.api.json_route import JsonRoute
-from station.api.routes.problems import change, problems
+from station.api.routes.routing import change, problems, routes_of
 from station.events import EventKind, Severity
 from station.wire import Alarm, Alarms, EventKindName, Events, SeverityName
 
 MAX_PAGE = 1000
 """Most events of one answer."""
 
-router = APIRouter(tags=["events"], dependencies=[Viewer], route_class=JsonRoute)
+router = routes_of("events")
 
 Since = Annotated[
     int | None,

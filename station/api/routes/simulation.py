@@ -2,15 +2,14 @@
 
 from typing import Annotated
 
-from fastapi import APIRouter, Path
+from fastapi import Path
 
 from station import wire
-from station.api.dependencies import StationDep, Viewer
-from station.api.json_route import JsonRoute
-from station.api.routes.problems import change, problems
+from station.api.dependencies import StationDep
+from station.api.routes.routing import change, problems, routes_of
 from station.reports import Simulation
 
-router = APIRouter(tags=["simulation"], dependencies=[Viewer], route_class=JsonRoute)
+router = routes_of("simulation")
 ObjectName = Annotated[
     str, Path(description="Name of the object.", examples=["wall"], max_length=128)
 ]
