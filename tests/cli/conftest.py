@@ -221,7 +221,7 @@ class FakeStation:
         return [self.component]
 
     def set_hardware_component_state(self, name, state, **options):
-        self._record("component", name, state, options)
+        self.record("component", name, state, options)
         return replace(self.component, state=state)
 
     def chains(self):
@@ -288,7 +288,7 @@ class FakeStation:
         return self.rehearsal
 
     def plan(self, controller, target):
-        self._record("plan", controller, target)
+        self.record("plan", controller, target)
         return Plan(
             controller,
             {"trajectory": {}},
