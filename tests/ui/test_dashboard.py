@@ -10,7 +10,7 @@ def test_the_bar_is_live(bench):
 
 def test_the_robot_on_screen_follows_the_station(bench):
     bench.station.positions = [0.33, *bench.station.positions[1:]]
-    shown = bench.dashboard.scene._moving.shown
+    shown = bench.dashboard.scene.moving.shown
     assert bench.wait(lambda: abs(shown.get("panda_joint1", 0.0) - 0.33) < 1e-9)
 
 

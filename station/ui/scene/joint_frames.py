@@ -107,12 +107,13 @@ class MovingFrames:
         frames: The frames.
 
     Attributes:
+        frames: The frames.
         shown: The positions that are drawn, by joint [rad] or [m].
     """
 
     def __init__(self, place: Place, frames: list[MovingFrame]) -> None:
         self._place = place
-        self._frames = frames
+        self.frames = frames
         self.shown: dict[str, float] = {}
 
     def show(self, positions: Mapping[str, float]) -> None:
@@ -123,7 +124,7 @@ class MovingFrames:
                 stays as it is, and unknown names are skipped.
         """
         with self._place.atomic():
-            for frame in self._frames:
+            for frame in self.frames:
                 q = position_among(frame.joint, positions)
                 name = frame.joint.name
                 if q is None or abs(q - self.shown.get(name, 9e9)) < _SMALLEST_STEP:

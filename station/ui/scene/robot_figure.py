@@ -26,6 +26,9 @@ class RobotFigure:
         root: Name of its scene node.
         colour: Its colour.
         opacity: 0 to 1.
+
+    Attributes:
+        frames: The frames that its joints move.
     """
 
     def __init__(
@@ -50,7 +53,7 @@ class RobotFigure:
             surface = robot.surfaces.get(joint.child)
             if surface is not None:
                 surface.draw(scene, f"{path}/surface", colour, opacity)
-        self._frames = MovingFrames(place, moving)
+        self.frames = MovingFrames(place, moving)
 
     @property
     def is_shown(self) -> bool:
@@ -60,11 +63,11 @@ class RobotFigure:
     @property
     def positions(self) -> Mapping[str, float]:
         """The joint positions at which it stands [rad] or [m]."""
-        return self._frames.shown
+        return self.frames.shown
 
     def show(self, positions: Mapping[str, float]) -> None:
         """Show the figure at these joint positions [rad] or [m]."""
-        self._frames.show(positions)
+        self.frames.show(positions)
         if not self._root.visible:
             self._root.visible = True
 

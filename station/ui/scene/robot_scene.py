@@ -39,6 +39,7 @@ class RobotScene:
 
     Attributes:
         base: Scene node of the robot's first link.
+        moving: The frames that its joints move.
 
     Raises:
         RobotModelError: A mesh of the robot cannot be drawn.
@@ -62,7 +63,7 @@ class RobotScene:
         if has_camera:
             prepare_room(server)
         try:
-            self._moving = MovingFrames(server, _draw(server, robot, root))
+            self.moving = MovingFrames(server, _draw(server, robot, root))
             self._look_at({})
         except LIBRARY_FAILURES as exc:
             raise RobotModelError(
@@ -82,7 +83,7 @@ class RobotScene:
             self._look_at(positions)
             self._robot = None
             self._beside = ()
-        self._moving.show(positions)
+        self.moving.show(positions)
 
     def _look_at(self, positions: Mapping[str, float]) -> None:
         """Let the camera see the whole robot, and put a stand under its base."""

@@ -29,23 +29,26 @@ class SceneObjects:
 
     Args:
         server: The scene's server.
+
+    Attributes:
+        handles: The scene node of each object, by its name.
     """
 
     def __init__(self, server: viser.ViserServer) -> None:
         self._server = server
         self._shown: dict[str, SceneObject] = {}
-        self._handles: dict[str, viser.SceneNodeHandle] = {}
+        self.handles: dict[str, viser.SceneNodeHandle] = {}
 
     def show(self, objects: Sequence[SceneObject]) -> None:
         """Draw new objects, move objects that have moved, and remove the others."""
         with self._server.atomic():
             for name in self._shown.keys() - {thing.name for thing in objects}:
-                self._handles.pop(name).remove()
+                self.handles.pop(name).remove()
                 del self._shown[name]
             for thing in objects:
                 shown = self._shown.get(thing.name)
                 if shown is not None and _shape_of(shown) != _shape_of(thing):
-                    self._handles.pop(thing.name).remove()
+                    self.handles.pop(thing.name).remove()
                     shown = None
                 if not _looks_the_same(shown, thing):
                     self._place(thing)
@@ -53,14 +56,14 @@ class SceneObjects:
     def _place(self, thing: SceneObject) -> None:
         position = [0.0 if value is None else value for value in thing.position]
         x, y, z, w = (0.0 if value is None else value for value in thing.orientation)
-        handle = self._handles.get(thing.name)
+        handle = self.handles.get(thing.name)
         if handle is None:
             path = f"{_ROOT}/{thing.name}"
             colour = _colour_of(thing)
             handle = _draw(self._server.scene, path, thing, colour)
             if not thing.solid and hasattr(handle, "opacity"):
                 handle.opacity = _OPACITY
-            self._handles[thing.name] = handle
+            self.handles[thing.name] = handle
         handle.position = (position[0], position[1], position[2])
         handle.wxyz = (w, x, y, z)
         self._shown[thing.name] = thing

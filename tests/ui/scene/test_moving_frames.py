@@ -13,7 +13,7 @@ ROBOT = """<robot name="r"><link name="base"/><link name="slide"/>
 
 def _handle(frames, joint):
     """Return the frame that a joint moves."""
-    return next(f.handle for f in frames._frames if f.joint.name == joint)
+    return next(f.handle for f in frames.frames if f.joint.name == joint)
 
 
 @pytest.fixture

@@ -28,7 +28,7 @@ def test_a_figure_stands_at_its_joint_positions(figure):
     figure.show({"panda_joint1": 1.0})
     turned = tuple(
         next(
-            f.handle for f in figure._frames._frames if f.joint.name == "panda_joint1"
+            f.handle for f in figure.frames.frames if f.joint.name == "panda_joint1"
         ).wxyz
     )
     # A turn about z by 1 rad: (cos 0.5, 0, 0, sin 0.5).

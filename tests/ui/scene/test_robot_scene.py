@@ -14,7 +14,7 @@ def scene(shared_bench):
 
 
 def _handle(scene, name):
-    return next(f.handle for f in scene._moving._frames if f.joint.name == name)
+    return next(f.handle for f in scene.moving.frames if f.joint.name == name)
 
 
 def test_a_joint_turns_its_frame(scene):

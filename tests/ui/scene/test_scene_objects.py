@@ -40,7 +40,7 @@ def test_each_kind_of_object_is_drawn_at_its_pose(objects, kind, size):
         thing("a", kind, size, position=[1.0, 2.0, 3.0], orientation=[half, 0, 0, half])
     ])
 
-    handle = objects._handles["a"]
+    handle = objects.handles["a"]
     assert tuple(handle.position) == (1.0, 2.0, 3.0)
     assert tuple(handle.wxyz) == pytest.approx((half, half, 0.0, 0.0))
 
@@ -51,23 +51,23 @@ def test_a_mesh_is_read_from_its_file(objects, tmp_path):
 
     objects.show([thing("cone", "mesh", (), file=str(file))])
 
-    assert len(objects._handles["cone"].faces) > 0
+    assert len(objects.handles["cone"].faces) > 0
 
 
 def test_a_mesh_on_another_machine_is_shown_by_its_name(objects):
     objects.show([thing("cone", "mesh", (), file="/nowhere/cone.stl")])
 
-    assert "cone" in objects._handles["cone"].text
+    assert "cone" in objects.handles["cone"].text
 
 
 def test_a_moved_object_is_moved_and_a_missing_object_is_removed(objects):
     objects.show([thing("a"), thing("b")])
-    handle = objects._handles["a"]
+    handle = objects.handles["a"]
 
     objects.show([thing("a", position=[0.5, 0.0, 0.0])])
 
     assert tuple(handle.position) == (0.5, 0.0, 0.0)
-    assert set(objects._handles) == {"a"}
+    assert set(objects.handles) == {"a"}
 
 
 def test_an_object_that_moves_by_a_rounding_error_is_not_sent_again(
