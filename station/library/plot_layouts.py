@@ -5,10 +5,11 @@ from dataclasses import asdict
 from datetime import UTC, datetime
 from math import isfinite
 from pathlib import Path
+from typing import Any
 
 from station.core.errors import PlotLayoutError, PlotLayoutNotFoundError
 from station.library.yaml_folder import FileKind, YamlFolder
-from station.reports import PlotLayout, PlotSettings
+from station.reports import DockSettings, PlotLayout, PlotSettings
 
 _KIND = FileKind(
     "plot layout", "plot-layouts", PlotLayoutNotFoundError, PlotLayoutError
@@ -39,22 +40,37 @@ class PlotLayouts:
         data = self._files.read(name)
         try:
             plots = _read(data.get("plots"))
+            docks = _docks(data.get("docks"))
         except ValueError as error:
             raise self._files.unusable(name, error) from error
-        return PlotLayout(name, str(data.get("saved_at", "")), plots)
+        return PlotLayout(name, str(data.get("saved_at", "")), plots, docks)
 
-    def save(self, name: str, plots: Sequence[PlotSettings]) -> PlotLayout:
+    def save(
+        self,
+        name: str,
+        plots: Sequence[PlotSettings],
+        docks: DockSettings | None = None,
+    ) -> PlotLayout:
         """Save a layout; one of that name is replaced.
+
+        Args:
+            name: Its name.
+            plots: Its plots.
+            docks: Folds and sizes of the docks; None keeps those of the layout.
 
         Raises:
             PlotLayoutNotFoundError: The name is none.
             PlotLayoutError: The file cannot be written.
         """
         now = datetime.now(UTC).isoformat(timespec="seconds")
-        data = {"saved_at": now, "plots": [asdict(plot) for plot in plots]}
+        data: dict[str, Any] = {"saved_at": now, "plots": [asdict(p) for p in plots]}
         with self._files.changing(name):
+            if docks is None and name in self.names():
+                docks = self.get(name).docks
+            if docks is not None:
+                data["docks"] = asdict(docks)
             self._files.write(name, data)
-        return PlotLayout(name, now, tuple(plots))
+        return PlotLayout(name, now, tuple(plots), docks)
 
     def delete(self, name: str) -> PlotLayout:
         """Delete a layout and return it.
@@ -67,6 +83,23 @@ class PlotLayouts:
             found = self.get(name)
             self._files.delete(name)
             return found
+
+
+def _docks(docks: object) -> DockSettings | None:
+    """Return the docks that a file has; None without any.
+
+    Raises:
+        ValueError: The values are malformed.
+    """
+    if docks is None:
+        return None
+    try:
+        made = DockSettings(**docks)  # type: ignore[arg-type]  # refused below
+        heights = {str(name): float(size) for name, size in made.heights.items()}
+        folded = [str(name) for name in made.folded]
+        return DockSettings(folded, float(made.side), float(made.below), heights)
+    except (AttributeError, TypeError, ValueError) as error:
+        raise ValueError(f"its docks are malformed: {error!r}") from error
 
 
 def _read(plots: object) -> tuple[PlotSettings, ...]:

@@ -10,6 +10,7 @@ from station.reports import (
     ChainedController as ChainedController,
     Clearance as Clearance,
     ControllerChains as ControllerChains,
+    DockSettings as DockSettings,
     Event as Event,
     ExportedValue as ExportedValue,
     GainsChange as GainsChange,
@@ -93,6 +94,7 @@ from station.wire.hardware import (
     SoftLimits as SoftLimits,
 )
 from station.wire.plot_layouts import (
+    DocksRequest as DocksRequest,
     PlotLayoutRequest as PlotLayoutRequest,
     PlotLayouts as PlotLayouts,
     PlotRequest as PlotRequest,

@@ -7,7 +7,7 @@ from fastapi import APIRouter, Path
 from station.api.dependencies import Operator, ServicesDep, Viewer
 from station.api.json_route import JsonRoute
 from station.api.routes.problems import problems
-from station.reports import PlotLayout, PlotSettings
+from station.reports import DockSettings, PlotLayout, PlotSettings
 from station.wire import PlotLayoutRequest, PlotLayouts
 from station.wire.base import FileName
 
@@ -35,9 +35,11 @@ def get_plot_layout(name: Name, services: ServicesDep) -> PlotLayout:
 def save_plot_layout(
     name: Name, request: PlotLayoutRequest, services: ServicesDep
 ) -> PlotLayout:
-    """Save the plots of a layout; a layout of that name is replaced."""
+    """Save the plots of a layout, and its docks; a layout of that name is replaced."""
     plots = [PlotSettings(**plot.model_dump()) for plot in request.plots]
-    return services.plot_layouts.save(name, plots)
+    asked = request.docks
+    docks = None if asked is None else DockSettings(**asked.model_dump())
+    return services.plot_layouts.save(name, plots, docks)
 
 
 @router.delete(
