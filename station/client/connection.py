@@ -15,7 +15,7 @@ from collections.abc import (
     Sequence,
 )
 from pathlib import Path
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, Generic, TypeAlias, TypeVar
 from urllib.parse import quote
 
 import httpx
@@ -32,6 +32,7 @@ _ANSWERS = 20
 """Answers that tell how far the station's clock is ahead."""
 Sleep: TypeAlias = Callable[[float], Awaitable[None]]
 ModelT = TypeVar("ModelT")
+ThingT = TypeVar("ThingT")
 Query = Mapping[str, str | list[str]]
 
 
@@ -335,6 +336,42 @@ class AsyncConnection:
             refusal = ApiError.from_body(response.status_code, response.content)
             raise refusal
         return reader_of(answer).validate_json(response.content)
+
+
+class ClientPart:
+    """The client of one part of the API.
+
+    Every method raises what the station client's own methods raise.
+
+    Args:
+        connection: The connection to the station.
+    """
+
+    _path = ""
+    """Path of the part below the prefix of the API."""
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        self._connection = connection
+        self._get, self._send = connection.get, connection.send
+
+    def _of(self, name: str, rest: str = "") -> str:
+        """Return the path of a thing that has a name, or of a part of it."""
+        path = f"{self._path}/{segment(name)}"
+        return f"{path}/{rest}" if rest else path
+
+
+class NamedThings(ClientPart, Generic[ThingT]):
+    """The client of a store whose things have names."""
+
+    _kind: type[ThingT]
+
+    async def get(self, name: str) -> ThingT:
+        """Return the one of that name."""
+        return await self._get(self._of(name), self._kind)
+
+    async def delete(self, name: str) -> ThingT:
+        """Delete the one of that name; return its last content."""
+        return await self._send("DELETE", self._of(name), self._kind)
 
 
 async def _pieces(path: Path) -> AsyncIterator[bytes]:

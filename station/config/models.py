@@ -84,12 +84,17 @@ class LoopSection(_Section):
             `period` for the period of the loop, None for no budget.
         controller_modules: Python modules whose controllers may be loaded as
             `module:Class` while the station runs.
+        hardware_components_initial_state: Names of the hardware components that do not
+            begin as active ones, by their states.
     """
 
     rate: float = Field(ge=1.0, le=10_000.0)
     real_time_factor: Annotated[float, AfterValidator(_within(SLOWEST, FASTEST))]
     update_budget: Annotated[float, Field(gt=0.0)] | Literal["period"] | None
     controller_modules: list[ModuleName]
+    hardware_components_initial_state: dict[
+        Literal["unconfigured", "inactive"], list[str]
+    ] = Field(default_factory=dict)
 
     def longest_update(self) -> float:
         """Return the longest allowed update [s wall time]; infinite for no budget."""
