@@ -320,16 +320,24 @@ class AsyncPlotLayoutsClient(NamedThings[wire.PlotLayout]):
         return (await self._get(self._path, wire.PlotLayouts)).plot_layouts
 
     async def save(
-        self, name: str, plots: Sequence[wire.PlotSettings | wire.PlotRequest]
+        self,
+        name: str,
+        plots: Sequence[wire.PlotSettings | wire.PlotRequest],
+        docks: wire.DockSettings | wire.DocksRequest | None = None,
     ) -> wire.PlotLayout:
         """Save the plots of a layout; a layout of that name is replaced.
 
         Args:
             name: Letters, digits, `_`, `.` and `-`.
             plots: The plots, from left to right.
+            docks: Folds and sizes of the docks; None keeps those of the layout.
         """
         read = partial(wire.PlotRequest.model_validate, from_attributes=True)
-        request = wire.PlotLayoutRequest(plots=[read(plot) for plot in plots])
+        of_docks = partial(wire.DocksRequest.model_validate, from_attributes=True)
+        request = wire.PlotLayoutRequest(
+            plots=[read(plot) for plot in plots],
+            docks=None if docks is None else of_docks(docks),
+        )
         return await self._send("PUT", self._of(name), wire.PlotLayout, request)
 
 

@@ -11,6 +11,7 @@ from station.reports import (
     Clearance as Clearance,
     ComponentInterface as ComponentInterface,
     ControllerChains as ControllerChains,
+    DockSettings as DockSettings,
     Event as Event,
     ExportedValue as ExportedValue,
     GainsChange as GainsChange,
@@ -98,6 +99,7 @@ from station.wire.hardware import (
 )
 from station.wire.library import (
     CaptureRequest as CaptureRequest,
+    DocksRequest as DocksRequest,
     LastPlayback as LastPlayback,
     PlaybackPatch as PlaybackPatch,
     PlayRequest as PlayRequest,
