@@ -108,6 +108,7 @@ class SceneObject(ResponseModel):
         links: Links for which the role counts; empty for all.
         colour: Red, green and blue, 0 to 255; empty for the one of its role.
         solid: Whether a simulated robot can touch it.
+        carried_by: Name of the arm whose hand carries it; empty for none.
 
     Example:
         {"name": "cube", "type": "box", "size": [0.05, 0.05, 0.05], "position": [0.5,
@@ -126,6 +127,7 @@ class SceneObject(ResponseModel):
     links: Items[str] = Field(default_factory=list)
     colour: Items[int] = Field(default_factory=list)
     solid: bool = True
+    carried_by: str = ""
 
 
 class MovingBase(ResponseModel):
