@@ -31,7 +31,7 @@ from station.wire.lessons import (
 _RECORDINGS, _INCIDENTS = "/recordings", "/incidents"
 _BENCH_RUNS, _LESSONS = "/bench-runs", "/lessons"
 _GAIN_SETS, _WAYPOINT_PATHS = "/gain-sets", "/waypoint-paths"
-_PLOT_LAYOUTS = "/plot-layouts"
+_PLOT_LAYOUTS, _SCENES = "/plot-layouts", "/scenes"
 _EXPERIMENTS, _PLAYBACK = "/experiments", "/playback"
 _PERIOD = 0.5
 """Time between two looks at an experiment that runs [s]."""
@@ -396,6 +396,46 @@ class AsyncPlotLayoutsClient:
         return await self._connection.send(
             "DELETE", _below(_PLOT_LAYOUTS, name), wire.PlotLayout
         )
+
+
+class AsyncScenesClient:
+    """Named scenes on the station's disk: `client.scenes`.
+
+    Every method raises what the station client's own methods raise.
+
+    Args:
+        connection: The connection to the station.
+    """
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        self._connection = connection
+
+    async def names(self) -> list[str]:
+        """Return the names of the saved scenes."""
+        return (await self._connection.get(_SCENES, wire.SavedScenes)).scenes
+
+    async def get(self, name: str) -> wire.SavedScene:
+        """Return a scene with its objects."""
+        return await self._connection.get(_below(_SCENES, name), wire.SavedScene)
+
+    async def save(self, name: str) -> wire.SavedScene:
+        """Save the objects that have a role now; a scene of that name is replaced.
+
+        Args:
+            name: Letters, digits, `_`, `.` and `-`.
+        """
+        path = _below(_SCENES, name)
+        return await self._connection.send("PUT", path, wire.SavedScene)
+
+    async def load(self, name: str) -> list[wire.SceneObject]:
+        """Replace the objects with a role by those of a scene; return all objects."""
+        path = f"{_below(_SCENES, name)}/load"
+        return (await self._connection.send("POST", path, wire.Scene)).objects
+
+    async def delete(self, name: str) -> wire.SavedScene:
+        """Delete a scene; return its last content."""
+        path = _below(_SCENES, name)
+        return await self._connection.send("DELETE", path, wire.SavedScene)
 
 
 class AsyncWaypointPathsClient:

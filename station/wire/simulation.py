@@ -130,6 +130,46 @@ class SceneObject(ResponseModel):
     carried_by: str = ""
 
 
+class AttachRequest(RequestModel):
+    """Let an arm carry an object.
+
+    Attributes:
+        arm: Name of the arm; may be left out where there is only one.
+        load: Whether the arm is told the mass of what it carries, which it refuses
+            while it moves.
+
+    Example:
+        {"arm": "panda"}
+    """
+
+    arm: str = Field(default="", max_length=128)
+    load: bool = True
+
+
+class DetachRequest(RequestModel):
+    """Let an object stay where it is.
+
+    Attributes:
+        load: Whether the arm is told the mass of what is left, which it refuses while
+            it moves.
+
+    Example:
+        {"load": true}
+    """
+
+    load: bool = True
+
+
+class SavedScenes(ResponseModel):
+    """The saved scenes.
+
+    Attributes:
+        scenes: Names of the scenes, sorted.
+    """
+
+    scenes: Items[str]
+
+
 class MovingBase(ResponseModel):
     """The root link of a simulated robot that floats or drives, where it is now.
 
