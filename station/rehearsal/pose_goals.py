@@ -58,8 +58,8 @@ class EndEffector:
                 self._frames = (state.F_T_EE, state.EE_T_K)
                 return
         raise InvalidCommandError(
-            f"'{controller}' does not move the joints of one Franka arm, so that it "
-            "has no end effector that could be put to a pose.",
+            f"'{controller}' does not move the joints of one Franka arm, so it has "
+            "no end effector that could be put to a pose.",
             remedy="Give the positions of joints.",
         )
 
