@@ -17,6 +17,7 @@ from station.core.errors import ConfigError, show
 _KEY = "ros__parameters"
 _MANAGER = "controller_manager"
 _TYPE = re.compile(r"[A-Za-z_][\w.]*[/:]+[A-Za-z_]\w*")
+_SEPARATORS = re.compile(r"[./]")
 Values = dict[str, Any]
 
 
@@ -100,7 +101,8 @@ def _nested(values: Mapping[str, object]) -> Values:
     result: Values = {}
     for key, value in values.items():
         inner = _nested(value) if isinstance(value, dict) else value
-        for part in reversed(str(key).split(".")):
+        # A filter of one input has the name of the input, with its slash.
+        for part in reversed(_SEPARATORS.split(str(key))):
             inner = {part: inner}
         _merge(result, inner)  # type: ignore[arg-type]  # a key has at least one part
     return result
