@@ -663,6 +663,24 @@ class ContactForecast(Report):
 
 
 @dataclass(frozen=True, slots=True)
+class ClearanceForecast(Report):
+    """The least distance of two bodies in a rehearsal.
+
+    Attributes:
+        bodies: Names of a link, and of an object or another robot's link.
+        cycle: Number of the cycle in which they are so near.
+        distance: Distance of their surfaces [m]; negative when they overlap.
+        margin: Distance that the arm keeps from the object [m]; null for a solid body
+            without a role.
+    """
+
+    bodies: Sequence[str]
+    cycle: int
+    distance: float
+    margin: float | None
+
+
+@dataclass(frozen=True, slots=True)
 class Certificate(Report):
     """The station's word that a command goes as it was rehearsed, or is stopped.
 
@@ -714,6 +732,9 @@ class Rehearsal(Report):
         wall_time: How long the rehearsal took [s].
         joints: All joints.
         contacts: Pairs of bodies that touched.
+        clearances: The pair of a simulated robot and something solid that came nearest,
+            and of each arm that keeps clear of roles the pair that came nearest to its
+            margin.
         times: Time of each row of `positions` since the beginning [s], shape (k,).
         positions: Positions of the joints [rad or m], shape (k, n), 200 rows at most.
         digest: SHA-256 of positions, velocities and efforts of all joints in every
@@ -733,6 +754,7 @@ class Rehearsal(Report):
     wall_time: float
     joints: Sequence[JointForecast]
     contacts: Sequence[ContactForecast]
+    clearances: Sequence[ClearanceForecast]
     times: Sequence[float]
     positions: Sequence[Sequence[float]]
     digest: str

@@ -112,40 +112,12 @@ def create_app(  # noqa: PLR0913 - parts and bounds of one application
         # Its spans and counters would cost time in every request.
         telemetry={"tracing": False, "metrics": False, "logs": False},
     )
-    kept = Kept() if kept is None else kept
-    event_recorder = EventRecorder(kept.events)
-    paths = WaypointPaths(station.loop, station.manager, kept.waypoint_paths)
-    player = PathPlayer(station.loop, station.manager, station.motion, paths)
-    rehearsals = Rehearsals(station, {"path": partial(_plan_path, player)})
+    kept = kept or Kept()
+    streams = Broadcaster(station, slow_after=slow_after, max_clients=max_streams)
     seat = Agents(station, kept.events, agents or AgentPolicy())
-    control = Control(kept.events, station.motion.let_go, rehearsed=rehearsals.check)
-    control.listen(seat.withdraw)
-    runs = KeptRuns(kept.bench_runs)
-    app.state.services = Services(
-        station=station,
-        authenticator=authenticator,
-        failed_logins=FailedLogins(),
-        event_recorder=event_recorder,
-        event_feed=EventFeed(kept.events),
-        alarms=Alarms(station, kept.events),
-        control=control,
-        agents=seat,
-        idempotent_answers=IdempotentAnswers(),
-        bench=LiveBench(station),
-        bench_runs=runs,
-        lessons=LessonAttempts(station, runs, kept.lessons),
-        broadcaster=Broadcaster(
-            station, slow_after=slow_after, max_clients=max_streams
-        ),
-        dashboard_url=dashboard_url,
-        recorder=kept.recorder,
-        experiments=kept.experiments,
-        gain_sets=GainSets(station.tuning, kept.gain_sets),
-        plot_layouts=PlotLayouts(kept.plot_layouts),
-        waypoint_paths=paths,
-        path_player=player,
-        rehearsals=rehearsals,
-    )
+    services = _services(station, authenticator, kept, seat, streams)
+    services.dashboard_url = dashboard_url
+    app.state.services = services
     add_error_handlers(app)
     app.router.routes.extend(_shared_routes())
     app.include_router(robots.declared(station), prefix=PREFIX)
@@ -161,9 +133,47 @@ def create_app(  # noqa: PLR0913 - parts and bounds of one application
             allow_private_network=True,
         )
     app.add_middleware(Guard, policy=policy, max_body=max_body)
-    app.add_middleware(Audit, repeats=event_recorder.repeats)
+    app.add_middleware(Audit, repeats=services.event_recorder.repeats)
     app.add_middleware(RequestId)
     return app
+
+
+def _services(
+    station: Station,
+    authenticator: Authenticator,
+    kept: Kept,
+    seat: Agents,
+    streams: Broadcaster,
+) -> Services:
+    """Return the services of an application."""
+    paths = WaypointPaths(station.loop, station.manager, kept.waypoint_paths)
+    player = PathPlayer(station.loop, station.manager, station.motion, paths)
+    rehearsals = Rehearsals(station, {"path": partial(_plan_path, player)})
+    control = Control(kept.events, station.motion.let_go, rehearsed=rehearsals.check)
+    control.listen(seat.withdraw)
+    runs = KeptRuns(kept.bench_runs)
+    return Services(
+        station=station,
+        authenticator=authenticator,
+        failed_logins=FailedLogins(),
+        event_recorder=EventRecorder(kept.events),
+        event_feed=EventFeed(kept.events),
+        alarms=Alarms(station, kept.events),
+        control=control,
+        agents=seat,
+        idempotent_answers=IdempotentAnswers(),
+        bench=LiveBench(station),
+        bench_runs=runs,
+        lessons=LessonAttempts(station, runs, kept.lessons),
+        broadcaster=streams,
+        recorder=kept.recorder,
+        experiments=kept.experiments,
+        gain_sets=GainSets(station.tuning, kept.gain_sets),
+        plot_layouts=PlotLayouts(kept.plot_layouts),
+        waypoint_paths=paths,
+        path_player=player,
+        rehearsals=rehearsals,
+    )
 
 
 def _plan_path(player: PathPlayer, step: Mapping[str, Any]) -> dict[str, object]:

@@ -166,23 +166,23 @@ class AsyncStationClient(AsyncControllersClient):
 
     async def health(self) -> wire.Health:
         """Return the boot_id of the process, which lives."""
-        return await self._connection.get("/health", wire.Health)
+        return await self._get("/health", wire.Health)
 
     async def ready(self) -> wire.Ready:
         """Wait until the loop runs with fresh cycles, or raise the reason why not."""
-        return await self._connection.get("/ready", wire.Ready)
+        return await self._get("/ready", wire.Ready)
 
     async def session(self) -> wire.Session:
         """Return the role of the token."""
-        return await self._connection.get("/session", wire.Session)
+        return await self._get("/session", wire.Session)
 
     async def status(self) -> wire.Status:
         """Return the station at a glance."""
-        return await self._connection.get("/status", wire.Status)
+        return await self._get("/status", wire.Status)
 
     async def hardware(self) -> wire.Hardware:
         """Return interfaces, claims, limits, transmissions and clamps of the robot."""
-        return await self._connection.get("/hardware", wire.Hardware)
+        return await self._get("/hardware", wire.Hardware)
 
     async def hardware_components(self) -> list[wire.HardwareComponentReport]:
         """Return the hardware components with their states and interfaces."""
@@ -223,7 +223,7 @@ class AsyncStationClient(AsyncControllersClient):
 
     async def start_move(
         self,
-        target: Target,
+        target: Target | Pose,
         *,
         duration: float | None = None,
         controller: str = "",
@@ -236,7 +236,8 @@ class AsyncStationClient(AsyncControllersClient):
 
         Args:
             target: Name of a pose (`ready`, `stretched`), one position per joint of the
-                controller, or positions by joint [rad or m]; other joints stay.
+                controller, or positions by joint [rad or m]; other joints stay. With
+                `plan` also a `Pose`, or another name of a pose that the robot has.
             duration: How long the motion takes [s]; a calm one when None.
             controller: The trajectory controller; found when empty.
             plan: Go by a path that touches nothing, at its own pace.
@@ -251,6 +252,7 @@ class AsyncStationClient(AsyncControllersClient):
         *,
         duration: float | None = None,
         timeout: float | None = None,
+        plan: bool = False,
     ) -> None:
         """Move the arm and wait until it is there.
 
@@ -259,12 +261,14 @@ class AsyncStationClient(AsyncControllersClient):
                 its Cartesian streaming controller moves along a straight line.
             duration: How long a motion of joints takes [s]; a calm one when None.
             timeout: Longest wait [s]; None waits for ever.
+            plan: Go by a path of the joints that touches nothing, as `start_move`.
 
         Raises:
             MotionError: The arm did not arrive, and why.
             ValueError: A motion to a `Pose` was given a duration.
         """
-        await move_to(self, target, duration, timeout, self._connection.sleep)
+        sleep = self._connection.sleep
+        await move_to(self, target, duration, timeout, sleep, plan=plan)
 
     async def collect(
         self, seconds: float, topic: str = "joint_states", *, rate: Rate = "full"
@@ -285,7 +289,7 @@ class AsyncStationClient(AsyncControllersClient):
 
     async def joint_states(self) -> wire.JointStates:
         """Return the joints of the last cycle."""
-        return await self._connection.get("/joint_states", wire.JointStates)
+        return await self._get("/joint_states", wire.JointStates)
 
     async def parameter(self, path: str = "") -> JsonValue:
         """Return a parameter or a namespace; without a path the whole tree.
@@ -293,7 +297,7 @@ class AsyncStationClient(AsyncControllersClient):
         Args:
             path: Names separated by `/`.
         """
-        return (await self._connection.get(_parameter(path), wire.Parameter)).value
+        return (await self._get(_parameter(path), wire.Parameter)).value
 
     async def set_parameter(self, path: str, value: JsonValue) -> None:
         """Set a parameter; controllers that are loaded afterwards read it.
@@ -303,23 +307,20 @@ class AsyncStationClient(AsyncControllersClient):
             value: Any JSON; an object replaces the whole namespace.
         """
         request = wire.ParameterRequest(value=value)
-        await self._connection.send("PUT", _parameter(path), wire.Parameter, request)
+        await self._send("PUT", _parameter(path), wire.Parameter, request)
 
     async def delete_parameter(self, path: str) -> JsonValue:
         """Delete a parameter or a namespace; return its last value."""
-        found = await self._connection.send("DELETE", _parameter(path), wire.Parameter)
-        return found.value
+        return (await self._send("DELETE", _parameter(path), wire.Parameter)).value
 
     async def robots(self) -> list[wire.ArmReport]:
         """Return all arms with modes, errors and remedies."""
-        return (await self._connection.get("/robots", wire.Arms)).robots
+        return (await self._get("/robots", wire.Arms)).robots
 
     async def recover_all(self, restart: Restart = "none") -> wire.Recoveries:
         """Clear the errors of all arms; with `previous` start controllers again."""
         path, request = "/robots/error_recovery", wire.RecoveryRequest(restart=restart)
-        return await self._connection.send(
-            "POST", path, wire.Recoveries, request, patience=5.0
-        )
+        return await self._send("POST", path, wire.Recoveries, request, patience=5.0)
 
     def robot(self, arm_id: str = "panda") -> AsyncRobotClient:
         """Return the client of one arm."""
@@ -327,11 +328,11 @@ class AsyncStationClient(AsyncControllersClient):
 
     async def scene(self) -> list[wire.SceneObject]:
         """Return the objects around a simulated robot, where they are now."""
-        return (await self._connection.get("/scene", wire.Scene)).objects
+        return (await self._get("/scene", wire.Scene)).objects
 
     async def clearances(self) -> list[wire.Clearance]:
         """Return the nearest pair of each arm that keeps clear of something."""
-        return (await self._connection.get("/scene", wire.Scene)).clearances
+        return (await self._get("/scene", wire.Scene)).clearances
 
     async def put_object(self, name: str, /, **values: JsonValue) -> wire.SceneObject:
         """Add an object that arms keep clear of, or change the one of that name.
@@ -343,25 +344,24 @@ class AsyncStationClient(AsyncControllersClient):
         """
         request = wire.SceneObjectRequest.model_validate(values)
         path = f"/scene/{segment(name)}"
-        return await self._connection.send("PUT", path, wire.SceneObject, request)
+        return await self._send("PUT", path, wire.SceneObject, request)
 
     async def remove_object(self, name: str) -> list[wire.SceneObject]:
         """Remove an object with a role; return what is left."""
         path = f"/scene/{segment(name)}"
-        return (await self._connection.send("DELETE", path, wire.Scene)).objects
+        return (await self._send("DELETE", path, wire.Scene)).objects
 
     async def loop(self) -> wire.LoopReport:
         """Return state and statistics of the control loop."""
-        return await self._connection.get("/loop", wire.LoopReport)
+        return await self._get("/loop", wire.LoopReport)
 
     async def reset_loop_statistics(self) -> wire.LoopReport:
         """Reset the loop's statistics."""
-        path = "/loop/statistics/reset"
-        return await self._connection.send("POST", path, wire.LoopReport)
+        return await self._send("POST", "/loop/statistics/reset", wire.LoopReport)
 
     async def stop_state(self) -> wire.StopState:
         """Return the state of the latched stop."""
-        return await self._connection.get("/stop", wire.StopState)
+        return await self._get("/stop", wire.StopState)
 
     async def stop(self, reason: str = "") -> wire.StopState:
         """Stop the robot; it stays stopped until released.
@@ -370,7 +370,7 @@ class AsyncStationClient(AsyncControllersClient):
             reason: For the record.
         """
         request = wire.StopRequest(reason=reason)
-        return await self._connection.send("POST", "/stop", wire.StopState, request)
+        return await self._send("POST", "/stop", wire.StopState, request)
 
     async def release_stop(self, *, arm: bool = False) -> wire.StopState:
         """Release a stop, in two steps; nothing resumes by itself.
@@ -379,9 +379,7 @@ class AsyncStationClient(AsyncControllersClient):
             arm: False, first: the cause is gone. True, afterwards: allow motion again.
         """
         request = wire.ReleaseRequest(arm=arm)
-        return await self._connection.send(
-            "POST", "/stop/release", wire.StopState, request
-        )
+        return await self._send("POST", "/stop/release", wire.StopState, request)
 
     def control(
         self, owner: str | None = None, *, ttl: float = 10.0, force: bool = False
@@ -423,11 +421,11 @@ class AsyncStationClient(AsyncControllersClient):
             "kind": list(kinds),
             **({} if since is None else {"since": str(since)}),
         }
-        return (await self._connection.get("/events", wire.Events, query)).events
+        return (await self._get("/events", wire.Events, query)).events
 
     async def stream_ticket(self) -> wire.StreamTicket:
         """Return a ticket that opens one WebSocket, e.g. for a browser."""
-        return await self._connection.send("POST", "/stream-tickets", wire.StreamTicket)
+        return await self._send("POST", "/stream-tickets", wire.StreamTicket)
 
     def stream(
         self,

@@ -1,8 +1,8 @@
 """Plan motions that touch nothing, in a copy of the station."""
 
 import time
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -17,6 +17,7 @@ from station.core.errors import (
 from station.core.trajectory import PosVelAccState, peak_speeds, through_waypoints
 from station.core.trajectory.quintic_spline_segment import QuinticSplineSegment
 from station.rehearsal.path_search import Joints, PathSearch
+from station.rehearsal.pose_goals import EndEffector, joints_at, target_pose
 from station.rehearsal.process_copy import run_in_copy
 from station.reports import Plan
 
@@ -54,12 +55,16 @@ class Wish:
     Attributes:
         controller: A running trajectory controller.
         positions: Where joints are to go [rad or m], by name; others stay.
+        place: Where the end effector of a Franka arm is to go in the frame of its base:
+            its position [m], shape (3,), and a quaternion x, y, z, w, or None for the
+            present orientation; in place of `positions`.
         timeout: How long to search [s], > 0.
         seed: Of the random numbers.
     """
 
     controller: str
-    positions: Mapping[str, float]
+    positions: Mapping[str, float] = field(default_factory=dict)
+    place: tuple[Sequence[float], Sequence[float] | None] | None = None
     timeout: float = 2.0
     seed: int = 0
 
@@ -74,9 +79,11 @@ def plan(station: "Station", wish: Wish) -> Plan:
     Raises:
         ControllerNotFoundError: None of that name is loaded.
         ControllerStateError: The controller is not running.
-        InvalidCommandError: The controller takes no trajectories, or has no such joint.
+        InvalidCommandError: The controller takes no trajectories, has no such joint, or
+            moves no end effector.
         InvalidTrajectoryError: A joint would leave its range.
-        NoPathError: The pose touches something, or no path was found in time.
+        NoPathError: The pose touches something or is out of reach, or no path was found
+            in time.
         RehearsalError: The robot is no simulated one, or this machine cannot copy the
             station.
     """
@@ -85,17 +92,19 @@ def plan(station: "Station", wish: Wish) -> Plan:
     goal = _goal_of(station, wish, joints, start)
     begun = time.perf_counter()
 
-    def work(tell: Callable[[], None]) -> list[Plan | NoPathError] | None:
+    def work(
+        tell: Callable[[], None],
+    ) -> list[Plan | NoPathError | InvalidCommandError] | None:
         del tell
         if not station.loop.go_on_without_thread():
             return None
         try:
             return [_Planner(station, wish, joints).find_plan(np.array(start), goal)]
-        except NoPathError as error:
+        except (NoPathError, InvalidCommandError) as error:
             return [error]
 
     (found,) = run_in_copy(work, station.loop.wait_between_cycles, wish.timeout + 2.0)
-    if isinstance(found, NoPathError):
+    if not isinstance(found, Plan):
         raise found
     return replace(found, planning_time=time.perf_counter() - begun)
 
@@ -134,6 +143,7 @@ class _Planner:
     """Plans in a copy of the station, whose world it may put into any pose."""
 
     def __init__(self, station: "Station", wish: Wish, joints: list[str]) -> None:
+        self._station = station
         self._wish = wish
         self._joints = joints
         world = station.loop.hw.simulated_world()
@@ -169,9 +179,13 @@ class _Planner:
         for one, other, distance in self._near(start.tolist()):
             before = self._allowed.get((one, other), 0.0)
             self._allowed[one, other] = min(before, distance)
-        blocked = self._blocked(goal)
-        if blocked:
-            one, other, distance = min(blocked, key=lambda pair: pair[2])
+        inside = np.full(len(self._joints), _INSIDE)
+        limits = self._lower + inside, self._upper - inside
+        goals = self._goals(start, goal, limits)
+        clear = [one for one in goals if not self._blocked(one)]
+        if not clear:
+            pairs = self._blocked(goals[0])
+            one, other, distance = min(pairs, key=lambda pair: pair[2])
             raise NoPathError(
                 f"{one} and {other} would be {1e3 * distance:.0f} mm from each other "
                 f"in that pose; {1e3 * MARGIN:.0f} mm are kept free."
@@ -181,14 +195,10 @@ class _Planner:
                 remedy="Choose another pose, or move what is in the way.",
                 details={"cause": "goal_in_collision", "pair": [one, other]},
             )
-        inside = np.full(len(self._joints), _INSIDE)
         search = PathSearch(
-            lambda pose: not self._blocked(pose),
-            self._lower + inside,
-            self._upper - inside,
-            self._wish.seed,
+            lambda pose: not self._blocked(pose), *limits, self._wish.seed
         )
-        path = search.find(start, goal, deadline)
+        path = search.find(start, clear, deadline)
         if path is None:
             raise NoPathError(
                 f"No path was found within {self._wish.timeout:g} s.",
@@ -213,6 +223,28 @@ class _Planner:
             0.0,
             self._joints,
             [pose.tolist() for pose in path],
+        )
+
+    def _goals(
+        self, start: Joints, goal: Joints, limits: tuple[Joints, Joints]
+    ) -> list[Joints]:
+        """Return positions of the joints that are what was wished for, some of many.
+
+        Raises:
+            InvalidCommandError: The controller moves no end effector.
+            NoPathError: The end effector cannot get there.
+        """
+        if self._wish.place is None:
+            return [goal]
+        hand = EndEffector(self._station, self._wish.controller, self._joints)
+        return joints_at(
+            hand,
+            target_pose(hand.pose(start), *self._wish.place),
+            start,
+            limits,
+            self._joints,
+            seed=self._wish.seed,
+            accept=lambda q: not self._blocked(q),
         )
 
     def _blocked(

@@ -169,6 +169,7 @@ async def _serve(
         robots[1:],
         guarded.session_key,
         pusher,
+        pusher.move,
     )
     forwarded = ApiRelay(sessions, api.tls)
     server = _Server(

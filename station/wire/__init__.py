@@ -96,10 +96,17 @@ from station.wire.hardware import (
     HardwareRepair as HardwareRepair,
     SoftLimits as SoftLimits,
 )
-from station.wire.plot_layouts import (
+from station.wire.library import (
+    CaptureRequest as CaptureRequest,
+    LastPlayback as LastPlayback,
+    PlaybackPatch as PlaybackPatch,
+    PlayRequest as PlayRequest,
     PlotLayoutRequest as PlotLayoutRequest,
     PlotLayouts as PlotLayouts,
     PlotRequest as PlotRequest,
+    WaypointPathRequest as WaypointPathRequest,
+    WaypointPaths as WaypointPaths,
+    WaypointRequest as WaypointRequest,
 )
 from station.wire.protocol import (
     CLOSE_BAD_REQUEST as CLOSE_BAD_REQUEST,
@@ -183,13 +190,4 @@ from station.wire.station import (
     StopRequest as StopRequest,
     StopState as StopState,
     StreamTicket as StreamTicket,
-)
-from station.wire.waypoint_paths import (
-    CaptureRequest as CaptureRequest,
-    LastPlayback as LastPlayback,
-    PlaybackPatch as PlaybackPatch,
-    PlayRequest as PlayRequest,
-    WaypointPathRequest as WaypointPathRequest,
-    WaypointPaths as WaypointPaths,
-    WaypointRequest as WaypointRequest,
 )

@@ -31,8 +31,8 @@ def test_a_layout_is_saved_read_and_deleted(layouts):
 @pytest.mark.parametrize(
     ("text", "why"),
     [
-        ("plots: 3", "no list 'plots'"),
-        ("plots: [{keys: [a], span: 1}]", "its plot 1 is malformed"),
+        ("plots: 3", "valid tuple"),
+        ("plots: [{span: 1}]", "0/keys: Field required"),
         ("plots: [{keys: [a], span: -1, xy: false, transform: ''}]", "shows -1.0 s"),
     ],
 )

@@ -4,15 +4,30 @@ import numpy as np
 import pytest
 
 import station
+from station.core.clock import ManualClock
 from station.core.control.controller import ControllerState
-from station.core.errors import CertificateVoidError, RehearsalNeededError
+from station.core.errors import (
+    CertificateVoidError,
+    RehearsalError,
+    RehearsalNeededError,
+)
 from station.core.franka.arms import Arms
 from station.core.loop.stop_latch import StopState
 from station.core.ports.goal import GoalStatus
 from station.rehearsal.envelope import Envelope
+from station.rehearsal.planning import Wish
 from station.rehearsal.process_copy import run_in_copy
-from station.rehearsal.rehearsals import AgentEnvelopeError, Policy, Rehearsals, Rules
+from station.rehearsal.rehearsals import (
+    BURST,
+    INTERVAL,
+    AgentEnvelopeError,
+    Policy,
+    Rehearsals,
+    Rules,
+    TooManyRehearsalsError,
+)
 from station.rehearsal.run_ahead import Script, digest_of, run_ahead
+from tests.two_joint_station import make_station
 
 READY = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]
 JOINTS = [f"panda_joint{i}" for i in range(1, 8)]
@@ -214,6 +229,31 @@ def test_contact_names_bodies_force_and_link(ready):
     assert touched.cycle <= told.error.cycle
     assert touched.force > 10.0
     assert any("wall" in pair for pair in told.error.touching)
+    (near,) = told.clearances
+    assert "wall" in near.bodies
+    # Looked at every 20 cycles: between two looks the arm moves some millimetres.
+    assert near.distance < 0.03
+    assert near.margin is None
+
+
+def test_least_clearances_are_those_of_the_motion_that_follows(ready):
+    robot = ready(EFFORT)
+    place = {"type": "sphere", "size": [0.05], "position": [0.4, 0.4, 0.6]}
+    robot.facade.surroundings.put("ball", {**place, "role": "keep_out"})
+    told = Rehearsals(robot.facade).rehearse(STEPS)
+    solid, kept = told.clearances
+    assert solid.bodies[1] in {"wall", "world"}
+    assert solid.distance > 0.1
+    robot.facade.motion.submit_goal(EFFORT, STEPS[0]["request"])
+    pairs = []
+    for _ in range(told.cycles):
+        robot.step()
+        pairs.append(robot.facade.surroundings.clearance("panda"))
+    robot.facade.surroundings.remove("ball")
+    least = min(pairs, key=lambda pair: pair.distance)
+    assert (kept.bodies, kept.distance) == ((least.link, "ball"), least.distance)
+    assert kept.cycle == told.begin_cycle + pairs.index(least)
+    assert kept.margin == 0.02
 
 
 def test_rehearsal_changes_nothing(ready):
@@ -374,3 +414,35 @@ def test_a_test_of_an_agent_keeps_to_the_ranges(ready):
     rehearsals.check_range(name, 0.09)
     with pytest.raises(AgentEnvelopeError, match=f"{name} would move from"):
         rehearsals.check_range(name, 0.11)
+
+
+def test_each_client_gets_copies_of_a_live_station_at_a_bounded_rate(monkeypatch):
+    def refuse(*_):
+        raise RehearsalError("It is not copied here.")
+
+    def ask(who):
+        with pytest.raises(RehearsalError, match="not copied"):
+            rehearsals.rehearse([], who=who)
+
+    monkeypatch.setattr("station.rehearsal.rehearsals.run_in_copy", refuse)
+    clock, own = ManualClock(), make_station()
+    rehearsals = Rehearsals(own, now=clock.now)
+    for _ in range(BURST + 1):
+        ask("ada")  # nothing runs that a copy could delay
+    own.loop.start()
+    try:
+        for _ in range(BURST):
+            ask("ada")
+            ask(None)
+        clock.advance(0.25 * INTERVAL)
+        with pytest.raises(TooManyRehearsalsError, match="ada") as refused:
+            rehearsals.rehearse([], who="ada")
+        assert refused.value.details == {"retry_after": 0.75 * INTERVAL}
+        ask("bob")
+        ask(None)
+        clock.advance(0.75 * INTERVAL)
+        ask("ada")
+        with pytest.raises(TooManyRehearsalsError):
+            rehearsals.plan(Wish("arm", {}), "ada")
+    finally:
+        own.loop.stop()

@@ -4,28 +4,24 @@ from fastapi import APIRouter
 
 from station.api.routes import (
     access,
-    agents,
     bench,
+    commands,
     control,
     controllers,
     events,
     experiments,
     gains,
-    goals,
     hardware,
     lessons,
-    parameters,
-    plot_layouts,
+    library,
     recordings,
     rehearsals,
     robots,
-    set_points,
     simulation,
     status,
     stop,
     streams,
     tokens,
-    waypoint_paths,
 )
 from station.wire.protocol import PREFIX
 
@@ -35,13 +31,10 @@ for _module in (
     access,
     controllers,
     gains,
-    set_points,
+    library,
+    commands,
     bench,
-    goals,
-    waypoint_paths,
     rehearsals,
-    parameters,
-    plot_layouts,
     recordings,
     experiments,
     lessons,
@@ -50,9 +43,9 @@ for _module in (
     simulation,
     stop,
     control,
-    agents,
     tokens,
     events,
     streams,
 ):
     api_router.include_router(_module.router)
+api_router.include_router(recordings.uploads)

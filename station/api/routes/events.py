@@ -8,10 +8,10 @@ from fastapi.responses import StreamingResponse
 
 from station.api import answers
 from station.api.audit import origin_of
-from station.api.dependencies import AccessDep, Operator, ServicesDep, Viewer
+from station.api.dependencies import AccessDep, ServicesDep, Viewer
 from station.api.event_feed import MEDIA_TYPE
 from station.api.json_route import JsonRoute
-from station.api.routes.problems import problems
+from station.api.routes.problems import change, problems
 from station.events import EventKind, Severity
 from station.wire import Alarm, Alarms, EventKindName, Events, SeverityName
 
@@ -128,11 +128,7 @@ def list_alarms(services: ServicesDep) -> Alarms:
     return Alarms(alarms=found, unacknowledged=unseen)
 
 
-@router.post(
-    "/alarms/{number}/acknowledge",
-    dependencies=[Operator],
-    responses=problems(404, 422),
-)
+@router.post("/alarms/{number}/acknowledge", **change(404, 422))
 def acknowledge_alarm(number: Number, request: Request, services: ServicesDep) -> Alarm:
     """Say that the alarm was seen, under the name of the caller's token.
 

@@ -1,6 +1,8 @@
-"""The errors of a route, as the OpenAPI document describes them."""
+"""The errors of a route as the OpenAPI document describes them, and its role."""
 
 from typing import Any
+
+from station.api.dependencies import Operator
 
 MEANINGS = {
     401: "No token or session that the station knows.",
@@ -14,6 +16,7 @@ MEANINGS = {
     423: "The station is stopped, or somebody else holds control.",
     426: "This is a WebSocket.",
     428: "The motion has to be rehearsed first.",
+    429: "Too many of them; the detail says when the next one is possible.",
     503: "The control loop does not run, or the station cannot be copied.",
     504: "The switch missed its deadline and was withdrawn.",
 }
@@ -29,3 +32,8 @@ def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
         status: {"description": MEANINGS[status]}
         for status in sorted({401, 403, *statuses, *with_body})
     }
+
+
+def change(*statuses: int) -> dict[str, Any]:
+    """Return the options of a route that changes something: its role, its errors."""
+    return {"dependencies": [Operator], "responses": problems(*statuses)}

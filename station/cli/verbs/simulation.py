@@ -1,10 +1,10 @@
-"""Verbs for a simulated robot: pause, resume, step, reset."""
+"""Verbs for a simulated robot: pause, resume, step, reset, and the scene around it."""
 
 from argparse import ArgumentTypeError, Namespace
 from typing import TYPE_CHECKING
 
 from station.cli.connection import open_client
-from station.cli.output import say, say_model
+from station.cli.output import answer, say
 
 if TYPE_CHECKING:
     from station.cli.parser import Parser
@@ -46,34 +46,90 @@ def _joint_position(text: str) -> tuple[str, float]:
 def pause(options: Namespace) -> int:
     """Let simulated time stand still."""
     with open_client(options) as client:
-        return _tell(client.simulation.pause(), as_json=options.json)
+        return _tell(client.simulation.pause(), options)
 
 
 def resume(options: Namespace) -> int:
     """Let simulated time pass again."""
     with open_client(options) as client:
-        return _tell(client.simulation.resume(), as_json=options.json)
+        return _tell(client.simulation.resume(), options)
 
 
 def step(options: Namespace) -> int:
     """Run some cycles of a paused simulation."""
     with open_client(options) as client:
-        return _tell(client.simulation.step(options.n), as_json=options.json)
+        return _tell(client.simulation.step(options.n), options)
 
 
 def reset(options: Namespace) -> int:
     """Put the simulated world back to its start."""
     with open_client(options) as client:
         state = client.simulation.reset(dict(options.positions), options.keyframe)
-        return _tell(state, as_json=options.json)
+        return _tell(state, options)
 
 
-def _tell(state: "Simulation", *, as_json: bool) -> int:
-    if as_json:
-        say_model(state)
-    elif state.paused:
-        say(f"Paused; {state.time:.3f} s simulated.")
-    else:
-        factor = state.real_time_factor
-        say(f"Running at {factor:g} times real time; {state.time:.3f} s simulated.")
+def _tell(state: "Simulation", options: Namespace) -> int:
+    pace = f"Running at {state.real_time_factor:g} times real time"
+    how = "Paused" if state.paused else pace
+    return answer(options, state, f"{how}; {state.time:.3f} s simulated.")
+
+
+_NUMBERS = {"size", "position", "rpy", "colour"}
+
+
+def add_scene(parser: "Parser") -> None:
+    """Add the arguments of `scene`."""
+    parser.add_argument(
+        "action", nargs="?", choices=["list", "put", "remove"], default="list"
+    )
+    parser.add_argument("name", nargs="?", help="of the object")
+    parser.add_argument(
+        "values",
+        nargs="*",
+        type=_value,
+        metavar="KEY=VALUE",
+        help="e.g. type=box size=0.1,1,1 position=0.6,0,0.5 role=keep_out margin=0.02",
+    )
+
+
+def _value(text: str) -> tuple[str, object]:
+    """Return a key and its value.
+
+    Raises:
+        ArgumentTypeError: The text has another form.
+    """
+    key, sign, value = text.partition("=")
+    if not sign:
+        raise ArgumentTypeError(f"{text!r} is not KEY=VALUE, such as role=keep_out.")
+    try:
+        if key in _NUMBERS:
+            return key, [float(one) for one in value.split(",")]
+        if key == "margin":
+            return key, float(value)
+    except ValueError as error:
+        raise ArgumentTypeError(f"{text!r} has no numbers.") from error
+    return key, value.split(",") if key == "links" else value
+
+
+def scene(options: Namespace) -> int:
+    """List the scene, or change one of its objects."""
+    if options.action != "list" and options.name is None:
+        say(f"Which object? station scene {options.action} NAME")
+        return 2
+    with open_client(options) as client:
+        if options.action == "put":
+            found = client.put_object(options.name, **dict(options.values))
+            line = f"'{found.name}' is a {found.type} with the role {found.role}."
+            return answer(options, found, line)
+        if options.action == "remove":
+            client.remove_object(options.name)
+        for one in client.scene():
+            at = ", ".join(f"{value or 0.0:.3f}" for value in one.position)
+            answer(options, one, f"{one.name}: {one.type}, {one.role}, at {at} m")
+        for pair in () if options.json else client.clearances():
+            say(
+                f"{pair.arm}: {pair.link} is {1000.0 * pair.distance:.0f} mm from "
+                f"'{pair.object}', margin {1000.0 * pair.margin:.0f} mm"
+                + (", slowed" if pair.is_slowing else "")
+            )
     return 0

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
-from station.cli.output import say, say_model
+from station.cli.output import say, say_json
 
 if TYPE_CHECKING:
     from station.cli.parser import Parser
@@ -81,7 +81,7 @@ def switch_controllers(options: Namespace) -> int:
             bound=None if isinf(bound) else bound,
             dry_run=options.dry_run,
         )
-    return _tell(result, as_json=options.json)
+    return _tell(result, options)
 
 
 def _strictness(options: Namespace) -> "SwitchStrictness":
@@ -95,9 +95,7 @@ def _strictness(options: Namespace) -> "SwitchStrictness":
 def start(options: Namespace) -> int:
     """Start loaded controllers (ROS 1)."""
     with open_client(options) as client:
-        return _tell(
-            client.switch_controllers(start=options.names), as_json=options.json
-        )
+        return _tell(client.switch_controllers(start=options.names), options)
 
 
 def set_controller_state(options: Namespace) -> int:
@@ -118,13 +116,9 @@ def set_controller_state(options: Namespace) -> int:
             case 1, 0:
                 client.unload_controller(name)
             case 1, 2:
-                return _tell(
-                    client.switch_controllers(start=[name]), as_json=options.json
-                )
+                return _tell(client.switch_controllers(start=[name]), options)
             case 2, 1:
-                return _tell(
-                    client.switch_controllers(stop=[name]), as_json=options.json
-                )
+                return _tell(client.switch_controllers(stop=[name]), options)
             case _ if present != wanted:
                 raise UsageError(
                     f"'{name}' is {_STATES[present]}, and cannot become "
@@ -141,15 +135,13 @@ def spawn(options: Namespace) -> int:
     with open_client(options) as client:
         for name in options.names:
             client.load_controller(name)
-        return _tell(
-            client.switch_controllers(start=options.names), as_json=options.json
-        )
+        return _tell(client.switch_controllers(start=options.names), options)
 
 
 def kill(options: Namespace) -> int:
     """Stop controllers, those that run, and unload them (ROS 1)."""
     with open_client(options) as client:
-        code = stop_running(client, options.names, as_json=options.json)
+        code = stop_running(client, options)
         for name in options.names:
             client.unload_controller(name)
             if not options.json:
@@ -157,19 +149,19 @@ def kill(options: Namespace) -> int:
     return code
 
 
-def stop_running(client: "StationClient", names: list[str], *, as_json: bool) -> int:
+def stop_running(client: "StationClient", options: Namespace) -> int:
     """Stop those of the named controllers that run."""
-    running = [name for name in names if client.controller(name).state == "running"]
+    running = [n for n in options.names if client.controller(n).state == "running"]
     if not running:
-        if not as_json:
+        if not options.json:
             say("None of them is running.")
         return 0
-    return _tell(client.switch_controllers(stop=running), as_json=as_json)
+    return _tell(client.switch_controllers(stop=running), options)
 
 
-def _tell(result: "SwitchResult", *, as_json: bool) -> int:
-    if as_json:
-        say_model(result)
+def _tell(result: "SwitchResult", options: Namespace) -> int:
+    if options.json:
+        say_json(result)
         return 0 if result.ok else 1
     if result.outcome in _OUTCOMES:
         say(_OUTCOMES[result.outcome])

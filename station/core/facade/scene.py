@@ -64,6 +64,10 @@ class StationScene:
         found = (guard.report() for guard in self._guards)
         return [one for one in found if one is not None]
 
+    def clearance(self, arm_id: str) -> Clearance | None:
+        """Return the nearest pair of an arm; None if it keeps clear of nothing."""
+        return next((one for one in self.clearances() if one.arm == arm_id), None)
+
     def put(self, name: str, values: Mapping[str, object]) -> SceneObjectReport:
         """Add an object, or change the one of that name.
 

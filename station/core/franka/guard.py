@@ -195,6 +195,14 @@ class Guard:
             f"{margin:.0f} mm to '{self.things[solid]}'"
         )
 
+    def look(self) -> None:
+        """Measure where the arm is; for cycles without a command of controllers."""
+        self.is_slowing = False
+        if self.others:
+            self.place_others()
+        self.clearances.measure(self.q, _ZONE)
+        self.commit(self.q, 0.0)
+
     def place_others(self) -> None:
         """Bring the capsules of other arms up to date."""
         row = self.fixed

@@ -108,6 +108,15 @@ class SimulatedWorld(ABC):
         """Return the contacts of the world's bodies; of very many points only some."""
         return ()
 
+    def distances(self) -> Callable[[], tuple[str, str, float] | None]:
+        """Return a function that finds what is nearest to the links of a robot.
+
+        It returns the names of a link and of a solid body that belongs to no robot, or
+        to another one, and their distance [m]; None where there is none. Pairs that
+        touch now do not count.
+        """
+        return lambda: None
+
     def nearness(
         self, joints: Sequence[str], margin: float
     ) -> Callable[[Sequence[float]], Sequence[tuple[str, str, float]]]:

@@ -261,6 +261,8 @@ def _stop_answer(state: "StopState") -> Response:
 
 async def _static(request: "Request") -> Response:
     name = request.path_params["name"]
+    if name not in _STATIC_FILES:  # one may have come since the start
+        _STATIC_FILES.update(_static_files(_STATIC))
     if name not in _STATIC_FILES:
         return Response(status_code=404)
     return _file(name, _STATIC_TYPES[PurePosixPath(name).suffix])
@@ -276,7 +278,7 @@ def _static_files(folder: "Traversable", prefix: str = "") -> Iterator[str]:
 
 
 _STATIC = resources.files("station.ui").joinpath("static")
-_STATIC_FILES = frozenset(_static_files(_STATIC))
+_STATIC_FILES = set(_static_files(_STATIC))
 
 
 def _file(name: str, media_type: str) -> Response:

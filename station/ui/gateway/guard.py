@@ -10,7 +10,7 @@ from starlette.responses import PlainTextResponse
 from starlette.websockets import WebSocketClose
 
 from station.web.limited_server import announces_more_than, limited
-from station.wire.protocol import MAX_BODY_BYTES as MAX_API_BODY_BYTES, PREFIX
+from station.wire.protocol import PREFIX, largest_body
 
 if TYPE_CHECKING:
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -140,7 +140,7 @@ class GatewayGuard:
 
 def _largest_body(scope: "Scope") -> int:
     large = scope["path"].startswith(_LARGE_BODIES)
-    return MAX_API_BODY_BYTES if large else MAX_BODY_BYTES
+    return largest_body(scope["path"]) if large else MAX_BODY_BYTES
 
 
 def _too_large(limit: int) -> PlainTextResponse:

@@ -20,17 +20,9 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from station import wire
 from station.client import ApiError, AsyncStationClient
 from station.ui.link.station_view import ARM_FIELDS, StationView, arm_facts, moves_hand
-from station.wire import (
-    CommandElement,
-    Contact,
-    ControllerSample,
-    Hardware,
-    JointStates,
-    Scene,
-    StreamFrame,
-)
 
 JOINT_RATE = 50.0
 """Joint states per second, each of which is drawn at once in the 3D view [Hz]."""
@@ -188,7 +180,7 @@ class StationLink:
         """Request the contacts while a layer shows them."""
         status = self._view.status
         simulated = status is not None and status.simulation is not None
-        contacts: tuple[Contact, ...] = ()
+        contacts: tuple[wire.Contact, ...] = ()
         if self.wants_contacts and simulated:
             contacts = tuple(await self.client.simulation.contacts())
         self._note(contacts=contacts)
@@ -213,7 +205,7 @@ class StationLink:
             messages=messages,
         )
 
-    async def _elements_of(self, name: str) -> tuple[CommandElement, ...]:
+    async def _elements_of(self, name: str) -> tuple[wire.CommandElement, ...]:
         """Return the elements of a controller's set-point; empty without set-points.
 
         Raises:
@@ -264,7 +256,7 @@ class StationLink:
 
     async def _follow_base(self, _name: str) -> None:
         async for frame in self._frames(_SCENE, BASE_RATE, ("bases",)):
-            scene = Scene.model_validate({"objects": [], **frame.data})
+            scene = wire.Scene.model_validate({"objects": [], **frame.data})
             # The names of the drawn joints have no robot in them: one base can move.
             self._note(base=scene.bases[0] if scene.bases else None)
             self._moved.set()
@@ -281,7 +273,7 @@ class StationLink:
 
     async def _frames(
         self, topic: str, rate: float, fields: Sequence[str] = ()
-    ) -> AsyncIterator[StreamFrame]:
+    ) -> AsyncIterator[wire.StreamFrame]:
         """Yield a stream's frames; open the stream again when it ends or is refused.
 
         The client does not reconnect by itself, because the station may be another one
@@ -298,7 +290,7 @@ class StationLink:
             await self._pause(_RETRY, wakes)
 
 
-def _position_limits(hardware: Hardware) -> dict[str, tuple[float, float]]:
+def _position_limits(hardware: wire.Hardware) -> dict[str, tuple[float, float]]:
     return {
         limits.joint: (limits.min_position, limits.max_position)
         for limits in hardware.limits
@@ -306,17 +298,20 @@ def _position_limits(hardware: Hardware) -> dict[str, tuple[float, float]]:
     }
 
 
-def _joint_states(frame: StreamFrame) -> JointStates | None:
+def _joint_states(frame: wire.StreamFrame) -> wire.JointStates | None:
     """Return a frame's joints, or None, e.g. if a position is not finite."""
     try:
-        return JointStates.model_validate({"stamp": frame.stamp, **frame.data})
+        return wire.JointStates.model_validate({"stamp": frame.stamp, **frame.data})
     except ValidationError:
         return None
 
 
-def _controller_sample(frame: StreamFrame) -> ControllerSample | None:
+def _controller_sample(frame: wire.StreamFrame) -> wire.ControllerSample | None:
     """Return a frame's sample, or None if the controller has no sample."""
     try:
-        return ControllerSample.model_validate({"stamp": frame.stamp, **frame.data})
+        return wire.ControllerSample.model_validate({
+            "stamp": frame.stamp,
+            **frame.data,
+        })
     except ValidationError:
         return None

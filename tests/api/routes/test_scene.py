@@ -58,6 +58,10 @@ def test_places_are_put_moved_and_removed_while_the_station_runs():
         wall = client.put_object(
             "wall", type="box", size=[0.1, 1, 1], position=[1, 0, 0.5], role="keep_out"
         )
+        station.loop.step()
+        state, (pair,) = client.robot("panda").state(), client.clearances()
+        assert state.least_clearance == pair.distance
+        assert state.nearest_pair == [pair.link, "wall"]
         changed = client.put_object("wall", position=[0.9, 0, 0.5], margin=0.1)
         moved = client.put_object("table", position=[1.5, 0, 0.1])
 

@@ -38,7 +38,7 @@ class ReplayBar extends HTMLElement {
     this.play.disabled = !replay.isOpen;
     this.slider.max = replay.duration;
     this.slider.value = replay.time;
-    this.noteButton.disabled = !store.isOperator;
+    this.noteButton.disabled = !store.isOperator || replay.runs[0]?.kind === "experiments"; // a trial is no file
     show(this.play, replay.isPlaying ? "Pause" : "Play");
     show(this.time, replay.reading || `${number(replay.time, 2)} of ${number(replay.duration, 2)} s`);
   }
