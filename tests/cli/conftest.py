@@ -221,7 +221,7 @@ class FakeStation:
         return [self.component]
 
     def set_hardware_component_state(self, name, state, **options):
-        self._record("component", name, state, options)
+        self.record("component", name, state, options)
         return replace(self.component, state=state)
 
     def chains(self):
