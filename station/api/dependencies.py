@@ -155,7 +155,7 @@ Leave = Callable[[], Awaitable[None]]
 
 
 async def leave(request: Request, access: AccessDep, services: ServicesDep) -> Leave:
-    """Return what waits for a person's leave if the caller is an agent."""
+    """Return a dependency that waits for a person's leave to an agent."""
 
     async def wait() -> None:
         if access.role is Role.AGENT:

@@ -288,7 +288,7 @@ class FakeStation:
         return self.rehearsal
 
     def plan(self, controller, target):
-        self._record("plan", controller, target)
+        self.record("plan", controller, target)
         return Plan(
             controller,
             {"trajectory": {}},

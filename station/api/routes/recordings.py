@@ -222,7 +222,7 @@ def both(
     name: str,
     **options: Any,  # noqa: ANN401 - those of the framework
 ) -> Callable[[EndpointT], EndpointT]:
-    """Return what adds a function as the route of a recording and that of an incident.
+    """Return a decorator that makes a route of a recording and one of an incident.
 
     Args:
         routes: Where the routes go.
