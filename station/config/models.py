@@ -329,6 +329,7 @@ class StationConfig(_Section):
         agents: Programs that ask people before they change anything.
         fci: The server for programs of libfranka.
         rehearsal: The need of rehearsals before motions.
+        arguments: Values of `$(var NAME)` in parameter files, by name.
     """
 
     station: LoopSection
@@ -345,6 +346,7 @@ class StationConfig(_Section):
     agents: AgentsSection = Field(default_factory=AgentsSection)
     fci: FciSection
     rehearsal: RehearsalSection
+    arguments: dict[str, str] = Field(default_factory=dict)
     parameters: dict[str, Any] = Field(default_factory=dict, exclude=True)
     ros_controllers: frozenset[str] = Field(default=frozenset(), exclude=True)
 
