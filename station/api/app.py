@@ -31,6 +31,7 @@ from station.events import Alarms, EventLog
 from station.library.gain_sets import GainSets
 from station.library.path_player import PathPlayer, PlayOptions
 from station.library.plot_layouts import PlotLayouts
+from station.library.scenes import SavedScenes
 from station.library.waypoint_paths import WaypointPaths
 from station.rehearsal.rehearsals import Rehearsals
 from station.trials.background_experiments import BackgroundExperiments
@@ -90,6 +91,7 @@ class Kept:
         experiments: Runs experiments; None for a station that runs none.
         gain_sets: Folder of the gain sets; the user's own when None.
         plot_layouts: Folder of the plot layouts; the user's own when None.
+        scenes: Folder of the scenes; the user's own when None.
         waypoint_paths: Folder of the waypoint paths; the user's own when None.
         bench_runs: Folder of the runs of the bench; the user's own when None.
         lessons: Folder of the user's lessons; the user's own when None.
@@ -100,6 +102,7 @@ class Kept:
     experiments: BackgroundExperiments | None = None
     gain_sets: Path | None = None
     plot_layouts: Path | None = None
+    scenes: Path | None = None
     waypoint_paths: Path | None = None
     bench_runs: Path | None = None
     lessons: Path | None = None
@@ -198,6 +201,7 @@ def _services(
         experiments=kept.experiments,
         gain_sets=GainSets(station.tuning, kept.gain_sets),
         plot_layouts=PlotLayouts(kept.plot_layouts),
+        scenes=SavedScenes(kept.scenes),
         waypoint_paths=paths,
         path_player=player,
         rehearsals=rehearsals,

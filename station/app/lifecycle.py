@@ -395,7 +395,7 @@ def _rules_of(config: StationConfig) -> Rules:
     return Rules(
         operator=Policy(section.operator),
         agent=Policy(section.agent),
-        envelope=Envelope(bounds.joints, bounds.speed, bounds.force),
+        envelope=Envelope(**dict(bounds)),
         tolerances=Tolerances(section.pose_tolerance, section.tube),
     )
 
