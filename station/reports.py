@@ -240,6 +240,21 @@ class Clearance(Report):
 
 
 @dataclass(frozen=True, slots=True)
+class SavedScene(Report):
+    """The objects with a role, kept on disk.
+
+    Attributes:
+        name: Name of the scene.
+        saved_at: Wall time of the save, ISO 8601.
+        objects: The objects, as `scene/objects` of the configuration has them.
+    """
+
+    name: str
+    saved_at: str
+    objects: Sequence[Mapping[str, object]]
+
+
+@dataclass(frozen=True, slots=True)
 class HardwareResource(Report):
     """A resource of a hardware interface.
 
@@ -476,18 +491,37 @@ class PlotSettings(Report):
 
 
 @dataclass(frozen=True, slots=True)
+class DockSettings(Report):
+    """Folds and sizes of the docks around the plots.
+
+    Attributes:
+        folded: The docks that are folded, as the page names them.
+        side: Width of a column of docks beside the 3D view [pixels].
+        below: Height of the docks below it [pixels].
+        heights: Heights of docks that somebody has resized [pixels].
+    """
+
+    folded: Sequence[str]
+    side: float
+    below: float
+    heights: Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True)
 class PlotLayout(Report):
-    """The plots of a page, under a name.
+    """The plots of a page, and perhaps its docks, under a name.
 
     Attributes:
         name: Its name.
         saved_at: When it was saved, ISO 8601.
         plots: Its plots, from left to right.
+        docks: Folds and sizes of the docks; null in a layout of plots alone.
     """
 
     name: str
     saved_at: str
     plots: Sequence[PlotSettings]
+    docks: DockSettings | None = None
 
 
 class PlaybackState(TextEnum):

@@ -320,17 +320,54 @@ class AsyncPlotLayoutsClient(NamedThings[wire.PlotLayout]):
         return (await self._get(self._path, wire.PlotLayouts)).plot_layouts
 
     async def save(
-        self, name: str, plots: Sequence[wire.PlotSettings | wire.PlotRequest]
+        self,
+        name: str,
+        plots: Sequence[wire.PlotSettings | wire.PlotRequest],
+        docks: wire.DockSettings | wire.DocksRequest | None = None,
     ) -> wire.PlotLayout:
         """Save the plots of a layout; a layout of that name is replaced.
 
         Args:
             name: Letters, digits, `_`, `.` and `-`.
             plots: The plots, from left to right.
+            docks: Folds and sizes of the docks; None keeps those of the layout.
         """
         read = partial(wire.PlotRequest.model_validate, from_attributes=True)
-        request = wire.PlotLayoutRequest(plots=[read(plot) for plot in plots])
+        of_docks = partial(wire.DocksRequest.model_validate, from_attributes=True)
+        request = wire.PlotLayoutRequest(
+            plots=[read(plot) for plot in plots],
+            docks=None if docks is None else of_docks(docks),
+        )
         return await self._send("PUT", self._of(name), wire.PlotLayout, request)
+
+
+class AsyncScenesClient(NamedThings[wire.SavedScene]):
+    """Named scenes on the station's disk: `client.scenes`.
+
+    Every method raises what the station client's own methods raise.
+
+    Args:
+        connection: The connection to the station.
+    """
+
+    _path = "/scenes"
+    _kind = wire.SavedScene
+
+    async def names(self) -> list[str]:
+        """Return the names of the saved scenes."""
+        return (await self._get(self._path, wire.SavedScenes)).scenes
+
+    async def save(self, name: str) -> wire.SavedScene:
+        """Save the objects that have a role now; a scene of that name is replaced.
+
+        Args:
+            name: Letters, digits, `_`, `.` and `-`.
+        """
+        return await self._send("PUT", self._of(name), wire.SavedScene)
+
+    async def load(self, name: str) -> list[wire.SceneObject]:
+        """Replace the objects with a role by those of a scene; return all objects."""
+        return (await self._send("POST", self._of(name, "load"), wire.Scene)).objects
 
 
 class AsyncWaypointPathsClient(NamedThings[wire.WaypointPath]):

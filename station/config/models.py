@@ -283,11 +283,16 @@ class EnvelopeSection(_Section):
 
     Attributes:
         joints: Range of positions by joint [rad or m]; others have the robot's.
+        workspace: Ranges of x, y and z of end effectors in the base frame of their arm
+            [m].
         speed: Highest speed of any joint [rad/s or m/s]; None for the robot's.
         force: Highest force of a contact [N]; None for any.
     """
 
     joints: dict[str, tuple[float, float]] = Field(default_factory=dict, strict=False)
+    workspace: dict[Literal["x", "y", "z"], tuple[float, float]] = Field(
+        default_factory=dict, strict=False
+    )
     speed: float | None = Field(default=None, gt=0.0)
     force: float | None = Field(default=None, ge=0.0)
 

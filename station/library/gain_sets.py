@@ -79,7 +79,7 @@ class GainSets(Library[GainSet]):
                 each: dict(self._tuning.gains(each).values) for each in controllers
             }
         with self._files.changing(name):
-            return GainSet(name, self._write(name, "gains", gains), gains)
+            return GainSet(name, self._write(name, {"gains": gains}), gains)
 
     def differences(self, name: str) -> list[GainDifference]:
         """Return the differences between a set and the gains in force.

@@ -10,12 +10,13 @@ from typing_extensions import override
 
 from station.core.errors import PlotLayoutError, PlotLayoutNotFoundError
 from station.library.yaml_folder import FileKind, Library
-from station.reports import PlotLayout, PlotSettings
+from station.reports import DockSettings, PlotLayout, PlotSettings
 
 _KIND = FileKind(
     "plot layout", "plot-layouts", PlotLayoutNotFoundError, PlotLayoutError
 )
 _PLOTS = TypeAdapter(tuple[PlotSettings, ...])
+_DOCKS = TypeAdapter(DockSettings | None)
 
 
 class PlotLayouts(Library[PlotLayout]):
@@ -28,16 +29,31 @@ class PlotLayouts(Library[PlotLayout]):
     def __init__(self, folder: Path | None = None) -> None:
         super().__init__(_KIND, folder)
 
-    def save(self, name: str, plots: Sequence[PlotSettings]) -> PlotLayout:
+    def save(
+        self,
+        name: str,
+        plots: Sequence[PlotSettings],
+        docks: DockSettings | None = None,
+    ) -> PlotLayout:
         """Save a layout; one of that name is replaced.
+
+        Args:
+            name: Its name.
+            plots: Its plots.
+            docks: Folds and sizes of the docks; None keeps those of the layout.
 
         Raises:
             PlotLayoutNotFoundError: The name is none.
             PlotLayoutError: The file cannot be written.
         """
         with self._files.changing(name):
-            now = self._write(name, "plots", [asdict(plot) for plot in plots])
-        return PlotLayout(name, now, tuple(plots))
+            if docks is None and name in self.names():
+                docks = self.get(name).docks
+            content: dict[str, object] = {"plots": [asdict(plot) for plot in plots]}
+            if docks is not None:
+                content["docks"] = asdict(docks)
+            now = self._write(name, content)
+        return PlotLayout(name, now, tuple(plots), docks)
 
     @override
     def _parse(
@@ -47,4 +63,6 @@ class PlotLayouts(Library[PlotLayout]):
         for number, plot in enumerate(plots, 1):
             if not 0.0 < plot.span < inf:
                 raise ValueError(f"its plot {number} shows {plot.span} s")
-        return PlotLayout(name, saved_at, plots)
+        return PlotLayout(
+            name, saved_at, plots, _DOCKS.validate_python(data.get("docks"))
+        )

@@ -114,7 +114,7 @@ class WaypointPaths(Library[WaypointPath]):
                         details={"joint": joint},
                     )
         kept = tuple(replace(w, positions=dict(w.positions)) for w in waypoints)
-        now = self._write(name, "waypoints", [asdict(each) for each in kept])
+        now = self._write(name, {"waypoints": [asdict(each) for each in kept]})
         return WaypointPath(name, now, kept)
 
     @override

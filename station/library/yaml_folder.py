@@ -225,8 +225,8 @@ class Library(Generic[ThingT]):
     def _parse(self, name: str, saved_at: str, data: Mapping[str, object]) -> ThingT:
         """Return the thing in a file; raises `ValueError` with the reason if not."""
 
-    def _write(self, name: str, key: str, value: object) -> str:
+    def _write(self, name: str, content: Mapping[str, object]) -> str:
         """Write the content of a thing; return when that was, ISO 8601."""
         now = datetime.now(UTC).isoformat(timespec="seconds")
-        self._files.write(name, {"saved_at": now, key: value})
+        self._files.write(name, {"saved_at": now, **content})
         return now

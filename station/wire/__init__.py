@@ -11,6 +11,7 @@ from station.reports import (
     Clearance as Clearance,
     ComponentInterface as ComponentInterface,
     ControllerChains as ControllerChains,
+    DockSettings as DockSettings,
     Event as Event,
     ExportedValue as ExportedValue,
     GainsChange as GainsChange,
@@ -25,6 +26,7 @@ from station.reports import (
     PlotLayout as PlotLayout,
     PlotSettings as PlotSettings,
     Rehearsal as Rehearsal,
+    SavedScene as SavedScene,
     Simulation as Simulation,
     Waypoint as Waypoint,
     WaypointPath as WaypointPath,
@@ -98,6 +100,7 @@ from station.wire.hardware import (
 )
 from station.wire.library import (
     CaptureRequest as CaptureRequest,
+    DocksRequest as DocksRequest,
     LastPlayback as LastPlayback,
     PlaybackPatch as PlaybackPatch,
     PlayRequest as PlayRequest,
@@ -167,10 +170,13 @@ from station.wire.robots import (
     UserStopRequest as UserStopRequest,
 )
 from station.wire.simulation import (
+    AttachRequest as AttachRequest,
     Contact as Contact,
+    DetachRequest as DetachRequest,
     MovingBase as MovingBase,
     ObjectKind as ObjectKind,
     ResetRequest as ResetRequest,
+    SavedScenes as SavedScenes,
     Scene as Scene,
     SceneObject as SceneObject,
     SceneObjectRequest as SceneObjectRequest,

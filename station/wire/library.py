@@ -12,6 +12,8 @@ from station.wire.base import (
     ResponseModel,
 )
 
+_Dock = Annotated[str, Field(pattern=r"^[a-z]{1,40}$")]
+_Pixels = Annotated[float, Field(ge=0.0, le=20_000.0, allow_inf_nan=False)]
 _Key = Annotated[str, Field(min_length=1, max_length=200)]
 
 
@@ -31,17 +33,35 @@ class PlotRequest(RequestModel):
     transform: Literal["", "smooth", "difference", "norm", "spectrum"] = ""
 
 
+class DocksRequest(RequestModel):
+    """Folds and sizes of the docks around the plots.
+
+    Attributes:
+        folded: The docks that are folded, as the page names them.
+        side: Width of a column of docks beside the 3D view [pixels].
+        below: Height of the docks below it [pixels].
+        heights: Heights of docks that somebody has resized [pixels].
+    """
+
+    folded: list[_Dock] = Field(max_length=32)
+    side: _Pixels
+    below: _Pixels
+    heights: dict[_Dock, _Pixels] = Field(default_factory=dict, max_length=32)
+
+
 class PlotLayoutRequest(RequestModel):
-    """The plots of a layout, from left to right.
+    """The plots of a layout, from left to right, and perhaps the docks around them.
 
     Attributes:
         plots: The plots, 32 at most; they replace those of the layout.
+        docks: Folds and sizes of the docks; null leaves those of the layout.
 
     Example:
         {"plots": [{"keys": ["position/panda_joint1"], "span": 30.0}]}
     """
 
     plots: list[PlotRequest] = Field(max_length=32)
+    docks: DocksRequest | None = None
 
 
 class PlotLayouts(ResponseModel):

@@ -5,18 +5,22 @@ from typing import Annotated
 from fastapi import APIRouter, Path
 
 from station import wire
-from station.api.dependencies import ServicesDep, Viewer
-from station.api.json_route import JsonRoute
-from station.api.routes.problems import change, problems
+from station.api.dependencies import ServicesDep
 from station.api.routes.rehearsals import ByRehearsalDep
+from station.api.routes.routing import change, problems, routes_of
 from station.library.path_player import PlayOptions
-from station.reports import Playback, PlotLayout, PlotSettings, Waypoint, WaypointPath
+from station.reports import (
+    DockSettings,
+    Playback,
+    PlotLayout,
+    PlotSettings,
+    Waypoint,
+    WaypointPath,
+)
 from station.wire import PlotLayoutRequest, PlotLayouts
 from station.wire.base import FileName
 
-_layouts = APIRouter(
-    tags=["plot-layouts"], dependencies=[Viewer], route_class=JsonRoute
-)
+_layouts = routes_of("plot-layouts")
 LayoutName = Annotated[
     FileName, Path(description="Name of the layout.", examples=["torques"])
 ]
@@ -38,9 +42,11 @@ def get_plot_layout(name: LayoutName, services: ServicesDep) -> PlotLayout:
 def save_plot_layout(
     name: LayoutName, request: PlotLayoutRequest, services: ServicesDep
 ) -> PlotLayout:
-    """Save the plots of a layout; a layout of that name is replaced."""
+    """Save the plots of a layout, and its docks; a layout of that name is replaced."""
     plots = [PlotSettings(**plot.model_dump()) for plot in request.plots]
-    return services.plot_layouts.save(name, plots)
+    asked = request.docks
+    docks = None if asked is None else DockSettings(**asked.model_dump())
+    return services.plot_layouts.save(name, plots, docks)
 
 
 @_layouts.delete("/plot-layouts/{name}", **change(404, 422))
@@ -49,9 +55,7 @@ def delete_plot_layout(name: LayoutName, services: ServicesDep) -> PlotLayout:
     return services.plot_layouts.delete(name)
 
 
-_paths = APIRouter(
-    tags=["waypoint-paths"], dependencies=[Viewer], route_class=JsonRoute
-)
+_paths = routes_of("waypoint-paths")
 PathName = Annotated[FileName, Path(description="Name of the path.", examples=["wave"])]
 
 

@@ -6,6 +6,7 @@ succeeds; meanwhile the age of the data grows, and the panels show the data as o
 
 import asyncio
 import contextlib
+import math
 import time
 from collections.abc import (
     AsyncIterator,
@@ -35,6 +36,8 @@ SAMPLE_RATE = 30.0
 _STATUS_PERIOD = 0.5
 _CONTROLLERS_PERIOD = 0.4
 _SCENE_PERIOD = 0.1
+_STILL_SCENE_PERIOD = 0.25
+"""The same for objects that only people move, add and remove."""
 _RETRY = 0.5
 _SAMPLES, _ARMS, _SCENE = "controller_state/", "robot_state/", "scene"
 
@@ -64,6 +67,7 @@ class StationLink:
         self.wants_contacts = False
         # Replaced as a whole, so that any thread may read it.
         self._view = StationView(sliding=frozenset(sliding))
+        self._scene_at = -math.inf
         self._scene_of = ""  # the boot_id of the station that it comes from
         self._limits_of = ""
         self._followers: dict[str, asyncio.Task[None]] = {}  # by topic
@@ -165,14 +169,16 @@ class StationLink:
             self._limits_of = status.boot_id
 
     async def refresh_scene(self) -> None:
-        """Request the objects of the scene; only once if none of them can move."""
+        """Request the objects of the scene; less often if none can move by itself."""
         status = self._view.status
         boot_id = "" if status is None else status.boot_id
         is_still = not any(thing.mass > 0.0 for thing in self._view.objects)
-        if self._scene_of == boot_id and is_still:
+        is_early = self.now() - self._scene_at < _STILL_SCENE_PERIOD
+        if self._scene_of == boot_id and is_still and is_early:
             return
+        self._scene_at = self.now()
         self._note(objects=tuple(await self.client.scene()))
-        if await self.client.simulation.bases():
+        if self._scene_of != boot_id and await self.client.simulation.bases():
             self._follow_only(_SCENE, {""}, self._follow_base)
         self._scene_of = boot_id
 

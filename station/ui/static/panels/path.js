@@ -51,7 +51,7 @@ class Path extends Panel {
       this.state,
     );
     this.showPlayback(null);
-    this.watch();
+    this.every(LOOK_MS, () => this.look());
     // Both hands are at the arm while it is guided: one key, wherever the focus is.
     addEventListener("keydown", ({ key, target, repeat }) => {
       const isFree = !repeat && !target.matches?.("input:not([type=range]), textarea, select");
@@ -231,19 +231,11 @@ class Path extends Panel {
     if (told) this.showPlayback(told);
   }
 
-  async watch() {
-    if (this.isShown && !document.hidden) {
-      try {
-        this.showPlayback((await api("GET", "/playback")).playback);
-        if (!(performance.now() - this.readAt < LIST_MS)) {
-          this.readAt = performance.now();
-          await this.read();
-        }
-      } catch {
-        // The strip says when the station is lost; the next look may reach it.
-      }
-    }
-    setTimeout(() => this.watch(), LOOK_MS);
+  async look() {
+    this.showPlayback((await api("GET", "/playback")).playback);
+    if (performance.now() - this.readAt < LIST_MS) return;
+    this.readAt = performance.now();
+    await this.read();
   }
 
   showPlayback(playback) {

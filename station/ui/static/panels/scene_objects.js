@@ -6,7 +6,7 @@ import { refusals } from "../lib/refusals.js";
 import { act, api, send } from "../lib/station.js";
 import { store } from "../lib/store.js";
 import { number, typed } from "../lib/text.js";
-import { html, nothing, render } from "../vendor/lit/lit-html.js";
+import { html, render } from "../vendor/lit/lit-html.js";
 import { live } from "../vendor/lit/directives/live.js";
 import { repeat } from "../vendor/lit/directives/repeat.js";
 
@@ -52,22 +52,21 @@ class SceneObjects extends Panel {
 
   draw() {
     if (this.chosen && !this.objects.some(({ name }) => name === this.chosen)) this.choose("");
-    const heads = ["object", "x, y, z [m]", "kg", ""].map((text) => html`<th>${text}</th>`);
     const rows = repeat(this.objects, ({ name }) => name, (thing) => this.row(thing));
-    render(this.objects.length ? html`<table class="objects"><thead><tr>${heads}</tr></thead><tbody>${rows}</tbody></table>` : html`<p class="hint">There is nothing around the robot.</p>`, this.place);
+    render(this.objects.length ? rows : html`<p class="hint">There is nothing around the robot.</p>`, this.place);
   }
 
   row(thing) {
     const { name, type, size, position, mass, role, solid } = thing;
     const tool = (label, title, run, isOff = false) => html`<button class="s" type="button" title=${title} aria-label="${label} ${name}" ?disabled=${isOff || !store.isOperator} @click=${run}>${label}</button>`;
     // A field in which somebody types keeps what was typed.
-    const shown = document.activeElement?.dataset.object === name ? nothing : live(rounded(position));
+    const typing = document.activeElement;
+    const shown = live(typing?.dataset.object === name ? typing.value : rounded(position));
     const fixed = solid && "The simulated world is built once: it can be moved alone.";
-    return html`<tr><th scope="row" title="${type} ${size.join(" × ")}">${name}<small>${role === "object" ? "" : role.replace("_", " ")}</small></th>
-      <td><input class="value wide" data-object=${name} aria-label="Position of ${name} [m]" .value=${shown} ?disabled=${!store.isOperator} @keydown=${({ key, target }) => key === "Enter" && this.move(name, target)} /></td>
-      <td>${mass ? number(mass, 2) : "–"}</td>
-      <td><button class="s" type="button" aria-pressed=${String(name === this.chosen)} title="Show arrows at it in the 3D view: drag them to move it." aria-label="Move ${name}" ?disabled=${!store.isOperator} @click=${() => this.choose(name === this.chosen ? "" : name)}>Move</button>
-      ${tool("Duplicate", fixed || "Add another one beside it.", () => this.duplicate(thing), solid)}${tool("Remove", fixed || "Take it out of the scene.", () => this.change("DELETE", name), solid)}</td></tr>`;
+    return html`<div class="line" role="group" aria-label=${name} title="${type} ${size.join(" × ")}"><b>${name}</b><small>${role === "object" ? (mass ? `${number(mass, 2)} kg` : "fixed") : role.replace("_", " ")}</small>
+      <input class="value wide" data-object=${name} aria-label="Position of ${name} [m]" .value=${shown} ?disabled=${!store.isOperator} @keydown=${({ key, target }) => key === "Enter" && this.move(name, target)} /> m
+      <button class="s" type="button" aria-pressed=${String(name === this.chosen)} title="Show arrows at it in the 3D view: drag them to move it." aria-label="Move ${name}" ?disabled=${!store.isOperator} @click=${() => this.choose(name === this.chosen ? "" : name)}>Move</button>
+      ${tool("Duplicate", fixed || "Add another one beside it.", () => this.duplicate(thing), solid)}${tool("Remove", fixed || "Take it out of the scene.", () => this.change("DELETE", name), solid)}</div>`;
   }
 
   /** Show arrows at an object in the 3D view of this session, or none. */

@@ -36,7 +36,7 @@ class Timeline extends Panel {
     alarms.addEventListener("change", () => this.chosen === "alarms" && this.drawAlarms());
     this.events = new Map(); // by number: a frame may come twice after a reconnection
     this.choose("events");
-    this.look();
+    this.every(LOOK_MS, () => this.ask());
     follow("events", "rate=10", (frame) => this.hear([frame.data]));
   }
 
@@ -56,11 +56,6 @@ class Timeline extends Panel {
     for (const button of this.buttons) button.setAttribute("aria-pressed", String(button.dataset.id === id));
     this.tell("Asking the station …");
     this.ask();
-  }
-
-  async look() {
-    if (this.isShown && !document.hidden) await this.ask();
-    setTimeout(() => this.look(), LOOK_MS);
   }
 
   drawAlarms() {
