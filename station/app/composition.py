@@ -1,6 +1,6 @@
 """Build a station from its configuration: robot, parameters, manager, loop, facade."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from station.config import StationConfig
@@ -35,6 +35,26 @@ class Composition:
 
     station: Station
     not_loaded: dict[str, StationError]
+
+    def sort_starts(self, names: Sequence[str]) -> tuple[list[str], list[str]]:
+        """Return the controllers that can start, and a warning for each of the others.
+
+        Hardware that does not begin active, because the configuration says so, is no
+        reason to refuse the whole start.
+
+        Args:
+            names: Names of controllers to start.
+        """
+        lifecycle = self.station.manager.lifecycle
+        refused = {
+            name: reason
+            for name in names
+            if (reason := lifecycle.components.refusal(lifecycle.find(name).info))
+        }
+        return [name for name in names if name not in refused], [
+            f"Controller '{name}' is not started: {reason}."
+            for name, reason in refused.items()
+        ]
 
     def warnings(self) -> list[str]:
         """Return warnings about the configured controllers, for the log."""

@@ -94,7 +94,8 @@ class InProcessStation:
         composition = compose(loaded, self._clock)
         self.facade: Station = composition.station
         self.not_loaded: Mapping[str, StationError] = composition.not_loaded
-        for warning in composition.warnings():
+        start, left_out = composition.sort_starts(loaded.start)
+        for warning in (*composition.warnings(), *left_out):
             _LOGGER.warning("%s", warning)
         self._stack = ExitStack()
         if threaded:
@@ -107,7 +108,7 @@ class InProcessStation:
             # Switches and recoveries that take cycles take virtual time, too.
             self.facade.manager.pump = self.step
             self.step()
-        self.switch(start=loaded.start)
+        self.switch(start=start)
 
     def __enter__(self) -> Self:
         return self

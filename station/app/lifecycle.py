@@ -186,9 +186,12 @@ class StationRun:
         stack.callback(station.loop.stop, LOOP_TIMEOUT)
         stack.callback(_hold, station)
         station.loop.start()
-        if self._config.start:
-            announce(f"Starting the controllers {', '.join(self._config.start)}")
-            station.switch_controllers(SwitchRequest(start=self._config.start))
+        start, warnings = composition.sort_starts(self._config.start)
+        for warning in warnings:
+            self._warn(warning)
+        if start:
+            announce(f"Starting the controllers {', '.join(start)}")
+            station.switch_controllers(SwitchRequest(start=start))
         if self._config.fci.enabled:
             # Imported here: it loads the Franka, and most stations do without.
             from station.app.fci_beside import FciBeside

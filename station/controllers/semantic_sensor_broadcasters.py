@@ -326,7 +326,7 @@ class _Battery:
 def _mapping(
     params: Parameters, key: str, known: Sequence[str]
 ) -> Mapping[str, object]:
-    """Return what a parameter says of a battery.
+    """Return the parameters of a battery.
 
     Raises:
         ParameterError: It is no mapping, or has an unknown key.

@@ -213,3 +213,22 @@ def test_the_loop_shares_the_heartbeat_it_is_given(tmp_path):
     ).station
 
     assert station.loop.heartbeat is heartbeat
+
+
+def test_controllers_wait_for_hardware_that_does_not_begin_active():
+    states = {"type": "joint_state_controller/JointStateController", "publish_rate": 50}
+    config = load_config({
+        "robot": {"type": "mock_hw/MockRobotHW"},
+        "controllers": {
+            "arm": {"type": GROUP, "joints": ["joint1"]},
+            "states": states,
+        },
+        "start": ["arm", "states"],
+        "station": {"hardware_components_initial_state": {"inactive": ["robot"]}},
+    })
+
+    start, (warning,) = compose(config, ManualClock()).sort_starts(config.start)
+
+    assert start == ["states"]
+    assert "'arm' is not started" in warning
+    assert "'robot', which is inactive" in warning

@@ -204,12 +204,20 @@ class ControllerLifecycle:
     def check_first_update(self, one: LoadedController, time: float) -> None:
         """Look at the command of the first update; the second look at a start."""
         one.fresh = False
-        if one.got_set_point():
-            return  # somebody wants it to move already
+        if self._is_to_move(one):
+            return
         problem = one.excessive_jump()
         if problem is not None:
             self.fail(one, time, problem, None)
             self.fall_back(one, time)
+
+    def _is_to_move(self, one: LoadedController) -> bool:
+        """Return whether it, or who commands it, got a set-point since the start."""
+        return one.got_set_point() or any(
+            self._is_to_move(other)
+            for other in self.loaded
+            if one in other.following and other.controller.state is _RUNNING
+        )
 
     def stop(self, one: LoadedController, time: float) -> None:
         """Stop one controller; an error of its `stopping` is kept as its fault.

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import pytest
 
+from station.core.control.hardware_components import ComponentState
 from station.core.errors import StationError
 from station.core.hardware.interfaces import JointStateInterface
 from station.core.hardware.interfaces.resource_manager import (
@@ -175,6 +176,18 @@ class RobotConformance:
             bench.robot.write(bench.time, period)
 
         assert all(math.isfinite(value) for row in states(bench) for value in row)
+
+    def test_its_components_go_through_their_states(self, bench: Bench) -> None:
+        """Each is switched off, cleaned up and brought back, while cycles go on."""
+        manager = bench.manager
+        components = manager.hardware_components()
+        assert components
+        for one in components:
+            for state in ("inactive", "unconfigured", "inactive", "active"):
+                manager.set_hardware_component_state(one.name, ComponentState(state))
+                bench.step(3)
+        assert {one.state for one in manager.hardware_components()} == {"active"}
+        assert all(math.isfinite(v) for values in states(bench) for v in values)
 
     def test_its_mode_is_one_word(self, bench: Bench) -> None:
         bench.step()

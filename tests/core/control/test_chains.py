@@ -3,6 +3,7 @@
 import pytest
 from typing_extensions import override
 
+from station.controllers.position_controllers import JointGroupPositionController
 from station.core.control.chainable_controller import (
     ChainableController,
     ExportedState,
@@ -359,3 +360,22 @@ def test_a_dry_run_tells_order_and_modes(bench):
     assert [info.name for info in result.plan.running] == ["cascade", "spring"]
     assert result.plan.chained == ("spring",)
     assert running(bench) == []
+
+
+def test_a_set_point_in_the_first_cycle_of_a_chain_moves_all_of_it(bench):
+    spring = bench.manager.get_controller("spring")
+    bench.manager.register_loader(
+        TableLoader({"test/Group": JointGroupPositionController})
+    )
+    group = bench.load_controller("group", "test/Group", joints=["spring/j1"])
+    bench.switch(["spring", "group"])
+    # Twice this is more than the start of an effort may jump.
+    group.set_points.post([3.0])
+    bench.step()
+    assert spring.joint.get_command() == pytest.approx(6.0)
+    assert bench.fault("spring") is None
+    bench.switch([], ["group", "spring"])
+    bench.switch(["spring"])
+    spring.own = 3.0  # nobody has asked for this
+    bench.step()
+    assert "jump" in bench.fault("spring")
