@@ -145,7 +145,7 @@ def joints_at(
 def _solve(
     hand: EndEffector, target: Doubles, q: Joints, limits: tuple[Joints, Joints]
 ) -> tuple[Joints, float]:
-    """Return where Newton steps end, and the error there [m, rad]."""
+    """Return the end of Newton steps, and the error there [m, rad]."""
     error, step, matrix = zeros(6), zeros(len(q)), zeros(36)
     size = np.inf
     for _ in range(_STEPS):
@@ -167,7 +167,7 @@ def _left(
     limits: tuple[Joints, Joints],
     names: Sequence[str],
 ) -> tuple[str, dict[str, object]]:
-    """Return how far a hand is from its target, and the joints that stop it."""
+    """Return the rest of the way of a hand, and the joints that stop it."""
     error = zeros(6)
     twist_between(doubles(hand.pose(q)), target, 1.0, error)
     far, turned = float(np.linalg.norm(error[:3])), float(np.linalg.norm(error[3:]))

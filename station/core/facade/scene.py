@@ -80,7 +80,7 @@ class StationScene:
         return next((one for one in self.clearances() if one.arm == arm_id), None)
 
     def nearest_at(self, positions: Mapping[str, float]) -> list[Clearance]:
-        """Return what `clearances` would be in a pose; for copies of a station alone.
+        """Return the nearest pair of each arm in a pose; for copies of a station alone.
 
         Args:
             positions: Joint name to position [rad]; others stay where they are.
