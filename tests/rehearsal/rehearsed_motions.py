@@ -48,8 +48,10 @@ def motion(seed: int) -> tuple[str, list[dict], str | None, str | None]:
         limits = tight(name, float(random.uniform(2e-4, 4e-4)))
         return EFFORT, goal(EFFORT, pose, 0.7, **limits), "tolerance", name
     if kind == 2:
+        # Joint 2 would throw the arm into the wall.
+        thrown = 3 if joint == 2 else joint
         torques = [0.0] * 7
-        torques[joint - 1] = float(sign * (40.0 if joint < 5 else 9.0))
+        torques[thrown - 1] = float(sign * (40.0 if thrown < 5 else 9.0))
         return EFFORTS, set_point(EFFORTS, torques), "limit", None
     pose = moved(**{f"j{joint}": float(7.0 * sign)})
     return POSITION, goal(POSITION, pose, 2.0), "refused", None
