@@ -281,6 +281,47 @@ class HardwareInterface(Report):
 
 
 @dataclass(frozen=True, slots=True)
+class ComponentInterface(Report):
+    """A resource of a hardware component.
+
+    Attributes:
+        hardware_interface: Type of its interface.
+        resource: Its name, e.g. that of a joint.
+        is_available: Whether controllers can use it in the present state.
+        claimed_by: Names of the running controllers that claim it.
+    """
+
+    hardware_interface: str
+    resource: str
+    is_available: bool
+    claimed_by: Sequence[str] = field(default_factory=tuple)
+
+
+@dataclass(frozen=True, slots=True)
+class HardwareComponentReport(Report):
+    """A part of the robot that has a life cycle of its own.
+
+    Attributes:
+        name: Its name.
+        type: `system`, `actuator` or `sensor`.
+        plugin: What drives it, `package/Class` or `module:Class`.
+        state: `unconfigured`, `inactive`, `active` or `finalized`.
+        problem: The last error of a hook; empty without.
+        command_interfaces: What controllers can command while it is active.
+        state_interfaces: What controllers can read, unless it is unconfigured or
+            finalized.
+    """
+
+    name: str
+    type: str
+    plugin: str
+    state: str
+    problem: str = ""
+    command_interfaces: Sequence[ComponentInterface] = field(default_factory=tuple)
+    state_interfaces: Sequence[ComponentInterface] = field(default_factory=tuple)
+
+
+@dataclass(frozen=True, slots=True)
 class HardwareTransmission(Report):
     """A transmission between actuators and joints.
 
@@ -450,18 +491,37 @@ class PlotSettings(Report):
 
 
 @dataclass(frozen=True, slots=True)
+class DockSettings(Report):
+    """Folds and sizes of the docks around the plots.
+
+    Attributes:
+        folded: The docks that are folded, as the page names them.
+        side: Width of a column of docks beside the 3D view [pixels].
+        below: Height of the docks below it [pixels].
+        heights: Heights of docks that somebody has resized [pixels].
+    """
+
+    folded: Sequence[str]
+    side: float
+    below: float
+    heights: Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True)
 class PlotLayout(Report):
-    """The plots of a page, under a name.
+    """The plots of a page, and perhaps its docks, under a name.
 
     Attributes:
         name: Its name.
         saved_at: When it was saved, ISO 8601.
         plots: Its plots, from left to right.
+        docks: Folds and sizes of the docks; null in a layout of plots alone.
     """
 
     name: str
     saved_at: str
     plots: Sequence[PlotSettings]
+    docks: DockSettings | None = None
 
 
 class PlaybackState(TextEnum):

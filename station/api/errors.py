@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Mapping, Sequence
+from math import ceil
 
 import orjson
 from fastapi import FastAPI, Request, Response
@@ -25,7 +26,7 @@ from station.api.named_tokens import (
 from station.api.validation_words import explain, explain_json
 from station.core import errors
 from station.events import AlarmNotFoundError
-from station.rehearsal.rehearsals import AgentEnvelopeError
+from station.rehearsal.rehearsals import AgentEnvelopeError, TooManyRehearsalsError
 from station.trials.errors import (
     BenchRunNotFoundError,
     ExperimentError,
@@ -46,6 +47,8 @@ STATUS: Mapping[type[errors.StationError], int] = {
     errors.StationError: 500,
     errors.HardwareInterfaceError: 422,
     errors.ResourceNotFoundError: 422,
+    errors.HardwareComponentNotFoundError: 404,
+    errors.HardwareComponentError: 409,
     errors.ParameterError: 422,
     errors.ConfigError: 422,
     errors.ControllerNotFoundError: 404,
@@ -111,6 +114,7 @@ STATUS: Mapping[type[errors.StationError], int] = {
     AgentRefusedError: 403,
     AgentEnvelopeError: 403,
     TooManyAgentRequestsError: 429,
+    TooManyRehearsalsError: 429,
     AgentRequestNotFoundError: 404,
     AgentRequestDecidedError: 409,
     ControlHeldError: 423,
@@ -256,6 +260,8 @@ def station_error_response(error: errors.StationError) -> Response:
         for item in (listed if isinstance(listed, list) else [])
         if isinstance(item, Mapping)
     ]
+    wait = details.get("retry_after")
+    headers = {"Retry-After": f"{ceil(wait)}"} if isinstance(wait, float) else {}
     return problem_response(
         status_of(type(error)),
         error.code,
@@ -263,6 +269,7 @@ def station_error_response(error: errors.StationError) -> Response:
         _remedy(error),
         field_errors=field_errors,
         details=details,
+        headers=headers,
     )
 
 

@@ -48,7 +48,6 @@ class Services:
         bench_runs: Kept runs of the bench.
         lessons: Lessons, the attempt under way, and the progress of people.
         broadcaster: All streams.
-        dashboard_url: Returns the address of the dashboard; None while it is unknown.
         recorder: Records every cycle; None for a station that records nothing.
         experiments: Runs experiments; None for a station that runs none.
         gain_sets: Named sets of gains on the disk.
@@ -57,6 +56,7 @@ class Services:
         waypoint_paths: Named waypoint paths on the disk.
         path_player: Plays waypoint paths.
         rehearsals: Tries commands in a copy of the station.
+        dashboard_url: Returns the address of the dashboard; None while it is unknown.
         command_streams: Number of open streams of set-points.
     """
 
@@ -73,7 +73,6 @@ class Services:
     bench_runs: "KeptRuns"
     lessons: "LessonAttempts"
     broadcaster: "Broadcaster"
-    dashboard_url: Callable[[], str | None]
     recorder: "Recorder | None"
     experiments: "BackgroundExperiments | None"
     gain_sets: "GainSets"
@@ -82,6 +81,7 @@ class Services:
     waypoint_paths: "WaypointPaths"
     path_player: "PathPlayer"
     rehearsals: "Rehearsals"
+    dashboard_url: Callable[[], str | None] = lambda: None
     command_streams: int = 0
 
 

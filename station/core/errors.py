@@ -149,6 +149,18 @@ class ResourceNotFoundError(HardwareInterfaceError, KeyError):
     code = "resource_not_found"
 
 
+class HardwareComponentNotFoundError(StationError, KeyError):
+    """There is no hardware component of that name."""
+
+    code = "hardware_component_not_found"
+
+
+class HardwareComponentError(StationError, RuntimeError):
+    """A hardware component does not change its state; it is in use, or refuses."""
+
+    code = "hardware_component_state"
+
+
 class ParameterError(StationError, ValueError):
     """A parameter is missing, has a wrong type or an impossible value."""
 

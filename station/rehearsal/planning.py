@@ -17,7 +17,7 @@ from station.core.errors import (
 from station.core.trajectory import PosVelAccState, peak_speeds, through_waypoints
 from station.core.trajectory.quintic_spline_segment import QuinticSplineSegment
 from station.rehearsal.path_search import Joints, PathSearch
-from station.rehearsal.pose_goals import EndEffector, joints_at, target_pose
+from station.rehearsal.pose_goals import end_effector_of, joints_at, target_pose
 from station.rehearsal.pose_judge import PoseJudge
 from station.rehearsal.process_copy import run_in_copy
 from station.reports import Plan
@@ -230,7 +230,7 @@ class _Planner:
         """
         if self._wish.place is None:
             return [goal]
-        hand = EndEffector(self._station, self._wish.controller, self._joints)
+        hand = end_effector_of(self._station, self._wish.controller, self._joints)
         return joints_at(
             hand,
             target_pose(hand.pose(self._start), *self._wish.place),

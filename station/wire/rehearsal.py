@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, field_validator, model_validator
 
 from station.wire.base import ControllerName, FileName, ParameterValues, RequestModel
-from station.wire.waypoint_paths import PlayRequest
+from station.wire.library import PlayRequest
 
 _Seconds = Annotated[float, Field(ge=0.0, le=60.0, allow_inf_nan=False)]
 _LEAST = 1e-6

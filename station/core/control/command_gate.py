@@ -247,11 +247,12 @@ class CommandGate:
         # One block a cycle is compared: looking at all of them costs more than the
         # writing, and a stray write is overwritten below in any case.
         kept, place = self.kept, self.next_compared
-        if place < len(kept):
+        size = len(kept)
+        if place < size:
             block = kept[place]
             if block.has_changed():
                 self._report(block)
-        self.next_compared = place + 1 if place + 1 < len(kept) else 0
+        self.next_compared = place + 1 if place + 1 < size else 0
         # Also what equals the copy is written: it may still be no float, e.g. 0j.
         for each in kept:
             each.write_copy()

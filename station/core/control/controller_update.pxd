@@ -20,7 +20,5 @@ cdef class ControllerUpdate:
     cdef public bint resets
     @cython.locals(gate=CommandGate, one=LoadedController, last=LoadedController)
     cpdef update_controllers(self, double time, double period, bint stands_still=*)
-    @cython.locals(elapsed=double)
-    cpdef update_controller(self, LoadedController one, double time, double period)
     @cython.locals(begin=double, duration=double, is_finite=bint, block=CommandBlock)
-    cpdef update_now(self, LoadedController one, double time, double period, double elapsed)
+    cpdef update_controller(self, LoadedController one, double time, double period)

@@ -181,17 +181,9 @@ class ControllerUpdate:
         self, one: LoadedController, time: float, period: float
     ) -> None:
         """Update one controller if it is its turn, and check its commands."""
-        if one.every > 1:
-            elapsed = one.take_turn(period)
-            if elapsed >= 0.0:
-                self.update_now(one, time, period, elapsed)
-        else:
-            self.update_now(one, time, period, period)
-
-    def update_now(
-        self, one: LoadedController, time: float, period: float, elapsed: float
-    ) -> None:
-        """Update one controller, `elapsed` [s] after the last time."""
+        elapsed = one.take_turn(period) if one.every > 1 else period
+        if elapsed < 0.0:
+            return
         stopwatch = self.stopwatch
         begin = wall_time() if stopwatch is None else stopwatch()
         try:

@@ -223,6 +223,27 @@ class ResourceConflict:
     reason: str
 
 
+@dataclass(frozen=True, slots=True)
+class HardwareComponent:
+    """A part of a robot that has a life cycle of its own.
+
+    Attributes:
+        name: Its name, unique among the components of a station.
+        robot: The robot whose hooks are called.
+        type: `system`, `actuator` or `sensor`.
+        plugin: What drives it, `package/Class` or `module:Class`.
+        resources: Names of its resources; None for all of the robot.
+        key: Name by which the hooks of the robot know it; empty for `name`.
+    """
+
+    name: str
+    robot: "RobotHW"
+    type: str = "system"
+    plugin: str = ""
+    resources: frozenset[str] | None = None
+    key: str = ""
+
+
 class SwitchState(Enum):
     """The hardware's progress with a switch."""
 
@@ -297,6 +318,46 @@ class RobotHW(InterfaceManager):
         Args:
             time: Station time of this cycle [s].
             period: Time since the last cycle [s], >= 0.
+        """
+
+    def components(self) -> Sequence[HardwareComponent]:
+        """Return the parts with a life cycle of their own; settled in `init`.
+
+        The default is one component of the name `robot`.
+        """
+        kind = type(self)
+        plugin = f"{kind.__module__}:{kind.__qualname__}"
+        return (HardwareComponent("robot", self, plugin=plugin),)
+
+    # The hooks of the life cycle, each for the component of a name. They are called
+    # outside of the control thread and may block; the cycles go on meanwhile. To refuse
+    # a change, and stay as before, a hook raises a StationError; any other exception is
+    # an error, which `on_error` deals with.
+
+    def on_configure(self, component: str) -> None:
+        """Make the hardware readable: from unconfigured to inactive."""
+
+    def on_cleanup(self, component: str) -> None:
+        """Take back `on_configure`: from inactive to unconfigured."""
+
+    def on_activate(self, component: str) -> None:
+        """Let the hardware take commands: from inactive to active."""
+
+    def on_deactivate(self, component: str) -> None:
+        """Let the hardware take no more commands: from active to inactive."""
+
+    def on_shutdown(self, component: str) -> None:
+        """Let the hardware go for good: from any state to finalized."""
+
+    def on_error(self, component: str, problem: str) -> None:
+        """Deal with an error of another hook: to unconfigured.
+
+        Args:
+            component: Name of the component.
+            problem: The error, in words.
+
+        Raises:
+            Exception: The hardware cannot be used any more; it is finalized.
         """
 
     def check_for_conflict(

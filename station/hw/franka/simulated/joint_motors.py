@@ -99,8 +99,10 @@ class JointMotors:
         elif self.is_loaded:
             for i in range(self.size):
                 controls[i] = tau_d[i] + load[i]
-        else:
+        elif cython.compiled:
             copy_into(controls, 0, tau_d, self.size)
+        else:
+            controls[:] = tau_d
 
     def apply_impedance(self, notes: bool) -> None:  # noqa: FBT001 - a C function
         """Let the motors follow the desired motion.
@@ -110,20 +112,24 @@ class JointMotors:
                 limits.
         """
         memory = self.memory
+        q, dq = memory.positions, memory.dtheta
         q_d, dq_d, ddq_d = memory.q_d, memory.dq_d, memory.ddq_d
         is_late = self.is_late
+        stiffness, damping = self.stiffness, self.damping
+        simulator = self.simulator
+        bias, compensation = simulator.bias, simulator.compensation
         if is_late:
             # What was noted belongs to another motion: the motors would jump there.
             if self.is_new:
                 self.note_motion()
             q_d, dq_d, ddq_d = self.late_q, self.late_dq, self.late_ddq
-        stiffness, damping = self.stiffness, self.damping
-        simulator = self.simulator
-        bias, compensation = simulator.bias, simulator.compensation
+        elif not cython.compiled:  # lists are read faster
+            q_d, dq_d, ddq_d = q_d.tolist(), dq_d.tolist(), ddq_d.tolist()  # type: ignore[assignment]
+            bias, compensation = bias.tolist(), compensation.tolist()  # type: ignore[assignment]
+            q, dq = q.tolist(), dq.tolist()  # type: ignore[assignment]
         inertia, diagonal = simulator.inertia, simulator.diagonal
         controls, load = simulator.controls, self.load_weight
-        q, dq, tau_d = memory.positions, memory.dtheta, memory.tau_J_d
-        limits = self.limits
+        tau_d, limits = memory.tau_J_d, self.limits
         for i in range(self.size):
             acceleration, spring, damper = ddq_d[i], stiffness[i], damping[i]
             control = spring * q_d[i] + damper * dq_d[i] + bias[i] - compensation[i]
@@ -165,15 +171,24 @@ class JointMotors:
         motor_forces, brake_forces = simulator.motor_forces, simulator.brake_forces
         compensation, damping = simulator.compensation, self.damping
         drag, rotor, limits = self.drag, self.rotor, self.limits
-        copy_into(memory.last_tau_J, 0, tau, self.size)
+        befores = dtheta
+        if cython.compiled:
+            copy_into(memory.last_tau_J, 0, tau, self.size)
+        else:
+            # The same, without a call of Python around it.
+            memory.last_tau_J[:] = tau
+            motor_forces, brake_forces = motor_forces.tolist(), brake_forces.tolist()  # type: ignore[assignment]
+            compensation, befores = compensation.tolist(), dtheta.tolist()  # type: ignore[assignment]
         for i in range(self.size):
             velocity, force = velocities[i], motor_forces[i]
-            before, damper = dtheta[i], damping[i]
+            before, damper = befores[i], damping[i]
             torque = force + brake_forces[i] + compensation[i]
             torque += rotor[i] * before - drag[i] * velocity
-            # A motor at its limit does not damp: its force has been cut off.
-            if damper != 0.0 and -limits[i] < force < limits[i]:
-                torque -= damper * (velocity - before)
+            if damper != 0.0:
+                limit = limits[i]
+                # A motor at its limit does not damp: its force has been cut off.
+                if -limit < force < limit:
+                    torque -= damper * (velocity - before)
             tau[i] = torque
         if cython.compiled:
             copy_into(memory.q, 0, positions, self.size)
@@ -181,7 +196,6 @@ class JointMotors:
             copy_into(memory.dq, 0, velocities, self.size)
             copy_into(dtheta, 0, velocities, self.size)
         else:
-            # The same, without four calls of Python around it.
             memory.q[:] = memory.positions[:] = positions
             memory.dq[:] = dtheta[:] = velocities
 

@@ -22,7 +22,7 @@ cdef class JointWatch:
     cdef double least_distance
     cdef LinkDistances distances
     cdef public double room
-    @cython.locals(i=Py_ssize_t, position=double, velocity=double, speed=double, torque=double, total=double, power=double, away=double, is_slow=bint, is_close=bint, is_good=bint, reach=double, violations=Violations)
+    @cython.locals(i=Py_ssize_t, position=double, velocity=double, torque=double, total=double, power=double, away=double, is_slow=bint, is_close=bint, reach=double, violations=Violations)
     cpdef bint check_readings(self, bint is_following, bint has_moved)
     @cython.locals(axis=Py_ssize_t, distance=double, least=double, room=double, value=double, low=double, high=double)
     cdef check_distances(self)
