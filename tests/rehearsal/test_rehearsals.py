@@ -157,25 +157,26 @@ def robot():
 @pytest.fixture
 def ready(robot):
     """Return a function that starts a controller on the robot in its ready pose."""
+    return lambda controller: begin(robot, controller)
 
-    def start(controller):
-        running = [
-            one.name
-            for one in robot.facade.controllers()
-            if one.state is ControllerState.RUNNING
-        ]
-        robot.facade.release_stop(arm=False)
-        robot.facade.release_stop(arm=True)
-        robot.switch(stop=running)
-        robot.facade.robots.recover_all()
-        robot.reset()
-        robot.set_gains(EFFORT, {"panda_joint1/p": 600.0})
-        robot.run(0.05)
-        robot.switch(start=[controller])
-        robot.run(0.05)
-        return robot
 
-    return start
+def begin(robot, controller):
+    """Return the robot in its ready pose, with a controller that runs."""
+    running = [
+        one.name
+        for one in robot.facade.controllers()
+        if one.state is ControllerState.RUNNING
+    ]
+    robot.facade.release_stop(arm=False)
+    robot.facade.release_stop(arm=True)
+    robot.switch(stop=running)
+    robot.facade.robots.recover_all()
+    robot.reset()
+    robot.set_gains(EFFORT, {"panda_joint1/p": 600.0})
+    robot.run(0.05)
+    robot.switch(start=[controller])
+    robot.run(0.05)
+    return robot
 
 
 def live_end(robot, steps, cycles):

@@ -80,7 +80,7 @@ class StationScene:
         return next((one for one in self.clearances() if one.arm == arm_id), None)
 
     def nearest_at(self, positions: Mapping[str, float]) -> list[Clearance]:
-        """Return what `clearances` would be in a pose; for copies of a station alone.
+        """Return the nearest pair of each arm in a pose; for copies of a station alone.
 
         Args:
             positions: Joint name to position [rad]; others stay where they are.
@@ -354,13 +354,18 @@ class StationScene:
             ParameterError: The robot has no guard for the roles, or not the links.
             RobotDescriptionError: A mesh cannot be used.
         """
-        roles = [one for one in objects if one.role != "object"]
-        if roles and not self._guards:
+        free = self._loop.hw.unguarded()
+        # A role for some links alone is one for the arms that have them.
+        for one in objects:
+            if one.role == "object" or not free or (one.links and self._guards):
+                continue
+            names = " and ".join(f"'{name}'" for name in free if name)
             raise ParameterError(
-                f"'{roles[0].name}' has the role {roles[0].role}, and this robot has "
-                "no guard: only a Franka has one.",
-                remedy="Give it the role 'object', or leave it out.",
-                details={"parameter": "scene/objects"},
+                f"'{one.name}' has the role {one.role}, and {names or 'this robot'} "
+                "has no guard: only Franka arms have one.",
+                remedy="Give it the role 'object'"
+                + (", or the links that it is for." if self._guards else "."),
+                details={"parameter": "scene/objects", "robots": [*free]},
             )
         # Rows and hulls are made here; the control thread only exchanges them, all in
         # one cycle, because arms know each other's capsules.

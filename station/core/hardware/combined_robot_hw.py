@@ -308,6 +308,10 @@ class CombinedRobotHW(RobotHW):
         return [one for robot in self.robots.values() for one in robot.guards()]
 
     @override
+    def unguarded(self) -> Sequence[str]:
+        return [name for name, robot in self.robots.items() if robot.unguarded()]
+
+    @override
     def address(self) -> str:
         """Return the addresses of the real robots."""
         found = [robot.address() for robot in self.robots.values()]

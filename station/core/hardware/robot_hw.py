@@ -496,6 +496,10 @@ class RobotHW(InterfaceManager):
         """
         return ()
 
+    def unguarded(self) -> Sequence[str]:
+        """Return the robots that no guard keeps clear; this one has the empty name."""
+        return () if self.guards() else ("",)
+
     def address(self) -> str:
         """Return the address of a real robot, e.g. its IP; empty for a simulated one.
 

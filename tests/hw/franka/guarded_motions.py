@@ -1,6 +1,14 @@
-"""Seeded motions of a simulated arm past objects, and MuJoCo as their judge."""
+"""Seeded motions of a simulated arm past objects; MuJoCo and Coal are their judges.
 
+A command makes 40 motions of each of five kinds, or of some, twice each:
+
+    python -m tests.hw.franka.guarded_motions 40
+"""
+
+import sys
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from itertools import product
 from math import pi
 
 import mujoco
@@ -11,9 +19,17 @@ from station.core.geometry.scene import SceneObject
 from station.core.hardware.robot_hw import ControllerInfo, InterfaceResources
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.arm.arm_limits import PANDA_LIMITS
+from station.hw.franka.franka_combined_hw import FrankaCombinedHW
 from station.hw.franka.franka_hw import FrankaHW
 from station.hw.franka.simulated.franka_world import placement_of, simulate
+from tests.hw.franka.coal_judge import CoalJudge
 
+TOLERANCE = 1e-3
+"""A pose is sampled every 10 ms, and MuJoCo's distances end within 1e-6 m."""
+ARM_MARGIN = 0.05
+# Bare motions that come as near as that may be slowed: the capsules are thicker than
+# the links, and the guard looks ahead of the motion.
+_CLEAR = 0.13
 PERIOD = 0.001
 MARGIN = 0.03
 KINDS = ("position", "velocity", "pose", "twist", "torque")
@@ -58,6 +74,7 @@ class Outcome:
     Attributes:
         q: Joint positions in each cycle [rad], shape (n, 7).
         closest: Least distance to an object that MuJoCo finds [m].
+        by_coal: The same by Coal, at as many poses as were asked for [m].
         mode: Mode of the arm at the end.
         refusal: Why the motion ended early.
         interventions: Cycles in which the guard changed a command.
@@ -65,6 +82,7 @@ class Outcome:
 
     q: np.ndarray
     closest: float
+    by_coal: float
     mode: RobotMode
     refusal: str | None
     interventions: int
@@ -93,6 +111,7 @@ class Motions:
             [placement_of(self.hw.parameters)], objects=solid
         ).world.model
         self.data = mujoco.MjData(self.model)
+        self.coal = CoalJudge(scene)
         names = {one.name for one in scene}
         self.pairs = [
             (arm, thing)
@@ -166,8 +185,18 @@ class Motions:
             turn[:3] = goal * min(1.0, 0.45 / np.linalg.norm(goal))
         return way, turn, pose0
 
-    def run(self, kind: str, seed: int, *, guarded: bool, time: float = 1.6) -> Outcome:
-        """Make a motion."""
+    def run(
+        self, kind: str, seed: int, *, guarded: bool, time: float = 1.6, every: int = 0
+    ) -> Outcome:
+        """Make a motion.
+
+        Args:
+            kind: Kind of command.
+            seed: Of the motion.
+            guarded: Whether the guard watches.
+            time: How long the command changes [s].
+            every: Cycles between two looks of Coal; 0 for none.
+        """
         q0, hw = self.begin(kind, seed, guarded=guarded), self.hw
         way, turn, pose0 = self.aim(q0, seed)
         found = []
@@ -202,7 +231,120 @@ class Motions:
         return Outcome(
             np.array(found),
             closest,
+            min(map(self.coal.closest, found[::every])) if every else np.inf,
             hw.robot_state.robot_mode,
             hw._sender.refusal,
             guard.interventions,
         )
+
+
+class TwoArms:
+    """Two arms side by side that swing at each other by torques."""
+
+    def swing(self, seed: int, *, guarded: bool) -> float:
+        """Return the least distance of the two by MuJoCo in a motion [m]."""
+        random = np.random.default_rng(seed)
+        sides = {"left": (0.0, 0.0, 0.0), "right": (0.0, 0.7, 0.0)}
+        arms = {
+            name: {
+                "arm_id": name,
+                "robot_description": "example-robot-data:panda",
+                "realism": "ideal",
+                "base_xyz": list(place),
+                "initial_positions": READY.tolist(),
+            }
+            for name, place in sides.items()
+        }
+        tree = ParameterTree({"robot": {"robot_hardware": [*arms], **arms}})
+        hw = FrankaCombinedHW()
+        hw.init(Parameters(tree), Parameters(tree, "robot"))
+        for guard in hw.guards() if guarded else ():
+            guard.prepare([], ARM_MARGIN)()
+        world = hw.simulated_world().world
+        model, data = world.model, mujoco.MjData(world.model)
+        geoms = {
+            side: [
+                one
+                for one in range(model.ngeom)
+                if model.body(model.geom_bodyid[one]).name.startswith(side)
+                and model.geom_contype[one]
+            ]
+            for side in sides
+        }
+        interface = next(
+            one for one in hw.interface_types() if one.__name__ == _INTERFACES["torque"]
+        )
+        names = [f"{side}_joint{k}" for side in sides for k in range(1, 8)]
+        claims = (InterfaceResources(interface.type_name, tuple(names)),)
+        running = [ControllerInfo("torque", "test/Controller", claims)]
+        for _ in range(50):
+            hw.read(0.0, PERIOD)
+            hw.write(0.0, PERIOD)
+        hw.prepare_switch(running, [])
+        hw.do_switch(running, [])
+        handles = [hw.get(interface).get_handle(name) for name in names]
+        closest = np.inf
+        turns = [sign * random.uniform(0.8, 1.3) for sign in (1.0, -1.0)]
+        others = random.uniform(-0.2, 0.2, (2, 6))
+        way = np.concatenate([[turns[0]], others[0], [turns[1]], others[1]])
+        stiff, damped = np.tile(K, 2), np.tile(D, 2)
+        begin = np.tile(READY, 2)
+        for cycle in range(1500):
+            t = min(1.0, cycle / 1200)
+            share, rate = t**3 * (10 - 15 * t + 6 * t * t), 25 * t * t * (1 - t) ** 2
+            states = [robot.robot_state for robot in hw.arms]
+            q = np.concatenate([one.q for one in states])
+            dq = np.concatenate([one.dq for one in states])
+            values = stiff * (begin + share * way - q) - damped * (dq - rate * way)
+            for handle, value in zip(handles, values.tolist(), strict=True):
+                handle.set_command(value)
+            hw.write(0.0, PERIOD)
+            hw.read(0.0, PERIOD)
+            if cycle % 10 == 0:
+                data.qpos[:] = world.data.qpos
+                mujoco.mj_kinematics(model, data)
+                for one, other in product(geoms["left"], geoms["right"]):
+                    far = mujoco.mj_geomDistance(model, data, one, other, 0.3, None)
+                    closest = min(closest, far)
+        return closest
+
+
+def check(
+    motions: Motions, kinds: Iterable[str], seeds: Iterable[int], every: int
+) -> tuple[int, int]:
+    """Return how many motions came too near without the guard, and how many were free.
+
+    Checks that none comes too near with it, and that free ones are the same bits.
+
+    Args:
+        motions: Makes them.
+        kinds: Kinds of commands.
+        seeds: Seeds of the motions.
+        every: Cycles between two looks of Coal.
+    """
+    near = free = 0
+    for kind in kinds:
+        for seed in seeds:
+            bare = motions.run(kind, seed, guarded=False)
+            guarded = motions.run(kind, seed, guarded=True, every=every)
+            where = f"{kind} {seed}"
+            assert guarded.closest >= MARGIN - TOLERANCE, where
+            assert guarded.by_coal >= MARGIN - TOLERANCE, where
+            # What the arm can follow is slowed, not ended; torques may end in a reflex.
+            if kind != "torque" and bare.mode is RobotMode.MOVE:
+                assert guarded.mode is RobotMode.MOVE, f"{where}: {guarded.refusal}"
+            near += bare.closest < MARGIN
+            if guarded.interventions == 0:
+                free += 1
+                assert guarded.q.tobytes() == bare.q.tobytes(), where
+            else:
+                assert bare.closest <= _CLEAR, f"{where} was slowed, far away"
+    return near, free
+
+
+if __name__ == "__main__":
+    made = Motions()
+    for one in sys.argv[2:] or KINDS:
+        found = check(made, [one], range(int(sys.argv[1])), every=10)
+        sys.stdout.write(f"{one}: {found[0]} bare ones too near, {found[1]} free\n")
+        sys.stdout.flush()
