@@ -7,9 +7,9 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Query, Response
 
 from station.api.auth import Role
-from station.api.dependencies import AccessDep, ServicesDep, Viewer
+from station.api.dependencies import AccessDep, OperatorAnyway, ServicesDep, Viewer
 from station.api.json_route import JsonRoute
-from station.api.routes.problems import change
+from station.api.routes.problems import change, problems
 from station.core.ports.receipt import Receipt
 from station.rehearsal.planning import Wish
 from station.rehearsal.rehearsals import Policy
@@ -20,7 +20,13 @@ from station.wire.rehearsal import PlanRequest, RehearsalRequest
 router = APIRouter(tags=["rehearsals"], dependencies=[Viewer], route_class=JsonRoute)
 
 
-@router.post("/rehearse", **change(413, 422, 429, 503))
+# Whoever holds control: it moves nothing, and a person who tries what an agent asks for
+# must not take control away from it.
+@router.post(
+    "/rehearse",
+    dependencies=[OperatorAnyway],
+    responses=problems(413, 422, 429, 503),
+)
 def rehearse(
     request: RehearsalRequest, services: ServicesDep, access: AccessDep
 ) -> Rehearsal:
