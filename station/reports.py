@@ -240,6 +240,21 @@ class Clearance(Report):
 
 
 @dataclass(frozen=True, slots=True)
+class SavedScene(Report):
+    """The objects with a role, kept on disk.
+
+    Attributes:
+        name: Name of the scene.
+        saved_at: Wall time of the save, ISO 8601.
+        objects: The objects, as `scene/objects` of the configuration has them.
+    """
+
+    name: str
+    saved_at: str
+    objects: Sequence[Mapping[str, object]]
+
+
+@dataclass(frozen=True, slots=True)
 class HardwareResource(Report):
     """A resource of a hardware interface.
 

@@ -6,7 +6,7 @@ from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from station.api.errors import ProblemError
-from station.api.host_policy import HostPolicy
+from station.web.host_policy import HostPolicy
 from station.web.limited_server import announces_more_than, limited
 from station.wire import CLOSE_FORBIDDEN
 from station.wire.protocol import (

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from station.library.gain_sets import GainSets
     from station.library.path_player import PathPlayer
     from station.library.plot_layouts import PlotLayouts
+    from station.library.scenes import SavedScenes
     from station.library.waypoint_paths import WaypointPaths
     from station.records.recorder import Recorder
     from station.rehearsal.rehearsals import Rehearsals
@@ -51,6 +52,7 @@ class Services:
         experiments: Runs experiments; None for a station that runs none.
         gain_sets: Named sets of gains on the disk.
         plot_layouts: Named layouts of plots on the disk.
+        scenes: Named scenes on the disk.
         waypoint_paths: Named waypoint paths on the disk.
         path_player: Plays waypoint paths.
         rehearsals: Tries commands in a copy of the station.
@@ -75,6 +77,7 @@ class Services:
     experiments: "BackgroundExperiments | None"
     gain_sets: "GainSets"
     plot_layouts: "PlotLayouts"
+    scenes: "SavedScenes"
     waypoint_paths: "WaypointPaths"
     path_player: "PathPlayer"
     rehearsals: "Rehearsals"

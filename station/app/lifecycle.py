@@ -17,7 +17,6 @@ from station import compiled
 from station.api.agents import AgentPolicy
 from station.api.app import Kept, create_app
 from station.api.auth import Authenticator
-from station.api.host_policy import HostPolicy
 from station.api.server import ApiServer
 from station.app.access import check_exposure, host_names
 from station.app.announcement import Announcement
@@ -46,6 +45,7 @@ from station.trials.background_experiments import (
     spare_processors,
 )
 from station.trials.trial import Setup
+from station.web.host_policy import HostPolicy
 
 if TYPE_CHECKING:
     from station.records.recorder import Recorder
@@ -395,7 +395,7 @@ def _rules_of(config: StationConfig) -> Rules:
     return Rules(
         operator=Policy(section.operator),
         agent=Policy(section.agent),
-        envelope=Envelope(bounds.joints, bounds.speed, bounds.force),
+        envelope=Envelope(**dict(bounds)),
         tolerances=Tolerances(section.pose_tolerance, section.tube),
     )
 

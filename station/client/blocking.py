@@ -37,6 +37,7 @@ from station.client.stores import (
     AsyncLessonsClient,
     AsyncPlotLayoutsClient,
     AsyncRecordingsClient,
+    AsyncScenesClient,
     AsyncTokensClient,
     AsyncWaypointPathsClient,
 )
@@ -283,6 +284,16 @@ class ExperimentsClient(_Client[AsyncExperimentsClient]):
     list = _waited_for(AsyncExperimentsClient.list)
 
 
+class ScenesClient(_Client[AsyncScenesClient]):
+    """Named scenes on the station's disk: `client.scenes`."""
+
+    names = _waited_for(AsyncScenesClient.names)
+    get = _waited_for(AsyncScenesClient.get)
+    save = _waited_for(AsyncScenesClient.save)
+    load = _waited_for(AsyncScenesClient.load)
+    delete = _waited_for(AsyncScenesClient.delete)
+
+
 class PlotLayoutsClient(_Client[AsyncPlotLayoutsClient]):
     """Named layouts of plots on the station's disk: `client.plot_layouts`."""
 
@@ -466,6 +477,7 @@ class StationClient(_Client[AsyncStationClient]):
         self.incidents = IncidentsClient(source.incidents)
         self.experiments = ExperimentsClient(source.experiments)
         self.plot_layouts = PlotLayoutsClient(source.plot_layouts)
+        self.scenes = ScenesClient(source.scenes)
         self.waypoint_paths = WaypointPathsClient(source.waypoint_paths)
         self.alarms = AlarmsClient(source.alarms)
         self.tokens = TokensClient(source.tokens)
@@ -547,6 +559,8 @@ class StationClient(_Client[AsyncStationClient]):
     robot = _made(AsyncStationClient.robot, RobotClient)
     scene = _waited_for(AsyncStationClient.scene)
     clearances = _waited_for(AsyncStationClient.clearances)
+    attach_object = _waited_for(AsyncStationClient.attach_object)
+    detach_object = _waited_for(AsyncStationClient.detach_object)
     put_object = _waited_for(AsyncStationClient.put_object)
     remove_object = _waited_for(AsyncStationClient.remove_object)
     loop = _waited_for(AsyncStationClient.loop)

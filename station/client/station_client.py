@@ -26,6 +26,7 @@ from station.client.stores import (
     AsyncLessonsClient,
     AsyncPlotLayoutsClient,
     AsyncRecordingsClient,
+    AsyncScenesClient,
     AsyncTokensClient,
     AsyncWaypointPathsClient,
 )
@@ -70,6 +71,7 @@ class AsyncStationClient(AsyncControllersClient):
         lessons: Exercises that the station checks on the student's own run.
         gain_sets: Named sets of gains on the station's disk.
         plot_layouts: Named layouts of plots on the station's disk.
+        scenes: Named scenes on the station's disk.
         waypoint_paths: Waypoint paths on the station's disk, and their playing.
         tokens: Named tokens of people and programs.
         agents: Requests of agents, and a person's answers.
@@ -104,6 +106,7 @@ class AsyncStationClient(AsyncControllersClient):
         self.incidents = AsyncIncidentsClient(connection)
         self.experiments = AsyncExperimentsClient(connection)
         self.plot_layouts = AsyncPlotLayoutsClient(connection)
+        self.scenes = AsyncScenesClient(connection)
         self.waypoint_paths = AsyncWaypointPathsClient(connection)
         self.alarms = AsyncAlarmsClient(connection)
         self.tokens = AsyncTokensClient(connection)
@@ -350,6 +353,31 @@ class AsyncStationClient(AsyncControllersClient):
         """Remove an object with a role; return what is left."""
         path = f"/scene/{segment(name)}"
         return (await self._send("DELETE", path, wire.Scene)).objects
+
+    async def attach_object(
+        self, name: str, arm: str = "", *, load: bool = True
+    ) -> wire.SceneObject:
+        """Let an arm carry an object, which moves with its hand from now on.
+
+        Args:
+            name: The object.
+            arm: The arm; may be empty where there is only one.
+            load: Tell the arm the mass of what it carries; it must not move.
+        """
+        request = wire.AttachRequest(arm=arm, load=load)
+        path = f"/scene/{segment(name)}/attach"
+        return await self._connection.send("POST", path, wire.SceneObject, request)
+
+    async def detach_object(self, name: str, *, load: bool = True) -> wire.SceneObject:
+        """Let an object that an arm carries stay where it is.
+
+        Args:
+            name: The object.
+            load: Tell the arm the mass of what is left; it must not move.
+        """
+        request = wire.DetachRequest(load=load)
+        path = f"/scene/{segment(name)}/detach"
+        return await self._connection.send("POST", path, wire.SceneObject, request)
 
     async def loop(self) -> wire.LoopReport:
         """Return state and statistics of the control loop."""

@@ -341,6 +341,35 @@ class AsyncPlotLayoutsClient(NamedThings[wire.PlotLayout]):
         return await self._send("PUT", self._of(name), wire.PlotLayout, request)
 
 
+class AsyncScenesClient(NamedThings[wire.SavedScene]):
+    """Named scenes on the station's disk: `client.scenes`.
+
+    Every method raises what the station client's own methods raise.
+
+    Args:
+        connection: The connection to the station.
+    """
+
+    _path = "/scenes"
+    _kind = wire.SavedScene
+
+    async def names(self) -> list[str]:
+        """Return the names of the saved scenes."""
+        return (await self._get(self._path, wire.SavedScenes)).scenes
+
+    async def save(self, name: str) -> wire.SavedScene:
+        """Save the objects that have a role now; a scene of that name is replaced.
+
+        Args:
+            name: Letters, digits, `_`, `.` and `-`.
+        """
+        return await self._send("PUT", self._of(name), wire.SavedScene)
+
+    async def load(self, name: str) -> list[wire.SceneObject]:
+        """Replace the objects with a role by those of a scene; return all objects."""
+        return (await self._send("POST", self._of(name, "load"), wire.Scene)).objects
+
+
 class AsyncWaypointPathsClient(NamedThings[wire.WaypointPath]):
     """Waypoint paths on the station's disk, and their playing: `client.waypoint_paths`.
 

@@ -283,11 +283,16 @@ class EnvelopeSection(_Section):
 
     Attributes:
         joints: Range of positions by joint [rad or m]; others have the robot's.
+        workspace: Ranges of x, y and z of end effectors in the base frame of their arm
+            [m].
         speed: Highest speed of any joint [rad/s or m/s]; None for the robot's.
         force: Highest force of a contact [N]; None for any.
     """
 
     joints: dict[str, tuple[float, float]] = Field(default_factory=dict, strict=False)
+    workspace: dict[Literal["x", "y", "z"], tuple[float, float]] = Field(
+        default_factory=dict, strict=False
+    )
     speed: float | None = Field(default=None, gt=0.0)
     force: float | None = Field(default=None, ge=0.0)
 
@@ -329,6 +334,7 @@ class StationConfig(_Section):
         agents: Programs that ask people before they change anything.
         fci: The server for programs of libfranka.
         rehearsal: The need of rehearsals before motions.
+        arguments: Values of `$(var NAME)` in parameter files, by name.
     """
 
     station: LoopSection
@@ -345,6 +351,7 @@ class StationConfig(_Section):
     agents: AgentsSection = Field(default_factory=AgentsSection)
     fci: FciSection
     rehearsal: RehearsalSection
+    arguments: dict[str, str] = Field(default_factory=dict)
     parameters: dict[str, Any] = Field(default_factory=dict, exclude=True)
     ros_controllers: frozenset[str] = Field(default=frozenset(), exclude=True)
 

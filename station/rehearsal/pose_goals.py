@@ -34,34 +34,18 @@ _AT_LIMIT = 1e-3
 
 
 class EndEffector:
-    """The end effector of the Franka arm whose joints a controller moves.
+    """The end effector of a Franka arm.
 
     Args:
-        station: The station; its loop must stand still.
-        controller: The controller.
-        joints: Its joints.
-
-    Raises:
-        InvalidCommandError: They are not the joints of one Franka arm.
+        arm: The arm.
+        joints: Names of its joints.
     """
 
-    def __init__(
-        self, station: "Station", controller: str, joints: Sequence[str]
-    ) -> None:
-        kind: type[FrankaServices] = FrankaServices  # type: ignore[type-abstract]
-        for arm_id in station.robots.names(kind):
-            arm = station.robots.get(arm_id, kind)
-            names = [f"{arm_id}_joint{number}" for number in range(1, 8)]
-            if arm is not None and list(joints) == names:
-                self._model = arm.model().model
-                state = arm.get_robot_state()
-                self._frames = (state.F_T_EE, state.EE_T_K)
-                return
-        raise InvalidCommandError(
-            f"'{controller}' does not move the joints of one Franka arm, so that it "
-            "has no end effector that could be put to a pose.",
-            remedy="Give the positions of joints.",
-        )
+    def __init__(self, arm: FrankaServices, joints: Sequence[str]) -> None:
+        self.joints = list(joints)
+        self._model = arm.model().model
+        state = arm.get_robot_state()
+        self._frames = (state.F_T_EE, state.EE_T_K)
 
     def pose(self, q: Joints) -> list[float]:
         """Return its pose in the base frame, 16 numbers."""
@@ -70,6 +54,41 @@ class EndEffector:
     def jacobian(self, q: Joints) -> list[float]:
         """Return its Jacobian, 42 numbers."""
         return self._model.zero_jacobian(Frame.END_EFFECTOR, q.tolist(), *self._frames)
+
+
+def end_effectors(station: "Station") -> dict[str, EndEffector]:
+    """Return the end effectors of a station's Franka arms, by the arm's name."""
+    kind: type[FrankaServices] = FrankaServices  # type: ignore[type-abstract]
+    found = {}
+    for arm_id in station.robots.names(kind):
+        arm = station.robots.get(arm_id, kind)
+        if arm is not None:
+            names = [f"{arm_id}_joint{number}" for number in range(1, 8)]
+            found[arm_id] = EndEffector(arm, names)
+    return found
+
+
+def end_effector_of(
+    station: "Station", controller: str, joints: Sequence[str]
+) -> EndEffector:
+    """Return the end effector of the arm whose joints a controller moves.
+
+    Args:
+        station: The station.
+        controller: The controller.
+        joints: Its joints.
+
+    Raises:
+        InvalidCommandError: They are not the joints of one Franka arm.
+    """
+    for one in end_effectors(station).values():
+        if one.joints == list(joints):
+            return one
+    raise InvalidCommandError(
+        f"'{controller}' does not move the joints of one Franka arm, so that it has no "
+        "end effector that could be put to a pose.",
+        remedy="Give the positions of joints.",
+    )
 
 
 def target_pose(

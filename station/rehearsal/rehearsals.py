@@ -8,7 +8,11 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
+from functools import partial
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from station.core.errors import (
     InvalidCommandError,
@@ -20,8 +24,9 @@ from station.core.errors import (
 )
 from station.core.ports.receipt import Receipt
 from station.rehearsal.certificates import Certificates, Tolerances
-from station.rehearsal.envelope import Envelope
+from station.rehearsal.envelope import Envelope, Hands
 from station.rehearsal.planning import Wish, plan
+from station.rehearsal.pose_goals import EndEffector, end_effectors
 from station.rehearsal.process_copy import run_in_copy
 from station.rehearsal.run_ahead import Plans, Script, run_ahead
 from station.reports import LoopState, Plan, Rehearsal, RehearsalOutcome
@@ -201,7 +206,7 @@ class Rehearsals:
         told = replace(found.rehearsal, wall_time=time.perf_counter() - begun)
         if is_agent and told.outcome is RehearsalOutcome.COMPLETED:
             names, tube = self._station.joint_names, self.rules.tolerances.tube
-            fault = self.rules.envelope.fault(found, names, tube)
+            fault = self.rules.envelope.fault(found, names, tube, self._hands())
             if fault is not None:
                 told = replace(told, outcome=RehearsalOutcome.FAILED, error=fault)
         if certify and told.outcome is RehearsalOutcome.COMPLETED:
@@ -333,6 +338,13 @@ class Rehearsals:
                 "with the certificate of the answer.",
             )
 
+    def _hands(self) -> Hands:
+        names = self._station.joint_names
+        return {
+            arm: partial(_place, effector, [names.index(j) for j in effector.joints])
+            for arm, effector in end_effectors(self._station).items()
+        }
+
     def check_range(self, joint: str, size: float) -> None:
         """Refuse a test of a joint by an agent that would leave its envelope.
 
@@ -346,7 +358,14 @@ class Rehearsals:
         names, now = self._station.joint_names, self._station.latest()
         if joint not in names:
             return  # the bench refuses it by name
-        q = now.position[names.index(joint)]
-        text = self.rules.envelope.check_range(joint, q - abs(size), q + abs(size))
+        q = np.array(now.position)
+        check = self.rules.envelope.check_range
+        text = check(q, names, joint, size, self._hands())
         if text is not None:
             raise AgentEnvelopeError(text, remedy="Ask for less, or ask a person.")
+
+
+def _place(
+    effector: EndEffector, columns: Sequence[int], q: NDArray[np.float64]
+) -> list[float]:
+    return effector.pose(q[columns])[12:15]

@@ -26,6 +26,7 @@ from station.reports import (
     PlotLayout as PlotLayout,
     PlotSettings as PlotSettings,
     Rehearsal as Rehearsal,
+    SavedScene as SavedScene,
     Simulation as Simulation,
     Waypoint as Waypoint,
     WaypointPath as WaypointPath,
@@ -169,10 +170,13 @@ from station.wire.robots import (
     UserStopRequest as UserStopRequest,
 )
 from station.wire.simulation import (
+    AttachRequest as AttachRequest,
     Contact as Contact,
+    DetachRequest as DetachRequest,
     MovingBase as MovingBase,
     ObjectKind as ObjectKind,
     ResetRequest as ResetRequest,
+    SavedScenes as SavedScenes,
     Scene as Scene,
     SceneObject as SceneObject,
     SceneObjectRequest as SceneObjectRequest,

@@ -15,6 +15,7 @@ from station.core.franka.arms import Arms
 from station.rehearsal.path_search import PathSearch
 from station.rehearsal.planning import Wish
 from station.rehearsal.rehearsals import Rehearsals
+from tests.rehearsal.cluttered_scenes import Scene
 
 ARM = "position_joint_trajectory_controller"
 JOINTS = [f"panda_joint{i}" for i in range(1, 8)]
@@ -108,6 +109,30 @@ def test_refusal_of_a_pose_says_how_far_or_which_bodies():
     assert rehearsals.named_pose(ARM, "ready")["panda_joint4"] == pytest.approx(
         -2.356, abs=1e-3
     )
+
+
+def test_planned_path_keeps_clear_of_a_place_that_nothing_touches():
+    robot = at_begin([])
+    place = {**SCENES["post"][0], "role": "keep_out", "margin": 0.02}
+    robot.facade.surroundings.put("post", {k: place[k] for k in place if k != "name"})
+    found = Rehearsals(robot.facade).plan(Wish(ARM, BEHIND))
+    goal = robot.facade.motion.submit_goal(ARM, found.goal)
+    least = 1.0
+    for _ in range(int(1000 * found.duration) + 300):
+        robot.step()
+        least = min(least, robot.facade.surroundings.clearance("panda").distance)
+    assert not found.direct
+    assert goal.status.value == "succeeded"
+    assert least >= 0.02
+    with pytest.raises(NoPathError, match="post") as touching:
+        Rehearsals(robot.facade).plan(Wish(ARM, {"panda_joint1": 0.0}))
+    assert "post" in touching.value.details["pair"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, 15, 42])
+def test_ways_through_clutter_are_found_and_clear(seed):
+    assert Scene.of(seed).follow() == (True, set())
 
 
 def test_search_finds_the_gap_of_a_wall():

@@ -12,6 +12,7 @@ from station.core.errors import (
     RehearsalNeededError,
 )
 from station.core.franka.arms import Arms
+from station.core.franka.franka_services import FrankaServices
 from station.core.loop.stop_latch import StopState
 from station.core.ports.goal import GoalStatus
 from station.rehearsal.envelope import Envelope
@@ -403,6 +404,30 @@ def test_a_motion_out_of_the_envelope_gets_no_certificate(ready):
         assert told.certificate is None
         persons = bounded.rehearse(STEPS, certify=True)
         assert persons.certificate is not None
+
+
+def test_a_hand_keeps_to_the_workspace_of_agents(ready):
+    robot = ready(EFFORT)
+    state = robot.facade.robots.get("panda", FrankaServices).get_robot_state()
+    x, _, z = state.O_T_EE[12:15]  # joint 1 at 0 turns the hand about the base's z
+
+    def rehearsals(**workspace):
+        envelope = Envelope(workspace=workspace)
+        return Rehearsals(robot.facade, rules=Rules(envelope=envelope))
+
+    told = rehearsals(y=(-0.1, 0.1)).rehearse(STEPS, certify=True, is_agent=True)
+    assert (told.error.code, told.error.where) == ("outside_envelope", "panda")
+    assert "The hand of panda comes to y = 0.1" in told.error.text
+    first = np.interp(told.error.time, told.times, np.array(told.positions)[:, 0])
+    assert x * np.sin(first) == pytest.approx(0.1, abs=2e-3)
+    assert told.certificate is None
+    free = rehearsals(x=(0.0, 1.0), z=(z - 0.02, z + 0.02))
+    assert free.rehearse(STEPS, certify=True, is_agent=True).certificate is not None
+
+    joint = robot.facade.joint_names[0]
+    rehearsals(y=(-0.1, 0.1)).check_range(joint, 0.99 * np.arcsin(0.1 / x))
+    with pytest.raises(AgentEnvelopeError, match="hand of panda comes to y"):
+        rehearsals(y=(-0.1, 0.1)).check_range(joint, 1.01 * np.arcsin(0.1 / x))
 
 
 def test_a_test_of_an_agent_keeps_to_the_ranges(ready):

@@ -4,18 +4,16 @@ from functools import partial
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
-from fastapi import APIRouter, Path
+from fastapi import Path
 
 from station.api.auth import Role
 from station.api.dependencies import (
     AccessDep,
     LeaseKey,
     ServicesDep,
-    Viewer,
 )
-from station.api.json_route import JsonRoute
-from station.api.routes.problems import change, problems
 from station.api.routes.recordings import Id, StoreDep, both, ended
+from station.api.routes.routing import change, problems, routes_of
 from station.api.services import Services
 from station.core.errors import RecordingRefusedError, suggest
 from station.trials.bench_analysis import excitation_of_part, joint_test
@@ -29,7 +27,7 @@ if TYPE_CHECKING:
 _LONGEST_PART = 120_000
 """Most cycles of a part of a recording that is read as a test."""
 _STATES = ("position", "velocity", "effort")
-router = APIRouter(tags=["bench"], dependencies=[Viewer], route_class=JsonRoute)
+router = routes_of("bench")
 RunName = Annotated[FileName, Path(description="Name of the run.", examples=["soft"])]
 
 

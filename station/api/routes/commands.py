@@ -12,18 +12,14 @@ from station.api.dependencies import (
     LeaseKey,
     ServicesDep,
     StationDep,
-    Viewer,
 )
 from station.api.errors import ProblemError
-from station.api.json_route import JsonRoute
-from station.api.routes.problems import change, problems
 from station.api.routes.rehearsals import ByRehearsalDep
+from station.api.routes.routing import change, problems, routes_of
 from station.core.control import controller as core_controller
 from station.wire import CommandAccepted, CommandInfo, CommandRequest, ControllerSample
 
-_set_points = APIRouter(
-    tags=["set-points"], dependencies=[Viewer], route_class=JsonRoute
-)
+_set_points = routes_of("set-points")
 
 
 @_set_points.get("/controllers/{name}/command", responses=problems(404, 422))
@@ -89,7 +85,7 @@ def get_controller_state(name: str, station: StationDep) -> ControllerSample:
     return answers.controller_sample(sample, names, published)
 
 
-_goals = APIRouter(tags=["goals"], dependencies=[Viewer], route_class=JsonRoute)
+_goals = routes_of("goals")
 
 
 @_goals.post(

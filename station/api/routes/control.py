@@ -2,7 +2,7 @@
 
 import time
 
-from fastapi import APIRouter, Request
+from fastapi import Request
 
 from station.api.audit import origin_of
 from station.api.auth import Access
@@ -12,10 +12,8 @@ from station.api.dependencies import (
     LeaseKey,
     OperatorAnyway,
     ServicesDep,
-    Viewer,
 )
-from station.api.json_route import JsonRoute
-from station.api.routes.problems import problems
+from station.api.routes.routing import problems, routes_of
 from station.reports import AgentRequest, Verdict
 from station.wire import (
     AgentAnswer,
@@ -25,7 +23,7 @@ from station.wire import (
     ControlState,
 )
 
-router = APIRouter(tags=["control"], dependencies=[Viewer], route_class=JsonRoute)
+router = routes_of("control")
 
 
 @router.get("/control", responses=problems())

@@ -7,19 +7,16 @@ from fastapi import APIRouter, Request, Response
 from station import wire
 from station.api import answers
 from station.api.audit import note_preview
-from station.api.dependencies import Operator, ServicesDep, StationDep, Viewer
+from station.api.dependencies import Operator, ServicesDep, StationDep
 from station.api.idempotency import Idempotent, IdempotentRoute
-from station.api.json_route import JsonRoute
-from station.api.routes.problems import change, problems
 from station.api.routes.rehearsals import ByRehearsalDep
+from station.api.routes.routing import change, problems, routes_of
 from station.core.control import switching
 from station.core.facade.station import Station
 from station.wire import Parameter, ParameterRequest
 
 _LOGGER = logging.getLogger(__name__)
-_controllers = APIRouter(
-    tags=["controllers"], dependencies=[Viewer], route_class=IdempotentRoute
-)
+_controllers = routes_of("controllers", kind=IdempotentRoute)
 
 
 @_controllers.get("/controllers", responses=problems())
@@ -151,12 +148,7 @@ def reload_controller_types(
     return wire.Reloaded(unloaded=unloaded)
 
 
-_parameters = APIRouter(
-    prefix="/parameters",
-    tags=["parameters"],
-    dependencies=[Viewer],
-    route_class=JsonRoute,
-)
+_parameters = routes_of("parameters", "/parameters")
 
 
 @_parameters.get("", responses=problems())

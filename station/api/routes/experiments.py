@@ -2,11 +2,10 @@
 
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Path, Query
+from fastapi import Depends, Path, Query
 
-from station.api.dependencies import ServicesDep, StationDep, Viewer
-from station.api.json_route import JsonRoute
-from station.api.routes.problems import change, problems
+from station.api.dependencies import ServicesDep, StationDep
+from station.api.routes.routing import change, problems, routes_of
 from station.core.facade.station import Station
 from station.trials import reports
 from station.trials.analysis import gains_of, ranked
@@ -65,12 +64,7 @@ Metric = Annotated[
 Count = Annotated[
     int, Query(ge=1, le=500, description="How many trials at most.", examples=[5])
 ]
-router = APIRouter(
-    prefix="/experiments",
-    tags=["experiments"],
-    dependencies=[Viewer],
-    route_class=JsonRoute,
-)
+router = routes_of("experiments", "/experiments")
 
 
 @router.get("", responses=problems(409))

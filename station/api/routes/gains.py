@@ -3,14 +3,13 @@
 from collections.abc import Mapping
 from typing import Annotated
 
-from fastapi import APIRouter, Header, Path, Response
+from fastapi import Header, Path, Response
 
 from station import wire
 from station.api import answers
-from station.api.dependencies import ServicesDep, StationDep, Viewer
+from station.api.dependencies import ServicesDep, StationDep
 from station.api.errors import ProblemError
-from station.api.json_route import JsonRoute
-from station.api.routes.problems import change, problems
+from station.api.routes.routing import change, problems, routes_of
 from station.api.services import Services
 from station.core.facade.station import Station
 from station.library import gain_sets
@@ -18,7 +17,7 @@ from station.reports import GainsChange
 from station.wire.base import FileName
 from station.wire.controllers import GainsOfControllersPatch
 
-router = APIRouter(tags=["gains"], dependencies=[Viewer], route_class=JsonRoute)
+router = routes_of("gains")
 
 
 def etag_of(station: Station, revision: int) -> str:

@@ -1,20 +1,12 @@
 """Hardware components: their states, and the way from one to another."""
 
-from fastapi import APIRouter
-
-from station.api.dependencies import Operator, StationDep, Viewer
-from station.api.json_route import JsonRoute
-from station.api.routes.problems import problems
+from station.api.dependencies import Operator, StationDep
+from station.api.routes.routing import problems, routes_of
 from station.core.control.hardware_components import ComponentState
 from station.reports import HardwareComponentReport
 from station.wire import HardwareComponents, HardwareComponentStateRequest
 
-router = APIRouter(
-    prefix="/hardware/components",
-    tags=["robot"],
-    dependencies=[Viewer],
-    route_class=JsonRoute,
-)
+router = routes_of("robot", "/hardware/components")
 
 
 @router.get("", responses=problems())

@@ -2,11 +2,10 @@
 
 from typing import Annotated
 
-from fastapi import APIRouter, Path, Query
+from fastapi import Path, Query
 
-from station.api.dependencies import AccessDep, ServicesDep, Viewer
-from station.api.json_route import JsonRoute
-from station.api.routes.problems import change, problems
+from station.api.dependencies import AccessDep, ServicesDep
+from station.api.routes.routing import change, problems, routes_of
 from station.wire.base import FileName
 from station.wire.lessons import (
     Lesson,
@@ -16,9 +15,7 @@ from station.wire.lessons import (
     Lessons,
 )
 
-router = APIRouter(
-    prefix="/lessons", tags=["lessons"], dependencies=[Viewer], route_class=JsonRoute
-)
+router = routes_of("lessons", "/lessons")
 Name = Annotated[
     FileName, Path(description="Name of the lesson.", examples=["damping"])
 ]

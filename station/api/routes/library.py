@@ -5,10 +5,9 @@ from typing import Annotated
 from fastapi import APIRouter, Path
 
 from station import wire
-from station.api.dependencies import ServicesDep, Viewer
-from station.api.json_route import JsonRoute
-from station.api.routes.problems import change, problems
+from station.api.dependencies import ServicesDep
 from station.api.routes.rehearsals import ByRehearsalDep
+from station.api.routes.routing import change, problems, routes_of
 from station.library.path_player import PlayOptions
 from station.reports import (
     DockSettings,
@@ -21,9 +20,7 @@ from station.reports import (
 from station.wire import PlotLayoutRequest, PlotLayouts
 from station.wire.base import FileName
 
-_layouts = APIRouter(
-    tags=["plot-layouts"], dependencies=[Viewer], route_class=JsonRoute
-)
+_layouts = routes_of("plot-layouts")
 LayoutName = Annotated[
     FileName, Path(description="Name of the layout.", examples=["torques"])
 ]
@@ -58,9 +55,7 @@ def delete_plot_layout(name: LayoutName, services: ServicesDep) -> PlotLayout:
     return services.plot_layouts.delete(name)
 
 
-_paths = APIRouter(
-    tags=["waypoint-paths"], dependencies=[Viewer], route_class=JsonRoute
-)
+_paths = routes_of("waypoint-paths")
 PathName = Annotated[FileName, Path(description="Name of the path.", examples=["wave"])]
 
 

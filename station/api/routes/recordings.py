@@ -11,8 +11,7 @@ from starlette.responses import FileResponse, StreamingResponse
 from station import wire
 from station.api.audit import origin_of
 from station.api.dependencies import ServicesDep, StationDep, Viewer
-from station.api.json_route import JsonRoute
-from station.api.routes.problems import change, problems
+from station.api.routes.routing import change, problems, routes_of
 from station.core.errors import RecordingRefusedError
 from station.records.record_store import RECORDING, RecordingInfo, RecordStore
 from station.wire.protocol import PREFIX
@@ -118,7 +117,7 @@ _TABLE: dict[int | str, dict[str, Any]] = {
         "content": {"text/csv": {"schema": {"type": "string"}}},
     }
 }
-router = APIRouter(tags=["recordings"], dependencies=[Viewer], route_class=JsonRoute)
+router = routes_of("recordings")
 uploads = APIRouter(tags=["recordings"], dependencies=[Viewer])
 """Of a body that is no JSON: it is a file, read as it comes."""
 

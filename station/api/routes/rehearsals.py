@@ -4,12 +4,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Query, Response
+from fastapi import Depends, Query, Response
 
 from station.api.auth import Role
-from station.api.dependencies import AccessDep, OperatorAnyway, ServicesDep, Viewer
-from station.api.json_route import JsonRoute
-from station.api.routes.problems import change, problems
+from station.api.dependencies import AccessDep, OperatorAnyway, ServicesDep
+from station.api.routes.routing import change, problems, routes_of
 from station.core.ports.receipt import Receipt
 from station.rehearsal.planning import Wish
 from station.rehearsal.rehearsals import Policy
@@ -17,7 +16,7 @@ from station.reports import Plan, Rehearsal
 from station.wire.protocol import REHEARSAL_HEADER
 from station.wire.rehearsal import PlanRequest, RehearsalRequest
 
-router = APIRouter(tags=["rehearsals"], dependencies=[Viewer], route_class=JsonRoute)
+router = routes_of("rehearsals")
 
 
 # Whoever holds control: it moves nothing, and a person who tries what an agent asks for

@@ -6,9 +6,8 @@ from fastapi import APIRouter
 
 from station import wire
 from station.api import answers
-from station.api.dependencies import ArmsDep, GrippersDep, StationDep, Viewer
-from station.api.json_route import JsonRoute
-from station.api.routes.problems import change, problems
+from station.api.dependencies import ArmsDep, GrippersDep, StationDep
+from station.api.routes.routing import change, problems, routes_of
 from station.api.service_routes import add_service, describe, services_of
 from station.core.facade.station import Station
 from station.core.franka import (
@@ -22,9 +21,7 @@ from station.core.franka import (
 )
 from station.core.franka.arms import Arms
 
-router = APIRouter(
-    prefix="/robots", tags=["robots"], dependencies=[Viewer], route_class=JsonRoute
-)
+router = routes_of("robots", "/robots")
 _READ = problems(404, 503)
 _WRITE = change(404, 409, 413, 422, 503)
 

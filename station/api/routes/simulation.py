@@ -2,17 +2,20 @@
 
 from typing import Annotated
 
-from fastapi import APIRouter, Path
+from fastapi import Path
 
 from station import wire
-from station.api.dependencies import StationDep, Viewer
-from station.api.json_route import JsonRoute
-from station.api.routes.problems import change, problems
-from station.reports import Simulation
+from station.api.dependencies import ServicesDep, StationDep
+from station.api.routes.routing import change, problems, routes_of
+from station.reports import SavedScene, Simulation
+from station.wire.base import FileName
 
-router = APIRouter(tags=["simulation"], dependencies=[Viewer], route_class=JsonRoute)
+router = routes_of("simulation")
 ObjectName = Annotated[
     str, Path(description="Name of the object.", examples=["wall"], max_length=128)
+]
+SceneName = Annotated[
+    FileName, Path(description="Name of the scene.", examples=["cell"])
 ]
 _CHANGE = change(409, 413, 422, 503)
 
@@ -72,3 +75,74 @@ def delete_scene_object(name: ObjectName, station: StationDep) -> wire.Scene:
     """Remove an object with a role; answers with what is left."""
     station.surroundings.remove(name)
     return scene(station)
+
+
+@router.post(
+    "/scene/{name}/attach",
+    **change(404, 409, 413, 422, 503),
+)
+def attach_scene_object(
+    name: ObjectName, station: StationDep, request: wire.AttachRequest | None = None
+) -> wire.SceneObject:
+    """Let an arm carry an object: it moves with the hand and is guarded as its part.
+
+    The arm is told the load, so it must not move. A simulated body stays a body: the
+    fingers have to hold it.
+    """
+    asked = request or wire.AttachRequest()
+    found = station.surroundings.attach(name, asked.arm, load=asked.load)
+    return wire.SceneObject.model_validate(found)
+
+
+@router.post(
+    "/scene/{name}/detach",
+    **change(404, 409, 413, 422, 503),
+)
+def detach_scene_object(
+    name: ObjectName, station: StationDep, request: wire.DetachRequest | None = None
+) -> wire.SceneObject:
+    """Let an object that an arm carries stay where it is now."""
+    asked = request or wire.DetachRequest()
+    found = station.surroundings.detach(name, load=asked.load)
+    return wire.SceneObject.model_validate(found)
+
+
+@router.get("/scenes", responses=problems())
+def list_scenes(services: ServicesDep) -> wire.SavedScenes:
+    """List the saved scenes."""
+    return wire.SavedScenes(scenes=services.scenes.names())
+
+
+@router.get("/scenes/{name}", responses=problems(404, 422))
+def get_saved_scene(name: SceneName, services: ServicesDep) -> SavedScene:
+    """Return a saved scene with its objects."""
+    return services.scenes.get(name)
+
+
+@router.put("/scenes/{name}", **change(404, 422))
+def save_scene(
+    name: SceneName, services: ServicesDep, station: StationDep
+) -> SavedScene:
+    """Save the objects that have a role now; a scene of that name is replaced.
+
+    Solid objects and what an arm carries are left out.
+    """
+    return services.scenes.save(name, station.surroundings.entries())
+
+
+@router.post(
+    "/scenes/{name}/load",
+    **change(404, 409, 422, 503),
+)
+def load_scene(
+    name: SceneName, services: ServicesDep, station: StationDep
+) -> wire.Scene:
+    """Replace the objects with a role by those of a saved scene."""
+    station.surroundings.replace_roles(services.scenes.get(name).objects)
+    return scene(station)
+
+
+@router.delete("/scenes/{name}", **change(404, 422))
+def delete_saved_scene(name: SceneName, services: ServicesDep) -> SavedScene:
+    """Delete a saved scene; return its last content."""
+    return services.scenes.delete(name)

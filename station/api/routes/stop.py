@@ -14,7 +14,7 @@ from starlette.requests import ClientDisconnect
 from station.api import answers
 from station.api.dependencies import RoleDep, StationDep, Viewer
 from station.api.json_route import JsonRoute
-from station.api.routes.problems import change, problems
+from station.api.routes.routing import change, problems
 from station.core.loop.stop_latch import StopLatch
 from station.wire import ReleaseRequest, StopRequest, StopState
 

@@ -10,7 +10,7 @@ from station.api.auth import Access, Role
 from station.api.control import ControlHeldError
 from station.api.dependencies import Viewer
 from station.api.errors import ProblemError
-from station.api.routes.problems import problems
+from station.api.routes.routing import problems
 from station.api.services import services_of
 from station.api.streams import StreamRequestError
 from station.api.streams.command_stream import CommandStream, parse_command_request

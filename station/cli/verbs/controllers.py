@@ -290,7 +290,7 @@ def load_controller(options: Namespace) -> int:
     """Load a controller, with the parameters of a file or of the station."""
     params = None
     if options.param_file is not None:
-        params = _parameters_of(options.name, options.param_file)
+        params = _parameters_of(options.name, options.param_file, options.type)
     with open_client(options) as client:
         state = client.load_controller(
             options.name,
@@ -306,7 +306,7 @@ def load_controller(options: Namespace) -> int:
     return answer(options, state, line, *(f"Note: {note}" for note in state.notes))
 
 
-def _parameters_of(name: str, path: Path) -> dict[str, Any]:
+def _parameters_of(name: str, path: Path, kind: str | None) -> dict[str, Any]:
     """Return the parameters that a file written for ROS has for a controller.
 
     Raises:
@@ -316,7 +316,8 @@ def _parameters_of(name: str, path: Path) -> dict[str, Any]:
     from station.config.ros_parameters import split_ros_parameters
     from station.core.yaml_reader import read_yaml
 
-    found = split_ros_parameters(read_yaml(path).values, str(path))
+    types = {} if kind is None else {name: kind}
+    found = split_ros_parameters(read_yaml(path).values, str(path), types)
     params = found.controllers.get(name) or found.others.get(name)
     if not isinstance(params, dict):
         known = ", ".join(found.controllers) or "none"

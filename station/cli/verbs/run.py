@@ -45,6 +45,14 @@ def add_run(parser: "Parser") -> None:
         "parameter files written for ROS, unchanged; their controllers are loaded",
     )
     add(
+        "--arg",
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="NAME:=VALUE",
+        help="what $(var NAME) stands for in these files",
+    )
+    add(
         "--robot",
         metavar="ROBOT",
         help=f"simulate this robot with controllers made for it: {ROBOT}",
@@ -185,6 +193,9 @@ def run(options: Namespace) -> int:
     }
     if options.no_ui:
         flags["ui.enabled"] = False
+    for argument in options.arg:
+        name, _, value = argument.partition(":=")
+        flags[f"arguments.{name}"] = value
     for tool in ("foxglove", "rosbridge"):
         if (port := getattr(options, tool)) is not None:
             flags |= {f"{tool}.enabled": True, f"{tool}.port": port}

@@ -8,7 +8,8 @@ from station.cli.output import answer, say
 
 if TYPE_CHECKING:
     from station.cli.parser import Parser
-    from station.wire import Simulation
+    from station.client import StationClient
+    from station.wire import SceneObject, Simulation
 
 
 def add_step(parser: "Parser") -> None:
@@ -75,20 +76,25 @@ def _tell(state: "Simulation", options: Namespace) -> int:
 
 
 _NUMBERS = {"size", "position", "rpy", "colour"}
+_ACTIONS = (
+    "list", "put", "remove", "attach", "detach", "saved", "save", "load", "delete"
+)  # fmt: skip
 
 
 def add_scene(parser: "Parser") -> None:
     """Add the arguments of `scene`."""
+    parser.add_argument("action", nargs="?", choices=_ACTIONS, default="list")
     parser.add_argument(
-        "action", nargs="?", choices=["list", "put", "remove"], default="list"
+        "name", nargs="?", help="of the object; of a saved scene for the last four"
     )
-    parser.add_argument("name", nargs="?", help="of the object")
     parser.add_argument(
         "values",
         nargs="*",
         type=_value,
         metavar="KEY=VALUE",
-        help="e.g. type=box size=0.1,1,1 position=0.6,0,0.5 role=keep_out margin=0.02",
+        help="of put, e.g. type=box size=0.1,1,1 position=0.6,0,0.5 role=keep_out "
+        "margin=0.02; of attach arm=panda; of attach and detach load=no, which tells "
+        "the arm no mass",
     )
 
 
@@ -112,24 +118,51 @@ def _value(text: str) -> tuple[str, object]:
 
 
 def scene(options: Namespace) -> int:
-    """List the scene, or change one of its objects."""
-    if options.action != "list" and options.name is None:
-        say(f"Which object? station scene {options.action} NAME")
+    """List the scene, change one of its objects, or keep it under a name."""
+    action, name = options.action, options.name
+    if action not in {"list", "saved"} and name is None:
+        say(f"Which one? station scene {action} NAME")
         return 2
     with open_client(options) as client:
-        if options.action == "put":
-            found = client.put_object(options.name, **dict(options.values))
-            line = f"'{found.name}' is a {found.type} with the role {found.role}."
-            return answer(options, found, line)
-        if options.action == "remove":
-            client.remove_object(options.name)
-        for one in client.scene():
-            at = ", ".join(f"{value or 0.0:.3f}" for value in one.position)
-            answer(options, one, f"{one.name}: {one.type}, {one.role}, at {at} m")
-        for pair in () if options.json else client.clearances():
-            say(
-                f"{pair.arm}: {pair.link} is {1000.0 * pair.distance:.0f} mm from "
-                f"'{pair.object}', margin {1000.0 * pair.margin:.0f} mm"
-                + (", slowed" if pair.is_slowing else "")
-            )
+        if action in {"put", "attach", "detach"}:
+            found = _change(client, options)
+            carried = f", carried by {found.carried_by}" if found.carried_by else ""
+            line = f"'{found.name}' is a {found.type} with the role {found.role}"
+            return answer(options, found, f"{line}{carried}.")
+        if action == "saved":
+            names = client.scenes.names()
+            return answer(options, names, *names)
+        if action in {"save", "delete"}:
+            kept = getattr(client.scenes, action)(name)
+            word = "saved" if action == "save" else "deleted"
+            line = f"The scene '{name}' with {len(kept.objects)} objects is {word}."
+            return answer(options, kept, line)
+        if action == "remove":
+            client.remove_object(name)
+        if action == "load":
+            client.scenes.load(name)
+        _list(client, options)
     return 0
+
+
+def _change(client: "StationClient", options: Namespace) -> "SceneObject":
+    values = dict(options.values)
+    if options.action == "put":
+        return client.put_object(options.name, **values)
+    load = values.pop("load", "yes") != "no"
+    if options.action == "attach":
+        return client.attach_object(options.name, values.get("arm", ""), load=load)
+    return client.detach_object(options.name, load=load)
+
+
+def _list(client: "StationClient", options: Namespace) -> None:
+    for one in client.scene():
+        at = ", ".join(f"{value or 0.0:.3f}" for value in one.position)
+        carried = f", carried by {one.carried_by}" if one.carried_by else ""
+        answer(options, one, f"{one.name}: {one.type}, {one.role}, at {at} m{carried}")
+    for pair in () if options.json else client.clearances():
+        say(
+            f"{pair.arm}: {pair.link} is {1000.0 * pair.distance:.0f} mm from "
+            f"'{pair.object}', margin {1000.0 * pair.margin:.0f} mm"
+            + (", slowed" if pair.is_slowing else "")
+        )

@@ -24,6 +24,7 @@ cdef class Guard:
     cdef public bint is_committing
     cdef readonly Clearances clearances
     cdef readonly list others, neighbours, places, arms
+    cpdef take(self, Clearances clearances, names)
     cpdef look(self)
     @cython.locals(row=long, i=long, number=long, other=Guard, place=double[::1])
     cpdef place_others(self)

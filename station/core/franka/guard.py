@@ -123,6 +123,17 @@ class Guard:
         self.places: list[Doubles] = []
         self.set_scene([], [], [])
 
+    def take(self, clearances: Clearances, names: Sequence[str]) -> None:
+        """Watch other capsules from now on; `set_scene` has to follow.
+
+        Args:
+            clearances: Measures the capsules.
+            names: Name of the link, or of a carried object, of each capsule.
+        """
+        self.clearances, self.names = clearances, tuple(names)
+        self.count, self.way = clearances.count, clearances.way
+        self.committed = zeros(12 * self.count)
+
     def set_scene(
         self,
         solids: Sequence[float],

@@ -29,7 +29,39 @@ from station.reports import Clearance, HardwareTransmission
 
 
 class SceneGuard(ABC):
-    """Keeps an arm clear of a scene. Any thread."""
+    """Keeps an arm clear of a scene. Any thread, unless it says otherwise.
+
+    Attributes:
+        arm_id: Name of the arm.
+    """
+
+    arm_id: str
+
+    @abstractmethod
+    def hand(self) -> Pose:
+        """Return the pose of the arm's flange in the world; control thread."""
+
+    @abstractmethod
+    def carry(self, objects: Sequence[SceneObject]) -> Callable[[], None]:
+        """Return a function for the control thread that makes objects parts of the arm.
+
+        All arms take what they carry before `prepare` lets the scene count.
+
+        Args:
+            objects: All objects of the scene; those that the arm carries count.
+
+        Raises:
+            RobotDescriptionError: A mesh cannot be used.
+            SceneRefusedError: Nobody can carry an object.
+        """
+
+    @abstractmethod
+    def nearest_at(self, positions: Mapping[str, float]) -> Clearance | None:
+        """Return the nearest pair in another pose; for copies of a station alone.
+
+        Args:
+            positions: Joint name to position [rad]; others stay where they are.
+        """
 
     @abstractmethod
     def prepare(

@@ -226,7 +226,7 @@ class _TagReader:
         link = self._link_of(tag)
         values = {one.name: one.initial_value or 0.0 for one in tag.states}
         if found[0].is_constant:
-            new = "its values stay as they begin"
+            new = "constant"
             self._tell(what, "the simulation does not measure it", new)
         elif link is None:
             self._tell(

@@ -49,21 +49,14 @@ _UNPLACED = (3.0, 3.0, 3.0)
 
 
 class CollisionLayer(Layer):
-    """The collision geometry of all links, translucent over their visual shapes.
+    """The collision geometry of all links, translucent over their visual shapes."""
 
-    Args:
-        client: The browser.
-        robots: The robots in the scene.
-    """
-
-    def __init__(
-        self, client: viser.ClientHandle, robots: Sequence[PlacedRobot]
-    ) -> None:
-        super().__init__(client, robots)
+    @override
+    def begin(self) -> None:
         for robot in self.robots:
             for link, surface in robot.model.surfaces.items():
                 node = surface.draw(
-                    client.scene,
+                    self.client.scene,
                     f"{robot.node_of(link)}/collision",
                     _COLLISION_COLOUR,
                     _COLLISION_OPACITY,

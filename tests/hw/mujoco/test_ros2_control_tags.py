@@ -157,7 +157,7 @@ def test_what_is_left_out_is_told_by_name(make):
     assert "stiffness" in told["joint 'b'"][0]
     assert told["sensor 'camera'"][1] == told["sensor 'lost'"][1] == "left out"
     assert "frame_id" in told["sensor 'lost'"][0]
-    assert "stay as they begin" in told["sensor 'gps'"][1]
+    assert told["sensor 'gps'"][1] == "constant"
     assert set(told) == {
         "joint 'b'", "sensor 'camera'", "sensor 'lost'", "sensor 'gps'",
     }  # fmt: skip

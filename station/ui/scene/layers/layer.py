@@ -93,6 +93,10 @@ class Layer(ABC):
         self.client = client
         self.robots = tuple(robots)
         self.nodes: list[viser.SceneNodeHandle] = []
+        self.begin()
+
+    def begin(self) -> None:  # noqa: B027 - a layer need not keep anything
+        """Make what the layer keeps from one call of `show` to the next."""
 
     @abstractmethod
     def show(self, facts: SceneFacts) -> None:

@@ -18,17 +18,10 @@ _SAME = 1e-4
 
 
 class FramesLayer(Layer):
-    """The base O, the flange F and, of a Franka arm, EE and K, with their names.
+    """The base O, the flange F and, of a Franka arm, EE and K, with their names."""
 
-    Args:
-        client: The browser.
-        robots: The robots in the scene.
-    """
-
-    def __init__(
-        self, client: viser.ClientHandle, robots: Sequence[PlacedRobot]
-    ) -> None:
-        super().__init__(client, robots)
+    @override
+    def begin(self) -> None:
         self._tools: dict[str, tuple[Pose, Pose]] = {}
         self._of_tools: dict[str, list[viser.SceneNodeHandle]] = {}
         for robot in self.robots:
@@ -102,17 +95,10 @@ class _Tint:
 
 
 class LimitsLayer(Layer):
-    """Tints the link that a joint near its limit moves, and shows the room left.
+    """Tints the link that a joint near its limit moves, and shows the room left."""
 
-    Args:
-        client: The browser.
-        robots: The robots in the scene.
-    """
-
-    def __init__(
-        self, client: viser.ClientHandle, robots: Sequence[PlacedRobot]
-    ) -> None:
-        super().__init__(client, robots)
+    @override
+    def begin(self) -> None:
         self._tinted: dict[str, _Tint] = {}
 
     @override
@@ -188,17 +174,10 @@ which it goes [rad] or [m]; a difference keeps it from flickering."""
 
 
 class CommandedLayer(Layer):
-    """A figure of each robot at its commanded pose, while the robot is elsewhere.
+    """A figure of each robot at its commanded pose, while the robot is elsewhere."""
 
-    Args:
-        client: The browser.
-        robots: The robots in the scene.
-    """
-
-    def __init__(
-        self, client: viser.ClientHandle, robots: Sequence[PlacedRobot]
-    ) -> None:
-        super().__init__(client, robots)
+    @override
+    def begin(self) -> None:
         self._figures: list[RobotFigure | None] = [None] * len(self.robots)
         self._labels: dict[int, viser.LabelHandle] = {}
 
@@ -290,17 +269,10 @@ class Trails:
 
 
 class TrailLayer(Layer):
-    """The last metres of the path of each flange.
+    """The last metres of the path of each flange."""
 
-    Args:
-        client: The browser.
-        robots: The robots in the scene.
-    """
-
-    def __init__(
-        self, client: viser.ClientHandle, robots: Sequence[PlacedRobot]
-    ) -> None:
-        super().__init__(client, robots)
+    @override
+    def begin(self) -> None:
         self._shown: list[Vector3 | None] = [None] * len(self.robots)
         self._lines: dict[int, viser.LineSegmentsHandle] = {}
 

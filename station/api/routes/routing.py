@@ -1,8 +1,11 @@
-"""The errors of a route as the OpenAPI document describes them, and its role."""
+"""Routes: for whom they are, and their errors as the OpenAPI document has them."""
 
 from typing import Any
 
-from station.api.dependencies import Operator
+from fastapi import APIRouter
+
+from station.api.dependencies import Operator, Viewer
+from station.api.json_route import JsonRoute
 
 MEANINGS = {
     401: "No token or session that the station knows.",
@@ -20,6 +23,19 @@ MEANINGS = {
     503: "The control loop does not run, or the station cannot be copied.",
     504: "The switch missed its deadline and was withdrawn.",
 }
+
+
+def routes_of(
+    tag: str, prefix: str = "", kind: type[JsonRoute] = JsonRoute
+) -> APIRouter:
+    """Return a router for routes that need the viewer role at least.
+
+    Args:
+        tag: Tag of the routes in the OpenAPI document.
+        prefix: Beginning of their paths.
+        kind: Kind of the routes.
+    """
+    return APIRouter(prefix=prefix, tags=[tag], dependencies=[Viewer], route_class=kind)
 
 
 def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
