@@ -71,11 +71,12 @@ class Upload:
         except (*DAMAGE, RecordingFileError) as error:
             refusal = _refused("no MCAP file of a station")
             raise refusal from error
+        if found.is_changed:
+            why = "not whole: its end is missing, or some of its bytes are damaged"
+            refusal = _refused(why)
+            raise refusal
         if not found.cycles:
             refusal = _refused("no recording of a station: it has no cycles")
-            raise refusal
-        if found.is_changed:
-            refusal = _refused(f"not whole. {found.text()}")
             raise refusal
         info, file = self._store.begin(partial(_Linked, path), self._name)
         file.close()

@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING
 
 import viser
 
-from station.client import ApiError, AsyncStationClient
+from station.client import AsyncStationClient
 from station.ui.link.station_link import StationLink
 from station.ui.link.station_view import StationView
 from station.ui.page.page_state import BarState, bar_state
 from station.ui.page.view_routes import ShownViews
 from station.ui.scene.layers.layer import PlacedRobot, SceneFacts
-from station.ui.scene.layers.push_layer import Pusher, Pushing, move_nothing
+from station.ui.scene.layers.push_layer import Pusher, Pushing, act_for_nobody
 from station.ui.scene.layers.robot_layers import Trails
 from station.ui.scene.robot_model import RobotModel, RobotModelError, base_positions
 from station.ui.scene.robot_scene import RobotScene, prepare_room
@@ -33,7 +33,6 @@ from station.ui.teleoperation.viser_panel import (
     JointSliders,
     bases_of_hands,
 )
-from station.wire import ExternalForce
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
@@ -47,16 +46,6 @@ VIEWS_PERIOD = 1.0 / 15.0
 PANEL_PERIOD = 0.1
 _ENDING_TIME = 0.5
 _PANEL_WIDTH = 430.0
-
-
-async def _push_nothing(key: str, arm_id: str, push: ExternalForce) -> None:
-    """Refuse to push, as a dashboard without sessions does.
-
-    Raises:
-        ApiError: Always.
-    """
-    detail = f"Session '{key}' cannot push {push.link} of {arm_id}."
-    raise ApiError(detail, status=403, code="forbidden")
 
 
 class Dashboard:
@@ -93,8 +82,8 @@ class Dashboard:
         not_drawn: str = "",
         beside: Sequence[RobotModel] = (),
         session_key: Callable[[viser.ClientHandle], str] = lambda _: "",
-        push: Pusher = _push_nothing,
-        move: Callable[[str, str, list[float]], Awaitable[None]] = move_nothing,
+        push: Pusher = act_for_nobody,
+        move: Callable[[str, str, list[float]], Awaitable[None]] = act_for_nobody,
     ) -> None:
         self._server = server
         self._client = client

@@ -272,6 +272,28 @@ def test_gains_are_searched_previewed_applied_and_taken_back(workspace, enabled)
     workspace.button("tuning", "Undo").click()
     assert wait_until(lambda: enabled.gains(CONTROLLER).values[name] == other[name])
     enabled.set_gains(CONTROLLER, before)
+    _opens_the_trials_in_the_plots(workspace, enabled)
+
+
+def _opens_the_trials_in_the_plots(workspace, client):
+    """The best trial is laid over the one at which the search began."""
+    (search,) = client.experiments.list()
+    workspace.button("timeline", "Experiments").click()
+    workspace.button("timeline", f"Replay {search.name}").click()
+    kept = {one.role: one for one in client.experiments.responses(search.name)}
+    # The best of so few trials may be the first.
+    wanted = [kept[role] for role in ("best", "first") if role in kept]
+    shown = workspace.dock("plots")
+    shown.get_by_text(f"{search.name}, {wanted[-1].role}", exact=True).wait_for()
+    traces = "document.querySelector('st-plots').plots[0].plot.traces"
+    count = 7 * len(wanted)
+    found = workspace.page.wait_for_function(
+        f"() => {traces}.length === {count} &&"
+        f" {traces}.map((t) => t.history.values.at(-1))"
+    ).json_value()
+    assert found == pytest.approx([q for one in wanted for q in one.position[-1]])
+    workspace.button("plots", "End replay").click()
+    workspace.button("timeline", "Events").click()
 
 
 def test_a_controller_keeps_its_row_when_it_is_started(workspace, enabled):

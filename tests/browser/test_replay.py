@@ -175,6 +175,30 @@ def test_layouts_of_plots_are_kept_at_the_station_and_in_files(
     dock.locator(".layouts > summary").click()
 
 
+def test_a_file_is_uploaded_or_refused_with_the_reason(workspace, enabled, tmp_path):
+    own = _record(enabled, "own", 0.1)
+    whole, cut = tmp_path / "tuesday of the cell.mcap", tmp_path / "cut.mcap"
+    enabled.recordings.download(own.identifier, whole)
+    cut.write_bytes(whole.read_bytes()[:1_000_000])
+    workspace.button("timeline", "Recordings").click()
+    for file in (whole, cut):
+        with workspace.page.expect_file_chooser() as chooser:
+            workspace.button("timeline", "Upload …").click()
+        chooser.value.set_files(file)
+        workspace.button("timeline", "Upload …").wait_for()
+    line = workspace.page.locator("#refusal-line")
+    line.get_by_text("The file was not kept: it is not whole").wait_for()
+    (found,) = (one for one in enabled.recordings.list() if one.is_uploaded)
+    assert (found.name, found.cycles) == ("tuesday_of_the_cell", own.cycles)
+    row = workspace.dock("timeline").locator(".row", has_text=found.name)
+    assert "uploaded" in row.inner_text()
+    row.get_by_role("button", name=f"Replay {found.identifier}").click()
+    workspace.dock("plots").get_by_text(found.name, exact=True).wait_for()
+    workspace.button("plots", "End replay").click()
+    enabled.recordings.delete(found.identifier)
+    workspace.button("timeline", "Events").click()
+
+
 def test_the_moment_of_an_incident_is_linked_in_three_clicks(workspace, enabled):
     workspace.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
     known = {one.identifier for one in enabled.incidents.list()}

@@ -7,8 +7,8 @@ from typing import Annotated
 from fastapi import Depends, Query, Response
 
 from station.api.auth import Role
-from station.api.dependencies import AccessDep, ServicesDep
-from station.api.routes.routing import change, routes_of
+from station.api.dependencies import AccessDep, OperatorAnyway, ServicesDep
+from station.api.routes.routing import change, problems, routes_of
 from station.core.ports.receipt import Receipt
 from station.rehearsal.planning import Wish
 from station.rehearsal.rehearsals import Policy
@@ -19,7 +19,13 @@ from station.wire.rehearsal import PlanRequest, RehearsalRequest
 router = routes_of("rehearsals")
 
 
-@router.post("/rehearse", **change(413, 422, 429, 503))
+# Whoever holds control: it moves nothing, and a person who tries what an agent asks for
+# must not take control away from it.
+@router.post(
+    "/rehearse",
+    dependencies=[OperatorAnyway],
+    responses=problems(413, 422, 429, 503),
+)
 def rehearse(
     request: RehearsalRequest, services: ServicesDep, access: AccessDep
 ) -> Rehearsal:

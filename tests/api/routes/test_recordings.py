@@ -228,7 +228,7 @@ def _damaged(data):
         (_damaged, "not whole"),
         (lambda _: b"", "no MCAP file"),
         (lambda _: b"cycle,time\n1,2\n" * 100, "no MCAP file"),
-        (lambda data: data[:8] + data[-8:], "no cycles"),
+        (lambda data: data[:8] + data[-8:], "not whole"),
     ],
 )
 def test_a_file_that_is_no_whole_recording_is_not_kept(

@@ -39,18 +39,18 @@ _OPACITY = 0.22
 class Pusher(Protocol):
     """Pushes a link for one session."""
 
-    async def __call__(self, key: str, arm_id: str, push: ExternalForce) -> None:
+    async def __call__(self, key: str, arm_id: str, push: ExternalForce, /) -> None:
         """Push; raises `ApiError` with the station's refusal."""
         ...
 
 
-async def move_nothing(key: str, name: str, position: list[float]) -> None:
-    """Refuse to move an object, as a dashboard without sessions does.
+async def act_for_nobody(key: str, *_: object) -> None:
+    """Refuse, as a dashboard without sessions does.
 
     Raises:
         ApiError: Always.
     """
-    detail = f"Session '{key}' cannot move {name} to {position}."
+    detail = f"There is no session '{key}'."
     raise ApiError(detail, status=403, code="forbidden")
 
 
@@ -68,7 +68,7 @@ class Pushing:
     send: Pusher
     refused: Callable[[ApiError, viser.ClientHandle], None]
     now: Callable[[], float] = time.monotonic
-    move: Callable[[str, str, list[float]], Awaitable[None]] = move_nothing
+    move: Callable[[str, str, list[float]], Awaitable[None]] = act_for_nobody
 
 
 @dataclass(frozen=True, slots=True)
