@@ -72,7 +72,8 @@ def go_to(dialog: Dialog, q: Sequence[float] = START) -> None:
     outcome = dialog.move(motion, cycles + 20)
 
     def is_there(state: State) -> bool:
-        return max(abs(a - b) for a, b in zip(state["q"], q, strict=True)) < _THERE
+        pairs = zip(state["q"], q, strict=True)
+        return all(abs(a - b) < _THERE for a, b in pairs)
 
     # A soft arm arrives after its motion.
     if outcome.ended != MoveStatus.SUCCESS or not dialog.wait_until(is_there, 0.5):
