@@ -33,8 +33,8 @@ def add_check(parser: "Parser") -> None:
     group.add_argument(
         "--move",
         action="store_true",
-        help="THE ARM MOVES AND IS STOPPED BY ERRORS ON PURPOSE: it turns joint 7 from "
-        "end to end, folds until it nearly touches itself, and jerks. On a real arm "
+        help="THE ARM MOVES AND IS STOPPED BY ERRORS ON PURPOSE: it turns joint 7 into "
+        "its end, folds until it nearly touches itself, and jerks. On a real arm "
         "clear its whole reach, take the user stop in your hand, and take off what it "
         "carries. Without this the checks read, and move nothing",
     )

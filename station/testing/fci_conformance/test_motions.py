@@ -63,6 +63,9 @@ MOTIONS: dict[str, Callable[[], Motion]] = {
     "joint position": lambda: joint_positions(along(6, turn)),
     "joint velocity": lambda: joint_velocities(along(6, rate(turn))),
     "cartesian position": lambda: poses(along(2, rise, 3)),
+    "cartesian position with an elbow": lambda: poses(
+        along(2, rise, 3), elbow=(0.0, 1.0)
+    ),
     "cartesian velocity": lambda: twists(along(2, rate(rise), 6)),
 }
 

@@ -36,7 +36,7 @@ _LOOK = 0.05
 _CARRIED_OUT = 2.0
 _DONE = Response(status_code=204)
 Answer = Any
-_Handler = Callable[[Desk, "Call"], Awaitable[Answer]]
+_Handler = Callable[[Desk, "Call"], Answer]  # or an awaitable of one
 
 
 class Call:
@@ -86,33 +86,28 @@ class Call:
         return self.request.headers.get("x-control-token")
 
 
-async def _wait_for(change: Future[None] | None) -> None:
-    """Wait until the arm has carried out a change."""
+async def _after(change: Future[None] | None, answer: Answer = None) -> Answer:
+    """Wait until the arm has carried out a change; return the answer, `{}` if None."""
     if change is not None:
         async with asyncio.timeout(_CARRIED_OUT):
             await asyncio.wrap_future(change)
+    return {} if answer is None else answer
 
 
-async def _system(desk: Desk, _call: Call) -> Answer:
+def _system(desk: Desk, _call: Call) -> Answer:
     serial = {"controlSerialNumber": "simulated", "cloud": {"status": "Disconnected"}}
     return {"status": "Started", "operatingMode": desk.mode, **serial}
 
 
-async def _mode(desk: Desk, _call: Call) -> Answer:
-    return {"status": desk.mode}
+def _change_mode(desk: Desk, call: Call) -> Answer:
+    return _after(desk.change_mode(call.text("desiredOperatingMode")), _DONE)
 
 
-async def _change_mode(desk: Desk, call: Call) -> Answer:
-    await _wait_for(desk.change_mode(call.text("desiredOperatingMode")))
-    return _DONE
+def _mode_of_path(desk: Desk, call: Call) -> Answer:
+    return _after(desk.change_mode(call.request.path_params["mode"]))
 
 
-async def _mode_of_path(desk: Desk, call: Call) -> Answer:
-    await _wait_for(desk.change_mode(call.request.path_params["mode"]))
-    return {}
-
-
-async def _token(desk: Desk, _call: Call) -> Answer:
+def _token(desk: Desk, _call: Call) -> Answer:
     token = desk.token
     return {} if token is None else {"owner": token.owner, "tokenId": token.number}
 
@@ -131,95 +126,74 @@ async def _take(desk: Desk, call: Call) -> Answer:
     return {"token": token.secret, "tokenId": token.number}
 
 
-async def _release(desk: Desk, call: Call) -> Answer:
+def _release(desk: Desk, call: Call) -> Answer:
     desk.check_control(call.token)
     desk.release_control(call.token or "")
     return _DONE
 
 
-async def _arm(desk: Desk, _call: Call) -> Answer:
+def _arm(desk: Desk, _call: Call) -> Answer:
     return {"status": "Connected", "armType": desk.arm.kind}
 
 
-async def _joints(desk: Desk, _call: Call) -> Answer:
+def _joints(desk: Desk, _call: Call) -> Answer:
     status = "Locked" if desk.are_brakes_closed else "Unlocked"
     return [{"id": number, "brakeStatus": status} for number in range(1, 8)]
 
 
 def _brakes(*, closed: bool) -> _Handler:
-    async def set_brakes(desk: Desk, _call: Call) -> Answer:
-        await _wait_for(desk.set_brakes(closed=closed))
-        return {}
-
-    return set_brakes
+    return lambda desk, _call: _after(desk.set_brakes(closed=closed))
 
 
 def _fci(*, active: bool) -> _Handler:
-    async def set_fci(desk: Desk, _call: Call) -> Answer:
-        await _wait_for(desk.set_fci(active=active))
-        return {}
-
-    return set_fci
+    return lambda desk, _call: _after(desk.set_fci(active=active))
 
 
-async def _fci_status(desk: Desk, _call: Call) -> Answer:
+def _fci_status(desk: Desk, _call: Call) -> Answer:
     return {"status": "Active" if desk.is_fci_active else "Inactive"}
 
 
-async def _nothing(_desk: Desk, _call: Call) -> Answer:
-    return {}
+def _say(answer: Mapping[str, object]) -> _Handler:
+    return lambda _desk, _call: answer
 
 
-async def _self_tests(_desk: Desk, _call: Call) -> Answer:
-    return {"status": "OK", "remaining": 86_400}
+def _reboot(desk: Desk, _call: Call) -> Answer:
+    return _after(desk.reboot(), _DONE)
 
 
-async def _self_tests_done(_desk: Desk, _call: Call) -> Answer:
-    return {"code": "SuccessResponse"}
-
-
-async def _reboot(desk: Desk, _call: Call) -> Answer:
-    await _wait_for(desk.reboot())
-    return _DONE
-
-
-async def _refuse(_desk: Desk, call: Call) -> Answer:
+def _refuse(_desk: Desk, call: Call) -> Answer:
     raise DeskRefusalError(
         424, "SystemState", f"A simulated arm has no {call.request.url.path}."
     )
 
 
-async def _login(_desk: Desk, call: Call) -> Answer:
+def _login(_desk: Desk, call: Call) -> Answer:
     if not call.text("login"):
         raise DeskRefusalError(401, "Unauthorized", "The name is missing.")
     return PlainTextResponse(secrets.token_hex(16))
 
 
-async def _old_token(desk: Desk, _call: Call) -> Answer:
-    return {
-        "activeToken": _as_old(desk.token),
-        "fciActive": desk.is_fci_active,
-    }
+def _old_token(desk: Desk, _call: Call) -> Answer:
+    return {"activeToken": _as_old(desk.token), "fciActive": desk.is_fci_active}
 
 
-async def _old_request(desk: Desk, call: Call) -> Answer:
+def _old_request(desk: Desk, call: Call) -> Answer:
     is_forced = "force" in call.request.url.query
     token = desk.request_control(call.text("requestedBy"), is_forced=is_forced)
     return {"id": token.number, "token": token.secret}
 
 
-async def _old_release(desk: Desk, call: Call) -> Answer:
+def _old_release(desk: Desk, call: Call) -> Answer:
     desk.release_control(call.text("token"))
     return {}
 
 
-async def _old_fci(desk: Desk, call: Call) -> Answer:
+def _old_fci(desk: Desk, call: Call) -> Answer:
     desk.check_control(call.text("token"))
-    await _wait_for(desk.set_fci(active=True))
-    return {}
+    return _after(desk.set_fci(active=True))
 
 
-async def _old_status(desk: Desk, _call: Call) -> Answer:
+def _old_status(desk: Desk, _call: Call) -> Answer:
     brakes = "Locked" if desk.are_brakes_closed else "Unlocked"
     return {
         "controlToken": {"activeToken": _as_old(desk.token)},
@@ -240,12 +214,11 @@ def _as_old(token: ControlToken | None) -> object:
     }
 
 
-async def _home(desk: Desk, _call: Call) -> Answer:
-    await _wait_for(desk.arm.home_gripper())
-    return {}
+def _home(desk: Desk, _call: Call) -> Answer:
+    return _after(desk.arm.home_gripper())
 
 
-async def _configuration(desk: Desk, _call: Call) -> Answer:
+def _configuration(desk: Desk, _call: Call) -> Answer:
     profile = desk.find_profile(desk.active)
     name = "None" if desk.active == NO_END_EFFECTOR else "Other"
     end_effector = {
@@ -255,7 +228,7 @@ async def _configuration(desk: Desk, _call: Call) -> Answer:
     return {"endEffectorConfiguration": {"endEffector": end_effector}}
 
 
-async def _configure(desk: Desk, call: Call) -> Answer:
+def _configure(desk: Desk, call: Call) -> Answer:
     told = call.json().get("endEffectorConfiguration", {}).get("endEffector")
     if not isinstance(told, dict) or not isinstance(told.get("params"), dict):
         raise DeskRefusalError(
@@ -273,53 +246,50 @@ async def _configure(desk: Desk, call: Call) -> Answer:
     load_of(profile)
     # One end effector of this interface, whatever it was called before.
     desk.profiles["ee-configured"] = profile
-    await _wait_for(desk.activate_profile("ee-configured"))
-    return _DONE
+    return _after(desk.activate_profile("ee-configured"), _DONE)
 
 
-async def _profiles(desk: Desk, _call: Call) -> Answer:
+def _profiles(desk: Desk, _call: Call) -> Answer:
     return [desk.find_profile(name) for name in desk.profiles]
 
 
-async def _save(desk: Desk, call: Call) -> Answer:
+def _save(desk: Desk, call: Call) -> Answer:
     name = call.request.path_params.get("name")
     profile = desk.save_profile(name, dict(call.json()))
-    if name == desk.active:
-        await _wait_for(desk.activate_profile(name))
-    return profile
+    change = desk.activate_profile(name) if name == desk.active else None
+    return _after(change, profile)
 
 
-async def _delete(desk: Desk, call: Call) -> Answer:
+def _delete(desk: Desk, call: Call) -> Answer:
     desk.delete_profile(call.request.path_params["name"])
     return _DONE
 
 
-async def _active_profile(desk: Desk, _call: Call) -> Answer:
+def _active_profile(desk: Desk, _call: Call) -> Answer:
     return desk.find_profile(desk.active)
 
 
-async def _activate(desk: Desk, call: Call) -> Answer:
-    await _wait_for(desk.activate_profile(str(call.value())))
-    return _DONE
+def _activate(desk: Desk, call: Call) -> Answer:
+    return _after(desk.activate_profile(str(call.value())), _DONE)
 
 
 # Method, path, handler; those behind the line need the control token.
 _FREE: tuple[tuple[str, str, _Handler], ...] = (
     ("GET", "/api/system", _system),
-    ("GET", "/api/system/operating-mode", _mode),
+    ("GET", "/api/system/operating-mode", lambda desk, _: {"status": desk.mode}),
     ("GET", "/api/system/control-token", _token),
     ("POST", "/api/system/control-token:take", _take),
     ("POST", "/api/system/control-token:release", _release),
     ("GET", "/api/arm", _arm),
     ("GET", "/api/arm/joints", _joints),
     ("GET", "/api/fci", _fci_status),
-    ("GET", "/api/safety/recovery", _nothing),
-    ("POST", "/api/safety/recovery:confirm", _nothing),
-    ("GET", "/api/safety/self-tests", _self_tests),
+    ("GET", "/api/safety/recovery", _say({})),
+    ("POST", "/api/safety/recovery:confirm", _say({})),
+    ("GET", "/api/safety/self-tests", _say({"status": "OK", "remaining": 86_400})),
     ("GET", "/api/configuration", _configuration),
     ("POST", "/api/system:reboot", _reboot),
     ("POST", "/api/system:shutdown", _refuse),
-    ("POST", "/admin/api/logout", _nothing),
+    ("POST", "/admin/api/logout", _say({})),
     ("GET", "/admin/api/system-status", _old_status),
     ("GET", "/admin/api/control-token", _old_token),
     ("POST", "/admin/api/control-token/request", _old_request),
@@ -336,9 +306,9 @@ _CONTROLLED: tuple[tuple[str, str, _Handler], ...] = (
     ("POST", "/api/arm/joints:lock", _brakes(closed=True)),
     ("POST", "/api/fci:activate", _fci(active=True)),
     ("POST", "/api/fci:deactivate", _fci(active=False)),
-    ("POST", "/api/safety/self-tests:execute", _self_tests_done),
+    ("POST", "/api/safety/self-tests:execute", _say({"code": "SuccessResponse"})),
     ("PATCH", "/api/configuration", _configure),
-    ("POST", "/admin/api/safety/td2-tests/execute", _self_tests_done),
+    ("POST", "/admin/api/safety/td2-tests/execute", _say({"code": "SuccessResponse"})),
     ("POST", "/admin/api/end-effector/profiles", _save),
     ("PUT", "/admin/api/end-effector/profiles/active", _activate),
     ("PUT", "/admin/api/end-effector/profiles/{name}", _save),
@@ -378,7 +348,9 @@ def _endpoint(
             call = Call(request, await request.body())
             if is_controlled:
                 desk.check_control(call.token)
-            found = await handler(desk, call)
+            found = handler(desk, call)
+            if isinstance(found, Awaitable):
+                found = await found
         except DeskRefusalError as error:
             told = {"code": error.reason, "message": error.message}
             return JSONResponse(told, error.status)

@@ -48,6 +48,7 @@ SETTINGS = {
         for phase in ("acceleration", "nominal")
     },
 }
+_RECOVER = Command.AUTOMATIC_ERROR_RECOVERY
 _RECOVERY = RobotMode.AUTOMATIC_ERROR_RECOVERY
 FRAMES = int(os.environ.get("FUZZED_FRAMES", "5000"))
 """Frames of each version in the long run."""
@@ -241,10 +242,12 @@ class Fuzzer:
     def message(self):
         """Return a request that may be anything."""
         draw, choice = self.random, self.random.random()
-        # Most of the time the arm shall move.
+        # Most of the time the arm shall move. With thresholds and a load of chance it
+        # would err at rest, and never again do anything else.
         mode = self.arm.state.robot_mode
-        if mode is RobotMode.REFLEX and choice < 0.6:
-            return request(Command.AUTOMATIC_ERROR_RECOVERY, 1, {}, self.protocol)
+        if mode is RobotMode.REFLEX and choice < 0.8:
+            command, values = draw.choice([*SETTINGS.items(), (_RECOVER, {})])
+            return request(command, 1, values, self.protocol)
         if mode is RobotMode.IDLE and choice < 0.6:
             return request(Command.MOVE, 1, self.motion(), self.protocol)
         command = draw.choice([*self.protocol.exchanges])
@@ -335,7 +338,7 @@ def survive(version, frames, kind):
         # With thresholds and a load of chance the arm would err at rest.
         for command, values in SETTINGS.items():
             peer.send(request(command, 2, values, fuzzer.protocol))
-        peer.send(request(Command.AUTOMATIC_ERROR_RECOVERY, 2, {}, fuzzer.protocol))
+        peer.send(request(_RECOVER, 2, {}, fuzzer.protocol))
         fuzzer.cycle(1000)
         assert fuzzer.arm.state.robot_mode is RobotMode.IDLE
         peer.send(request(Command.MOVE, 3, {}, fuzzer.protocol))
