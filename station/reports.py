@@ -240,6 +240,21 @@ class Clearance(Report):
 
 
 @dataclass(frozen=True, slots=True)
+class SavedScene(Report):
+    """The objects with a role, kept on disk.
+
+    Attributes:
+        name: Name of the scene.
+        saved_at: Wall time of the save, ISO 8601.
+        objects: The objects, as `scene/objects` of the configuration has them.
+    """
+
+    name: str
+    saved_at: str
+    objects: Sequence[Mapping[str, object]]
+
+
+@dataclass(frozen=True, slots=True)
 class HardwareResource(Report):
     """A resource of a hardware interface.
 
@@ -263,6 +278,47 @@ class HardwareInterface(Report):
 
     name: str
     resources: Sequence[HardwareResource]
+
+
+@dataclass(frozen=True, slots=True)
+class ComponentInterface(Report):
+    """A resource of a hardware component.
+
+    Attributes:
+        hardware_interface: Type of its interface.
+        resource: Its name, e.g. that of a joint.
+        is_available: Whether controllers can use it in the present state.
+        claimed_by: Names of the running controllers that claim it.
+    """
+
+    hardware_interface: str
+    resource: str
+    is_available: bool
+    claimed_by: Sequence[str] = field(default_factory=tuple)
+
+
+@dataclass(frozen=True, slots=True)
+class HardwareComponentReport(Report):
+    """A part of the robot that has a life cycle of its own.
+
+    Attributes:
+        name: Its name.
+        type: `system`, `actuator` or `sensor`.
+        plugin: What drives it, `package/Class` or `module:Class`.
+        state: `unconfigured`, `inactive`, `active` or `finalized`.
+        problem: The last error of a hook; empty without.
+        command_interfaces: What controllers can command while it is active.
+        state_interfaces: What controllers can read, unless it is unconfigured or
+            finalized.
+    """
+
+    name: str
+    type: str
+    plugin: str
+    state: str
+    problem: str = ""
+    command_interfaces: Sequence[ComponentInterface] = field(default_factory=tuple)
+    state_interfaces: Sequence[ComponentInterface] = field(default_factory=tuple)
 
 
 @dataclass(frozen=True, slots=True)
@@ -435,18 +491,37 @@ class PlotSettings(Report):
 
 
 @dataclass(frozen=True, slots=True)
+class DockSettings(Report):
+    """Folds and sizes of the docks around the plots.
+
+    Attributes:
+        folded: The docks that are folded, as the page names them.
+        side: Width of a column of docks beside the 3D view [pixels].
+        below: Height of the docks below it [pixels].
+        heights: Heights of docks that somebody has resized [pixels].
+    """
+
+    folded: Sequence[str]
+    side: float
+    below: float
+    heights: Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True)
 class PlotLayout(Report):
-    """The plots of a page, under a name.
+    """The plots of a page, and perhaps its docks, under a name.
 
     Attributes:
         name: Its name.
         saved_at: When it was saved, ISO 8601.
         plots: Its plots, from left to right.
+        docks: Folds and sizes of the docks; null in a layout of plots alone.
     """
 
     name: str
     saved_at: str
     plots: Sequence[PlotSettings]
+    docks: DockSettings | None = None
 
 
 class PlaybackState(TextEnum):
@@ -622,6 +697,24 @@ class ContactForecast(Report):
 
 
 @dataclass(frozen=True, slots=True)
+class ClearanceForecast(Report):
+    """The least distance of two bodies in a rehearsal.
+
+    Attributes:
+        bodies: Names of a link, and of an object or another robot's link.
+        cycle: Number of the cycle in which they are so near.
+        distance: Distance of their surfaces [m]; negative when they overlap.
+        margin: Distance that the arm keeps from the object [m]; null for a solid body
+            without a role.
+    """
+
+    bodies: Sequence[str]
+    cycle: int
+    distance: float
+    margin: float | None
+
+
+@dataclass(frozen=True, slots=True)
 class Certificate(Report):
     """The station's word that a command goes as it was rehearsed, or is stopped.
 
@@ -673,6 +766,9 @@ class Rehearsal(Report):
         wall_time: How long the rehearsal took [s].
         joints: All joints.
         contacts: Pairs of bodies that touched.
+        clearances: The pair of a simulated robot and something solid that came nearest,
+            and of each arm that keeps clear of roles the pair that came nearest to its
+            margin.
         times: Time of each row of `positions` since the beginning [s], shape (k,).
         positions: Positions of the joints [rad or m], shape (k, n), 200 rows at most.
         digest: SHA-256 of positions, velocities and efforts of all joints in every
@@ -692,6 +788,7 @@ class Rehearsal(Report):
     wall_time: float
     joints: Sequence[JointForecast]
     contacts: Sequence[ContactForecast]
+    clearances: Sequence[ClearanceForecast]
     times: Sequence[float]
     positions: Sequence[Sequence[float]]
     digest: str

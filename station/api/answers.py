@@ -22,6 +22,7 @@ from station.core.ports.goal import Goal, GoalStatus
 from station.core.ports.set_point import SetPoint
 from station.core.trajectory import PosVelAccState
 from station.events import Alarm, EventLogState
+from station.reports import Clearance
 from station.wire.base import finite_or_none
 
 
@@ -233,12 +234,19 @@ def arms(station: Station) -> list[wire.ArmReport]:
     return [arm_report(found) for found in Arms(station.robots).reports()]
 
 
-def franka_state(found: RobotState) -> wire.FrankaState:
-    """Return the whole state of an arm, with its errors by their names."""
-    values = {name: getattr(found, name) for name in wire.FrankaState.model_fields}
+_ARM_FIELDS = tuple(field.name for field in fields(RobotState))
+
+
+def franka_state(found: RobotState, nearest: Clearance | None) -> dict[str, object]:
+    """Return the fields of `FrankaState`: the state of an arm and its nearest pair."""
+    values: dict[str, object] = {name: getattr(found, name) for name in _ARM_FIELDS}
+    values["robot_mode"] = found.robot_mode.name.lower()
     for flags in ("current_errors", "last_motion_errors"):
-        values[flags] = error_names(values[flags])
-    return wire.FrankaState.model_validate(values)
+        values[flags] = error_names(getattr(found, flags))
+    if nearest is None:
+        return {**values, "least_clearance": None, "nearest_pair": []}
+    pair = [nearest.link, nearest.object]
+    return {**values, "least_clearance": nearest.distance, "nearest_pair": pair}
 
 
 def gripper(arm_id: str, found: GripperState) -> wire.Gripper:

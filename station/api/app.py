@@ -19,7 +19,6 @@ from station.api.control import Control
 from station.api.errors import add_error_handlers
 from station.api.event_feed import EventFeed
 from station.api.guard import Guard
-from station.api.host_policy import ANSWER_HEADERS, METHODS, REQUEST_HEADERS, HostPolicy
 from station.api.idempotency import IdempotentAnswers
 from station.api.openapi import StationApi, operation_id
 from station.api.representation import Representation
@@ -32,6 +31,7 @@ from station.events import Alarms, EventLog
 from station.library.gain_sets import GainSets
 from station.library.path_player import PathPlayer, PlayOptions
 from station.library.plot_layouts import PlotLayouts
+from station.library.scenes import SavedScenes
 from station.library.waypoint_paths import WaypointPaths
 from station.rehearsal.rehearsals import Rehearsals
 from station.trials.background_experiments import BackgroundExperiments
@@ -39,8 +39,18 @@ from station.trials.bench_runs import KeptRuns
 from station.trials.lesson_attempts import LessonAttempts
 from station.trials.live_bench import LiveBench
 from station.web.failed_logins import FailedLogins
-from station.web.request_id import RequestId
-from station.wire.protocol import MAX_BODY_BYTES, PREFIX
+from station.web.host_policy import HostPolicy
+from station.web.request_id import HEADER as REQUEST_ID_HEADER, RequestId
+from station.wire.protocol import (
+    CLOCK_HEADER,
+    KEY_HEADER,
+    LEASE_HEADER,
+    MAX_BODY_BYTES,
+    NOT_AFTER_HEADER,
+    PREFIX,
+    REHEARSAL_HEADER,
+    REPLAYED_HEADER,
+)
 
 if TYPE_CHECKING:
     from station.records.recorder import Recorder
@@ -50,6 +60,25 @@ Everything a station can do, for programs and browsers. Errors are problem docum
 (RFC 9457): `detail` says which thing, its value and what is allowed, `remedy` what to
 do; a refused request changes nothing. Units are SI.
 """
+
+_METHODS = ("GET", "HEAD", "POST", "PUT", "PATCH", "DELETE")
+"""Methods that pages of an allowed origin may use."""
+_REQUEST_HEADERS = (
+    "Authorization",
+    "Content-Type",
+    KEY_HEADER,
+    "If-Match",
+    "If-None-Match",
+    "Last-Event-ID",
+    LEASE_HEADER,
+    NOT_AFTER_HEADER,
+    REQUEST_ID_HEADER,
+)
+"""Headers that they may send. They have no cookie: they show a token."""
+_ANSWER_HEADERS = (
+    "ETag", REPLAYED_HEADER, REQUEST_ID_HEADER, CLOCK_HEADER, REHEARSAL_HEADER
+)  # fmt: skip
+"""Headers that they may read."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +91,7 @@ class Kept:
         experiments: Runs experiments; None for a station that runs none.
         gain_sets: Folder of the gain sets; the user's own when None.
         plot_layouts: Folder of the plot layouts; the user's own when None.
+        scenes: Folder of the scenes; the user's own when None.
         waypoint_paths: Folder of the waypoint paths; the user's own when None.
         bench_runs: Folder of the runs of the bench; the user's own when None.
         lessons: Folder of the user's lessons; the user's own when None.
@@ -72,6 +102,7 @@ class Kept:
     experiments: BackgroundExperiments | None = None
     gain_sets: Path | None = None
     plot_layouts: Path | None = None
+    scenes: Path | None = None
     waypoint_paths: Path | None = None
     bench_runs: Path | None = None
     lessons: Path | None = None
@@ -112,40 +143,12 @@ def create_app(  # noqa: PLR0913 - parts and bounds of one application
         # Its spans and counters would cost time in every request.
         telemetry={"tracing": False, "metrics": False, "logs": False},
     )
-    kept = Kept() if kept is None else kept
-    event_recorder = EventRecorder(kept.events)
-    paths = WaypointPaths(station.loop, station.manager, kept.waypoint_paths)
-    player = PathPlayer(station.loop, station.manager, station.motion, paths)
-    rehearsals = Rehearsals(station, {"path": partial(_plan_path, player)})
+    kept = kept or Kept()
+    streams = Broadcaster(station, slow_after=slow_after, max_clients=max_streams)
     seat = Agents(station, kept.events, agents or AgentPolicy())
-    control = Control(kept.events, station.motion.let_go, rehearsed=rehearsals.check)
-    control.listen(seat.withdraw)
-    runs = KeptRuns(kept.bench_runs)
-    app.state.services = Services(
-        station=station,
-        authenticator=authenticator,
-        failed_logins=FailedLogins(),
-        event_recorder=event_recorder,
-        event_feed=EventFeed(kept.events),
-        alarms=Alarms(station, kept.events),
-        control=control,
-        agents=seat,
-        idempotent_answers=IdempotentAnswers(),
-        bench=LiveBench(station),
-        bench_runs=runs,
-        lessons=LessonAttempts(station, runs, kept.lessons),
-        broadcaster=Broadcaster(
-            station, slow_after=slow_after, max_clients=max_streams
-        ),
-        dashboard_url=dashboard_url,
-        recorder=kept.recorder,
-        experiments=kept.experiments,
-        gain_sets=GainSets(station.tuning, kept.gain_sets),
-        plot_layouts=PlotLayouts(kept.plot_layouts),
-        waypoint_paths=paths,
-        path_player=player,
-        rehearsals=rehearsals,
-    )
+    services = _services(station, authenticator, kept, seat, streams)
+    services.dashboard_url = dashboard_url
+    app.state.services = services
     add_error_handlers(app)
     app.router.routes.extend(_shared_routes())
     app.include_router(robots.declared(station), prefix=PREFIX)
@@ -155,15 +158,54 @@ def create_app(  # noqa: PLR0913 - parts and bounds of one application
         app.add_middleware(
             CORSMiddleware,
             allow_origins=sorted(policy.origins),
-            allow_methods=METHODS,
-            allow_headers=REQUEST_HEADERS,
-            expose_headers=ANSWER_HEADERS,
+            allow_methods=_METHODS,
+            allow_headers=_REQUEST_HEADERS,
+            expose_headers=_ANSWER_HEADERS,
             allow_private_network=True,
         )
     app.add_middleware(Guard, policy=policy, max_body=max_body)
-    app.add_middleware(Audit, repeats=event_recorder.repeats)
+    app.add_middleware(Audit, repeats=services.event_recorder.repeats)
     app.add_middleware(RequestId)
     return app
+
+
+def _services(
+    station: Station,
+    authenticator: Authenticator,
+    kept: Kept,
+    seat: Agents,
+    streams: Broadcaster,
+) -> Services:
+    """Return the services of an application."""
+    paths = WaypointPaths(station.loop, station.manager, kept.waypoint_paths)
+    player = PathPlayer(station.loop, station.manager, station.motion, paths)
+    rehearsals = Rehearsals(station, {"path": partial(_plan_path, player)})
+    control = Control(kept.events, station.motion.let_go, rehearsed=rehearsals.check)
+    control.listen(seat.withdraw)
+    runs = KeptRuns(kept.bench_runs)
+    return Services(
+        station=station,
+        authenticator=authenticator,
+        failed_logins=FailedLogins(),
+        event_recorder=EventRecorder(kept.events),
+        event_feed=EventFeed(kept.events),
+        alarms=Alarms(station, kept.events),
+        control=control,
+        agents=seat,
+        idempotent_answers=IdempotentAnswers(),
+        bench=LiveBench(station),
+        bench_runs=runs,
+        lessons=LessonAttempts(station, runs, kept.lessons),
+        broadcaster=streams,
+        recorder=kept.recorder,
+        experiments=kept.experiments,
+        gain_sets=GainSets(station.tuning, kept.gain_sets),
+        plot_layouts=PlotLayouts(kept.plot_layouts),
+        scenes=SavedScenes(kept.scenes),
+        waypoint_paths=paths,
+        path_player=player,
+        rehearsals=rehearsals,
+    )
 
 
 def _plan_path(player: PathPlayer, step: Mapping[str, Any]) -> dict[str, object]:

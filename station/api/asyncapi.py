@@ -7,6 +7,7 @@ import yaml
 from pydantic import BaseModel, TypeAdapter
 
 import station as package
+from station import wire
 from station.api.streams.command_stream import DEFAULT_TIMEOUT, LONGEST_TIMEOUT
 from station.api.streams.request import MAX_RATE, MIN_RATE
 from station.api.streams.topics import (
@@ -21,37 +22,27 @@ from station.api.streams.topics import (
     Topic,
 )
 from station.reports import Event, LoopReport, Report
-from station.wire import (
-    CommandCounts,
-    CommandRequest,
-    Controllers,
-    ControllerSample,
-    FrankaState,
-    JointStates,
-    Scene,
-    StopState,
-)
 
 Schema = dict[str, Any]
 
 _REF = "#/components/schemas/"
 _MODELS: tuple[type[BaseModel | Report], ...] = (
-    JointStates,
-    ControllerSample,
-    FrankaState,
-    Controllers,
+    wire.JointStates,
+    wire.ControllerSample,
+    wire.FrankaState,
+    wire.Controllers,
     LoopReport,
-    StopState,
-    Scene,
+    wire.StopState,
+    wire.Scene,
     Event,
 )
 TOPICS: tuple[tuple[str, type[Topic], type[BaseModel | Report] | None], ...] = (
-    ("joint_states", JointStatesTopic, JointStates),
-    ("controller_state/{controller}", ControllerStateTopic, ControllerSample),
-    ("robot_state/{arm_id}", RobotStateTopic, FrankaState),
-    ("controllers", ControllersTopic, Controllers),
+    ("joint_states", JointStatesTopic, wire.JointStates),
+    ("controller_state/{controller}", ControllerStateTopic, wire.ControllerSample),
+    ("robot_state/{arm_id}", RobotStateTopic, wire.FrankaState),
+    ("controllers", ControllersTopic, wire.Controllers),
     ("loop", LoopTopic, None),
-    ("scene", SceneTopic, Scene),
+    ("scene", SceneTopic, wire.Scene),
     ("events", EventsTopic, Event),
 )
 """Address, topic, and the model of its data; None where it has several."""
@@ -67,11 +58,15 @@ _LIMITS = {
 def document() -> Schema:
     """Return the document; the frames are those without `fields`."""
     template = _template()
-    sent = (*_MODELS, CommandCounts)
+    sent = (*_MODELS, wire.CommandCounts)
     _, found = TypeAdapter.json_schemas(
         [
             *((one.__name__, "serialization", TypeAdapter(one)) for one in sent),
-            (CommandRequest.__name__, "validation", TypeAdapter(CommandRequest)),
+            (
+                wire.CommandRequest.__name__,
+                "validation",
+                TypeAdapter(wire.CommandRequest),
+            ),
         ],
         ref_template=_REF + "{model}",
     )

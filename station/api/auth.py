@@ -4,10 +4,11 @@ import asyncio
 import contextlib
 import hmac
 import secrets
-from collections.abc import Mapping
+from collections.abc import Coroutine, Mapping
 from dataclasses import dataclass
 from enum import Enum
 from http.cookies import CookieError, SimpleCookie
+from typing import Any
 
 from station.api.named_tokens import NamedToken, NamedTokens
 from station.core.clock import Clock, SystemClock
@@ -107,18 +108,22 @@ class Access:
 
     async def wait_for_end(self) -> None:
         """Wait until the access is withdrawn; for the station's own tokens, forever."""
-        ends = [
-            asyncio.ensure_future(end.wait_for_end())
-            for end in (self.session, self.token)
-            if end is not None
-        ]
-        if not ends:
-            await asyncio.Event().wait()
-        try:
-            await asyncio.wait(ends, return_when=asyncio.FIRST_COMPLETED)
-        finally:
-            for end in ends:
-                end.cancel()
+        ends = [end.wait_for_end() for end in (self.session, self.token) if end]
+        await until_first(*(ends or [_never()]))
+
+
+async def until_first(*ends: Coroutine[Any, Any, object]) -> None:
+    """Wait until the first of some coroutines returns; the others are cancelled."""
+    tasks = [asyncio.ensure_future(end) for end in ends]
+    try:
+        await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        for task in tasks:
+            task.cancel()
+
+
+async def _never() -> None:
+    await asyncio.Event().wait()
 
 
 class _Tickets:

@@ -1,10 +1,13 @@
 """Dependencies of routes: the station, its arms, and the role of the caller."""
 
 import time
-from collections.abc import Callable, Mapping
-from typing import Annotated
+from collections.abc import Awaitable, Callable, Mapping
+from functools import wraps
+from inspect import Parameter, signature
+from typing import Annotated, Any
 
 from fastapi import Depends, Header, Request, Security
+from fastapi.concurrency import run_in_threadpool
 from fastapi.security import HTTPBearer
 
 from station.api.agents import REHEARSED
@@ -134,23 +137,56 @@ async def operator(
 ) -> Role:
     """Return the role of a caller who may change things now.
 
-    The request of an agent waits here until a person has answered it.
-
     Raises:
         ControlHeldError: Somebody else holds control.
         ControlNotHeldError: The caller is an agent without a lease.
-        ProblemError: Nobody has allowed the request of an agent.
+        RehearsalNeededError: The caller is an agent whose motion has no certificate.
     """
-    key = request.headers.get(LEASE_HEADER)
-    services.control.check(access, key)
-    if role is Role.AGENT:
-        name = request.scope["route"].name
-        if name in REHEARSED and "certificate" not in request.query_params:
-            # Nobody is asked for what would be refused afterwards.
-            services.rehearsals.check(is_agent=True)
-        await services.agents.admit(request, access, origin_of(request))
-        services.control.check(access, key)  # it may have been lost meanwhile
+    services.control.check(access, request.headers.get(LEASE_HEADER))
+    is_rehearsed = request.scope["route"].name in REHEARSED
+    has_certificate = "certificate" in request.query_params
+    if role is Role.AGENT and is_rehearsed and not has_certificate:
+        # Nobody is asked for what would be refused afterwards.
+        services.rehearsals.check(is_agent=True)
     return role
+
+
+Leave = Callable[[], Awaitable[None]]
+
+
+async def leave(request: Request, access: AccessDep, services: ServicesDep) -> Leave:
+    """Return a dependency that waits for a person's leave to an agent."""
+
+    async def wait() -> None:
+        if access.role is Role.AGENT:
+            await services.agents.admit(request, access, origin_of(request))
+            # Control may have been lost meanwhile.
+            services.control.check(access, request.headers.get(LEASE_HEADER))
+
+    return wait
+
+
+def with_leave(operation: Callable[..., object]) -> Callable[..., Any]:
+    """Return an operation that waits for a person's leave if an agent asks for it.
+
+    It waits when the whole request has been read. In a dependency it would wait before
+    that, and a person would be asked for what is refused as malformed.
+
+    Args:
+        operation: A function that a worker thread runs.
+    """
+
+    @wraps(operation)
+    async def call(leave: Leave, **arguments: object) -> object:
+        await leave()
+        return await run_in_threadpool(operation, **arguments)
+
+    kind = Annotated[Leave, Depends(leave)]
+    own = signature(operation)
+    added = Parameter("leave", Parameter.KEYWORD_ONLY, annotation=kind)
+    parameters = [*own.parameters.values(), added]
+    call.__signature__ = own.replace(parameters=parameters)  # type: ignore[attr-defined]  # read by the framework
+    return call
 
 
 Viewer = Depends(viewer)

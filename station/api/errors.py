@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Mapping, Sequence
+from math import ceil
 
 import orjson
 from fastapi import FastAPI, Request, Response
@@ -25,7 +26,7 @@ from station.api.named_tokens import (
 from station.api.validation_words import explain, explain_json
 from station.core import errors
 from station.events import AlarmNotFoundError
-from station.rehearsal.rehearsals import AgentEnvelopeError
+from station.rehearsal.rehearsals import AgentEnvelopeError, TooManyRehearsalsError
 from station.trials.errors import (
     BenchRunNotFoundError,
     ExperimentError,
@@ -46,6 +47,8 @@ STATUS: Mapping[type[errors.StationError], int] = {
     errors.StationError: 500,
     errors.HardwareInterfaceError: 422,
     errors.ResourceNotFoundError: 422,
+    errors.HardwareComponentNotFoundError: 404,
+    errors.HardwareComponentError: 409,
     errors.ParameterError: 422,
     errors.ConfigError: 422,
     errors.ControllerNotFoundError: 404,
@@ -74,6 +77,8 @@ STATUS: Mapping[type[errors.StationError], int] = {
     errors.GainSetError: 500,
     errors.PlotLayoutNotFoundError: 404,
     errors.PlotLayoutError: 500,
+    errors.SavedSceneNotFoundError: 404,
+    errors.SavedSceneError: 500,
     errors.SceneObjectNotFoundError: 404,
     errors.SceneRefusedError: 409,
     errors.WaypointPathNotFoundError: 404,
@@ -109,6 +114,7 @@ STATUS: Mapping[type[errors.StationError], int] = {
     AgentRefusedError: 403,
     AgentEnvelopeError: 403,
     TooManyAgentRequestsError: 429,
+    TooManyRehearsalsError: 429,
     AgentRequestNotFoundError: 404,
     AgentRequestDecidedError: 409,
     ControlHeldError: 423,
@@ -135,6 +141,7 @@ ROUTES: Mapping[str, str] = {
     "resource_conflict": "POST /api/v1/controllers/switch stops and starts at once.",
     "service_not_found": "GET /api/v1/robots/{arm_id}/services lists the services.",
     "simulation_refused": "PATCH /api/v1/simulation pauses and resumes it.",
+    "saved_scene_not_found": "GET /api/v1/scenes lists the scenes.",
     "plot_layout_not_found": "GET /api/v1/plot-layouts lists the layouts.",
     "waypoint_path_not_found": "GET /api/v1/waypoint-paths lists the paths.",
     "token_not_found": "GET /api/v1/tokens lists the named tokens.",
@@ -253,6 +260,8 @@ def station_error_response(error: errors.StationError) -> Response:
         for item in (listed if isinstance(listed, list) else [])
         if isinstance(item, Mapping)
     ]
+    wait = details.get("retry_after")
+    headers = {"Retry-After": f"{ceil(wait)}"} if isinstance(wait, float) else {}
     return problem_response(
         status_of(type(error)),
         error.code,
@@ -260,6 +269,7 @@ def station_error_response(error: errors.StationError) -> Response:
         _remedy(error),
         field_errors=field_errors,
         details=details,
+        headers=headers,
     )
 
 

@@ -6,10 +6,16 @@ from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from station.api.errors import ProblemError
-from station.api.host_policy import HostPolicy
+from station.web.host_policy import HostPolicy
 from station.web.limited_server import announces_more_than, limited
 from station.wire import CLOSE_FORBIDDEN
-from station.wire.protocol import CLOCK_HEADER, MAX_BODY_BYTES, PREFIX
+from station.wire.protocol import (
+    CLOCK_HEADER,
+    MAX_BODY_BYTES,
+    MAX_UPLOAD_BYTES,
+    PREFIX,
+    UPLOAD_PATH,
+)
 
 _PROBES = frozenset({f"{PREFIX}/health", f"{PREFIX}/ready"})
 _CLOCK = CLOCK_HEADER.lower().encode()
@@ -27,7 +33,7 @@ class Guard:
     Args:
         app: The application that gets all other requests.
         policy: Judges Host and Origin.
-        max_body: Largest request body [bytes].
+        max_body: Largest request body [bytes], but for an uploaded file.
     """
 
     def __init__(
@@ -71,12 +77,13 @@ class Guard:
             await send(message)
 
         refused = self._place_refused(scope)
-        if refused is None and announces_more_than(scope, self._max_body):
-            refused = self._too_large()
+        most = MAX_UPLOAD_BYTES if scope["path"] == UPLOAD_PATH else self._max_body
+        if refused is None and announces_more_than(scope, most):
+            refused = _too_large(most)
         if refused is not None:
             await refused.response()(scope, receive, send_with_headers)
             return
-        receive = limited(receive, self._max_body, self._too_large())
+        receive = limited(receive, most, _too_large(most))
         await self._app(scope, receive, send_with_headers)
 
     def _place_refused(self, scope: Scope) -> ProblemError | None:
@@ -102,11 +109,12 @@ class Guard:
             )
         return None
 
-    def _too_large(self) -> ProblemError:
-        return ProblemError(
-            413,
-            "body_too_large",
-            f"The body is larger than the {self._max_body} bytes allowed.",
-            "Send less at once.",
-            {"connection": "close"},
-        )
+
+def _too_large(most: int) -> ProblemError:
+    return ProblemError(
+        413,
+        "body_too_large",
+        f"The body is larger than the {most} bytes allowed.",
+        "Send less at once.",
+        {"connection": "close"},
+    )

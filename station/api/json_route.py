@@ -10,7 +10,8 @@ from fastapi.routing import APIRoute
 from starlette.types import Message
 from typing_extensions import override
 
-from station.api.dependencies import access
+from station.api.agents import ASKED
+from station.api.dependencies import access, with_leave
 from station.api.errors import ProblemError
 from station.api.services import services_of
 
@@ -44,6 +45,11 @@ class JsonRoute(APIRoute):
     The framework reads a body before it asks who sent it. Where a token is needed, the
     body of a stranger is not read: it would cost the station time.
     """
+
+    def __init__(self, path: str, endpoint: Callable[..., Any], **options: Any) -> None:  # noqa: ANN401 - those of the framework
+        if endpoint.__name__ in ASKED:
+            endpoint = with_leave(endpoint)
+        super().__init__(path, endpoint, **options)
 
     @override
     def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:

@@ -10,7 +10,7 @@ from fastapi.routing import APIRoute, iter_route_contexts
 from typing_extensions import override
 
 from station.api.agents import seat_of
-from station.api.routes.problems import MEANINGS
+from station.api.routes.routing import MEANINGS
 from station.reports import Described, examples_of
 from station.wire import PROBLEM_MEDIA_TYPE, Problem
 from station.wire.protocol import KEY_HEADER, REPLAYED_HEADER

@@ -5,16 +5,18 @@ import logging
 import selectors
 import socket
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Self
 
 import anyio.lowlevel
 import uvicorn
 from fastapi import FastAPI
 from typing_extensions import override
+from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
+from websockets.http11 import Request
 
+from station.api.streams.broadcaster import PORT
 from station.api.tool_port import ToolPort, by_port
-from station.api.websocket_protocol import StreamProtocol
 from station.core.errors import StationError
 from station.core.loop.right_of_way import RightOfWay
 from station.local.tls import TlsFiles
@@ -22,6 +24,7 @@ from station.web.limited_server import LimitedServer
 
 if TYPE_CHECKING:
     from station.api.services import Services
+
 
 SEND_BUFFER = 128 * 1024
 """What the system keeps for a client that does not read [bytes]: then it is slow."""
@@ -213,3 +216,61 @@ def _listen(host: str, port: int) -> socket.socket:
             details={"host": host, "port": port},
         ) from error
     return listener
+
+
+GRACE = 2.0
+"""How long a client may take to read its close frame [s]."""
+
+
+class StreamProtocol(WebSocketsSansIOProtocol):
+    """A `StreamPort` that the application finds in the scope's state."""
+
+    _resumed: Callable[[], None] | None = None
+
+    @override
+    def handle_connect(self, event: Request) -> None:
+        super().handle_connect(event)
+        if hasattr(self, "scope"):
+            self.scope["state"][PORT] = self
+
+    @override
+    def resume_writing(self) -> None:
+        super().resume_writing()
+        if self._resumed is not None:
+            self._resumed()
+
+    def write_frame(self, wire: bytes) -> None:
+        """Write a whole WebSocket frame, unless the connection is being closed.
+
+        Args:
+            wire: The frame, not masked; no extension changes it, because the server
+                offers none.
+        """
+        if not self.close_sent and not self.transport.is_closing():
+            self.transport.write(wire)
+
+    def is_writable(self) -> bool:
+        """Return whether the client reads its frames."""
+        return self.writable.is_set()
+
+    def listen(self, resumed: Callable[[], None] | None) -> None:
+        """Call `resumed` whenever the client begins to read again."""
+        self._resumed = resumed
+
+    def abort(self, code: int, reason: str) -> None:
+        """Send a close frame, then cut the connection even if nobody reads the frame.
+
+        Args:
+            code: Close code.
+            reason: At most 123 bytes.
+        """
+        if self.close_sent or self.transport.is_closing():
+            return
+        self.stop_keepalive()
+        self.conn.send_close(code, reason)
+        self.transport.write(b"".join(self.conn.data_to_send()))
+        self.close_sent = True
+        if self.read_paused:
+            self.read_paused = False
+            self.transport.resume_reading()
+        self.close_timer = self.loop.call_later(GRACE, self.transport.abort)

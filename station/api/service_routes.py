@@ -13,9 +13,8 @@ from fastapi import APIRouter, Body
 from pydantic import BaseModel, create_model
 
 from station import wire
-from station.api.dependencies import Operator, StationDep, Viewer
-from station.api.json_route import JsonRoute
-from station.api.routes.problems import problems
+from station.api.dependencies import Operator, StationDep
+from station.api.routes.routing import problems, routes_of
 from station.core.errors import HardwareInterfaceError
 from station.core.facade.station import Station
 from station.core.hardware.services import RobotServices, Service, ServiceKind
@@ -122,9 +121,7 @@ def services_of(kinds: Iterable[type[RobotServices]], taken: set[str]) -> APIRou
         HardwareInterfaceError: Two services, or a service and a route of the station,
             have the same path.
     """
-    router = APIRouter(
-        prefix="/robots", tags=["robots"], dependencies=[Viewer], route_class=JsonRoute
-    )
+    router = routes_of("robots", "/robots")
     for kind in kinds:
         for service in kind.services().values():
             if service.path in taken:

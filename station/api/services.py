@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from station.library.gain_sets import GainSets
     from station.library.path_player import PathPlayer
     from station.library.plot_layouts import PlotLayouts
+    from station.library.scenes import SavedScenes
     from station.library.waypoint_paths import WaypointPaths
     from station.records.recorder import Recorder
     from station.rehearsal.rehearsals import Rehearsals
@@ -47,14 +48,15 @@ class Services:
         bench_runs: Kept runs of the bench.
         lessons: Lessons, the attempt under way, and the progress of people.
         broadcaster: All streams.
-        dashboard_url: Returns the address of the dashboard; None while it is unknown.
         recorder: Records every cycle; None for a station that records nothing.
         experiments: Runs experiments; None for a station that runs none.
         gain_sets: Named sets of gains on the disk.
         plot_layouts: Named layouts of plots on the disk.
+        scenes: Named scenes on the disk.
         waypoint_paths: Named waypoint paths on the disk.
         path_player: Plays waypoint paths.
         rehearsals: Tries commands in a copy of the station.
+        dashboard_url: Returns the address of the dashboard; None while it is unknown.
         command_streams: Number of open streams of set-points.
     """
 
@@ -71,14 +73,15 @@ class Services:
     bench_runs: "KeptRuns"
     lessons: "LessonAttempts"
     broadcaster: "Broadcaster"
-    dashboard_url: Callable[[], str | None]
     recorder: "Recorder | None"
     experiments: "BackgroundExperiments | None"
     gain_sets: "GainSets"
     plot_layouts: "PlotLayouts"
+    scenes: "SavedScenes"
     waypoint_paths: "WaypointPaths"
     path_player: "PathPlayer"
     rehearsals: "Rehearsals"
+    dashboard_url: Callable[[], str | None] = lambda: None
     command_streams: int = 0
 
 

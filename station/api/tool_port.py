@@ -8,6 +8,7 @@ machine is a viewer: such tools ask for an address alone.
 import asyncio
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, TypeVar
 
 from fastapi import FastAPI
@@ -19,11 +20,11 @@ from station.api.audit import note_access, origin_of
 from station.api.auth import Access, Role
 from station.api.errors import ProblemError
 from station.api.guard import Guard
-from station.api.host_policy import HostPolicy
 from station.api.services import services_of
 from station.api.streams.broadcaster import CLOSE_INTERNAL_ERROR, PORT, first_end
 from station.core.errors import StationError
 from station.events import EventKind, Origin, Severity
+from station.web.host_policy import HostPolicy
 from station.wire import (
     CLOSE_BAD_REQUEST,
     CLOSE_GOING_AWAY,
@@ -136,19 +137,34 @@ class ToolSession(Protocol):
 SessionT = TypeVar("SessionT", bound=ToolSession)
 
 
+@dataclass(frozen=True, slots=True)
+class Place:
+    """The place at which a tool is served, and for whom.
+
+    Attributes:
+        host: Address to listen at.
+        port: TCP port; 0 for any free one.
+        policy: Which hosts and origins are allowed.
+        anonymous: Whether a client without a token is a viewer.
+    """
+
+    host: str
+    port: int
+    policy: HostPolicy
+    anonymous: bool
+
+
 class ToolPort(ABC, Generic[SessionT]):
     """An application for one port: WebSockets in the words of a tool.
 
     Args:
         app: The application of the API, whose station, tokens and lease it shares.
-        host: Address to listen at.
-        port: TCP port; 0 for any free one.
-        policy: Which hosts and origins are allowed.
-        anonymous: Whether a client without a token is a viewer.
+        place: Where it is served, and for whom.
 
     Attributes:
-        host: As given.
-        port: As given; the real one once the server listens.
+        place: As given.
+        host: Address to listen at.
+        port: TCP port; the real one once the server listens.
         sessions: The conversations, with what each client may do.
     """
 
@@ -161,22 +177,13 @@ class ToolPort(ABC, Generic[SessionT]):
     most_clients: ClassVar[int]
     """Most clients at a time; viewers get three quarters of them."""
 
-    def __init__(
-        self,
-        app: FastAPI,
-        *,
-        host: str,
-        port: int,
-        policy: HostPolicy,
-        anonymous: bool,
-    ) -> None:
-        self.host = host
-        self.port = port
+    def __init__(self, app: FastAPI, place: Place) -> None:
+        self.place = place
+        self.host, self.port = place.host, place.port
         self._app = app
-        self._anonymous = anonymous
         self.sessions: dict[SessionT, Access] = {}
         self._ticking: asyncio.Task[None] | None = None
-        self._guarded: ASGIApp = Guard(self._serve, policy)
+        self._guarded: ASGIApp = Guard(self._serve, place.policy)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer a request or a WebSocket."""
@@ -233,7 +240,7 @@ class ToolPort(ABC, Generic[SessionT]):
         elif "authorization" in websocket.headers:
             found = authenticator.access_of_headers(websocket.headers)
         else:
-            found = Access(Role.VIEWER) if self._anonymous else None
+            found = Access(Role.VIEWER) if self.place.anonymous else None
         if found is not None:
             note_access(websocket, found)
         elif token is not None or "authorization" in websocket.headers:

@@ -10,6 +10,7 @@ from station.core.parameters import Parameters, ParameterTree
 from station.hw.mujoco.bases import BaseType
 from station.hw.mujoco.description_repair import log_repairs, repair_robot
 from station.hw.mujoco.robot_transmissions import driven_joints
+from station.hw.mujoco.ros2_control_tags import read_tagged_robot
 from station.hw.robot_loader import create_robot
 
 TYPE = "mujoco_hw/MujocoRobotHW"
@@ -22,6 +23,7 @@ DRIVE = "mobile_base_controller"
 def configure_robot(reference: str, base: BaseType = "fixed") -> dict[str, object]:
     """Return the content of a configuration file for a robot.
 
+    Of joints in `<ros2_control>` elements only the named interfaces are commanded.
     Its controllers are a joint state controller, a joint trajectory controller and a
     position controller for all joints with a motor except wheels, a velocity controller
     for wheels, and for a planar base a controller that drives it. A wheel is a joint
@@ -34,11 +36,18 @@ def configure_robot(reference: str, base: BaseType = "fixed") -> dict[str, objec
     Raises:
         RobotDescriptionError: The robot is unknown or cannot be simulated.
     """
-    urdf = repair_robot(load_robot_files(reference), base=base).urdf
+    tagged = read_tagged_robot(load_robot_files(reference))
+    urdf = repair_robot(tagged.description, base=base).urdf
     driven = driven_joints(urdf)
+
+    def takes(name: str, quantity: str) -> bool:
+        # Without <ros2_control> a joint takes all commands.
+        return not tagged.hardware or quantity in tagged.commands.get(name, ())
+
     # Positions mean nothing to a wheel that turns without end.
     wheels = [name for name in driven if is_wheel(urdf, name)]
-    limbs = [name for name in driven if name not in wheels]
+    limbs = [n for n in driven if n not in wheels and takes(n, "position")]
+    wheels = [name for name in wheels if takes(name, "velocity")]
     controllers: dict[str, dict[str, object]] = {
         "joint_state_controller": {
             "type": "joint_state_controller/JointStateController",
@@ -66,6 +75,17 @@ def configure_robot(reference: str, base: BaseType = "fixed") -> dict[str, objec
             "type": "velocity_controllers/JointGroupVelocityController",
             "joints": wheels,
         }
+    # Joints of <ros2_control> that take no positions.
+    others = [name for name in driven if name not in (*limbs, *wheels)]
+    for quantity in ("velocity", "effort"):
+        joints = [name for name in others if takes(name, quantity)]
+        others = [name for name in others if name not in joints]
+        if joints:
+            kind = f"JointGroup{quantity.title()}Controller"
+            controllers[f"{quantity}_group_controller"] = {
+                "type": f"{quantity}_controllers/{kind}",
+                "joints": joints,
+            }
     return {
         "robot": {"type": TYPE, "robot_description": reference, "base": base},
         "controllers": controllers,

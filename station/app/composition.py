@@ -7,7 +7,11 @@ from station.config import StationConfig
 from station.controllers import CONTROLLERS
 from station.core.clock import Clock, SystemClock
 from station.core.control.controller_loader import default_loaders
-from station.core.control.controller_manager import ControllerManager
+from station.core.control.controller_manager import (
+    CONTROLLER_MANAGER,
+    ControllerManager,
+)
+from station.core.control.hardware_components import INITIAL_STATE
 from station.core.errors import StationError
 from station.core.facade.station import Station
 from station.core.loop.control_loop import ControlLoop
@@ -79,6 +83,9 @@ def compose(
         **config.controller_parameters(),
     })
     root = Parameters(tree)
+    initial = config.station.hardware_components_initial_state
+    if initial:
+        root.set(f"{CONTROLLER_MANAGER}/{INITIAL_STATE}", dict(initial))
     announce(f"Building the robot {config.robot.type}")
     robot = create_robot(config.robot.type)
     robot.init(root, root.namespace(ROBOT_NAMESPACE))

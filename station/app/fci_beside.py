@@ -233,8 +233,14 @@ class FciBeside:
 
     def _welcome(self) -> None:
         self._hw.guest = self._guest
-        hw = self._loop.hw
-        hw.read = GuestReading(self._guest, hw.read, self._hand).read  # type: ignore[method-assign]
+        hw, cycle, period = self._loop.hw, self._loop.control_cycle, self._loop.period
+        longest = cycle.longest_period
+
+        def wait(is_waiting: bool) -> None:  # noqa: FBT001 - called in every cycle
+            cycle.longest_period = period if is_waiting else longest
+
+        reading = GuestReading(self._guest, hw.read, wait, self._hand)
+        hw.read = reading.read  # type: ignore[method-assign]
 
     def _may_move(self) -> bool:
         return self._loop.stop_latch.state is StopState.ARMED

@@ -12,7 +12,7 @@ from station.api.named_tokens import NamedTokens
 from station.core.facade.station import Station
 from station.events import Event, EventKind, EventLog, Severity
 from station.events.state_watcher import StateWatcher
-from station.local.state_directory import StateDirectory, StateDirectoryError
+from station.local.private_files import StateDirectory, StateDirectoryError
 from station.trials.background_experiments import RunState
 
 if TYPE_CHECKING:

@@ -17,14 +17,12 @@ from station import compiled
 from station.api.agents import AgentPolicy
 from station.api.app import Kept, create_app
 from station.api.auth import Authenticator
-from station.api.host_policy import HostPolicy
 from station.api.server import ApiServer
 from station.app.access import check_exposure, host_names
 from station.app.announcement import Announcement
 from station.app.composition import ROBOT_NAMESPACE, compose
 from station.app.journal import Journal
 from station.app.recording_start import make_ports, make_recorder
-from station.app.rehearsal_rules import rules_of
 from station.app.shutdown_signals import ShutdownSignals
 from station.app.station_watchdog import StationWatchdog
 from station.app.ui_process import UiOptions, UiProcess, find_orphan, free_port
@@ -38,12 +36,16 @@ from station.local.descriptors import open_more_files, shortage
 from station.local.private_files import process_start
 from station.local.station_locator import RunningStation, write_runtime_file
 from station.local.tls import TlsFiles
+from station.rehearsal.certificates import Tolerances
+from station.rehearsal.envelope import Envelope
+from station.rehearsal.rehearsals import Policy, Rules
 from station.reports import LoopState
 from station.trials.background_experiments import (
     BackgroundExperiments,
     spare_processors,
 )
 from station.trials.trial import Setup
+from station.web.host_policy import HostPolicy
 
 if TYPE_CHECKING:
     from station.records.recorder import Recorder
@@ -233,7 +235,7 @@ class StationRun:
                 self._config.agents.approval == "always", self._config.agents.wait
             ),
         )
-        app.state.services.rehearsals.adopt(rules_of(self._config))
+        app.state.services.rehearsals.adopt(_rules_of(self._config))
         journal.start(app)
         ports = make_ports(app, station, self._config, policy)
         server = ApiServer(app, api.host, api.port, tls, ports)
@@ -385,6 +387,17 @@ class StationRun:
     def _end_at_once(self) -> None:
         if self._ui is not None:
             self._ui.kill()
+
+
+def _rules_of(config: StationConfig) -> Rules:
+    """Return the rules of rehearsals as the configuration has them."""
+    section, bounds = config.rehearsal, config.agents.envelope
+    return Rules(
+        operator=Policy(section.operator),
+        agent=Policy(section.agent),
+        envelope=Envelope(**dict(bounds)),
+        tolerances=Tolerances(section.pose_tolerance, section.tube),
+    )
 
 
 def _hold(station: Station) -> None:

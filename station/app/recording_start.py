@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from station.api.host_policy import HostPolicy
 from station.app.access import host_names, is_loopback
 from station.config import StationConfig
 from station.core.description.robot_files import load_robot_files
@@ -16,6 +15,7 @@ from station.core.errors import RobotDescriptionError
 from station.core.facade.station import Station
 from station.core.installation import install_command
 from station.records.record_store import Quota, RecordStore, default_folder
+from station.web.host_policy import HostPolicy
 
 if TYPE_CHECKING:
     from fastapi import FastAPI
@@ -106,28 +106,26 @@ def make_ports(
     # A mock may have no description, and a text may be no URDF.
     urdf = parse_urdf(description) if description.lstrip().startswith("<") else None
 
-    def place(section: "ToolPortSection") -> dict[str, Any]:
+    # Imported here: most stations do without.
+    from station.api.tool_port import Place
+
+    def place(section: "ToolPortSection") -> Place:
         hosts = {*policy.hosts, *host_names(section.host)}
-        return {
-            "host": section.host,
-            "port": section.port,
-            "policy": HostPolicy(hosts, {*policy.origins, *section.allowed_origins}),
-            "anonymous": is_loopback(section.host),
-        }
+        pages = HostPolicy(hosts, {*policy.origins, *section.allowed_origins})
+        return Place(section.host, section.port, pages, is_loopback(section.host))
 
     ports: list[ToolPort[Any]] = []
-    # Imported here: most stations do without.
     if config.foxglove.enabled:
         from station.api.foxglove.foxglove_port import FoxglovePort
         from station.api.foxglove.live_channels import LiveChannels
 
         channels = LiveChannels(station, urdf, texts)
-        ports.append(FoxglovePort(app, channels, **place(config.foxglove)))
+        ports.append(FoxglovePort(app, channels, place(config.foxglove)))
     if config.rosbridge.enabled:
         from station.api.rosbridge.rosbridge_port import RosbridgePort
 
         latched = {k: v for k, v in texts.items() if k == "/robot_description"}
-        ports.append(RosbridgePort(app, urdf, latched, **place(config.rosbridge)))
+        ports.append(RosbridgePort(app, urdf, latched, place(config.rosbridge)))
     return ports
 
 

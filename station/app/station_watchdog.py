@@ -40,12 +40,20 @@ class StationWatchdog:
     Args:
         config: Whether there is one, and its limits.
         warn: Takes a line about something that is not as it should be.
+        process: Its process; one is made if there is to be one when None.
     """
 
-    def __init__(self, config: StationConfig, warn: Callable[[str], None]) -> None:
+    def __init__(
+        self,
+        config: StationConfig,
+        warn: Callable[[str], None],
+        process: WatchdogProcess | None = None,
+    ) -> None:
         self._config = config
         self._warn = warn
-        self._process = WatchdogProcess() if config.watchdog.enabled else None
+        if config.watchdog.enabled and process is None:
+            process = WatchdogProcess()
+        self._process = process
         self._settings: WatchdogSettings | None = None
         self._may_start_at = 0.0
         self._authenticator: Authenticator | None = None

@@ -2,13 +2,8 @@
 
 import json
 import sys
+from argparse import Namespace
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from pydantic import BaseModel
-
-    from station.reports import Report
 
 
 def say(text: str) -> None:
@@ -22,25 +17,65 @@ def say_progress(text: str) -> None:
     sys.stderr.flush()
 
 
+def say_now(text: str) -> None:
+    """Print a line at once, for a reader that waits for it."""
+    say(text)
+    sys.stdout.flush()
+
+
+def say_now_json(data: object) -> None:
+    """Print data as one line of JSON at once."""
+    say_json(data)
+    sys.stdout.flush()
+
+
 def say_json(data: object) -> None:
-    """Print `data` as one line of JSON."""
-    say(json.dumps(data))
+    """Print data as one line of JSON; models and dataclasses by their wire names."""
+    say(json.dumps(data, default=_jsonable))
 
 
-def say_models(models: "Sequence[BaseModel | Report]") -> None:
-    """Print wire models as a JSON list, by their names on the wire."""
-    _say_answer(models)
-
-
-def say_model(model: "BaseModel | Report") -> None:
-    """Print a wire model as JSON, by its names on the wire."""
-    _say_answer(model)
-
-
-def _say_answer(answer: object) -> None:
+def _jsonable(value: object) -> object:
+    # Imported late: a stop does not wait for it.
     from pydantic_core import to_jsonable_python
 
-    say_json(to_jsonable_python(answer, by_alias=True))
+    return to_jsonable_python(value, by_alias=True)
+
+
+def answer(options: Namespace, found: object, *lines: str) -> int:
+    """Print lines, or with `--json` what was found; return the exit code 0."""
+    if options.json:
+        say_json(found)
+    else:
+        for line in lines:
+            say(line)
+    return 0
+
+
+def answer_table(
+    options: Namespace,
+    found: object,
+    headers: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    nothing: str = "",
+) -> int:
+    """Print a table, or with `--json` what was found; return the exit code 0.
+
+    Args:
+        options: Those of the verb.
+        found: What the table is about.
+        headers: Headers of the columns.
+        rows: The cells.
+        nothing: Printed in place of a table without rows, if not empty.
+    """
+    if not options.json and (rows or not nothing):
+        say_table(headers, rows)
+        return 0
+    return answer(options, found, nothing)
+
+
+def number(value: float | None, nothing: str = "-") -> str:
+    """Return a number as text, or `nothing` for None."""
+    return nothing if value is None else f"{value:g}"
 
 
 def say_table(headers: Sequence[str], rows: Sequence[Sequence[str]]) -> None:

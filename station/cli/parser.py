@@ -3,11 +3,13 @@
 import argparse
 import importlib
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from typing_extensions import override
 
 import station
+from station.cli.errors import UsageError
 from station.cli.verbs import VERBS, Verb
 from station.core.errors import suggest
 
@@ -80,6 +82,40 @@ def _fill(parser: Parser, verb: Verb) -> None:
     add = getattr(module, f"add_{verb.name}", None)
     if add is not None:
         add(parser)
+
+
+def read_number(word: str, example: str = "load=1.5") -> tuple[str, float]:
+    """Return name and value of `NAME=VALUE`.
+
+    Raises:
+        UsageError: The text has another form.
+    """
+    name, equals, text = word.rpartition("=")
+    try:
+        return name, float(text if equals and name else "no number")
+    except ValueError as error:
+        raise UsageError(
+            f"{word!r} is not NAME=VALUE with a number.",
+            remedy=f"Write it like {example}.",
+        ) from error
+
+
+def add_controllers(parser: Parser, text: str) -> None:
+    """Add the option `--controllers` with files of parameters.
+
+    Args:
+        parser: Parser of the verb.
+        text: Help.
+    """
+    parser.add_argument(
+        "--controllers",
+        nargs="+",
+        action="extend",
+        default=[],
+        type=Path,
+        metavar="ROS_PARAMS.yaml",
+        help=text,
+    )
 
 
 def add_base(parser: Parser) -> None:

@@ -31,11 +31,13 @@ from station.client.stores import (
     AsyncAlarmsClient,
     AsyncBenchRunsClient,
     AsyncExperimentsClient,
+    AsyncFilesClient,
     AsyncGainSetsClient,
     AsyncIncidentsClient,
     AsyncLessonsClient,
     AsyncPlotLayoutsClient,
     AsyncRecordingsClient,
+    AsyncScenesClient,
     AsyncTokensClient,
     AsyncWaypointPathsClient,
 )
@@ -43,6 +45,7 @@ from station.client.stores import (
 P = ParamSpec("P")
 R = TypeVar("R")
 S = TypeVar("S")
+FilesT = TypeVar("FilesT", bound=AsyncFilesClient)
 
 
 def _run(coroutine: Coroutine[Any, Any, R]) -> R:
@@ -92,6 +95,7 @@ class _Inline(httpx.AsyncBaseTransport):
 
     @override
     async def handle_async_request(self, request: httpx.Request) -> httpx.Response:
+        await request.aread()  # of a file that is uploaded, too
         answer = self._inner.handle_request(request)
         # A transport that blocks answers with a stream that blocks.
         stream = cast("httpx.SyncByteStream", answer.stream)
@@ -238,33 +242,30 @@ class GainSetsClient(_Client[AsyncGainSetsClient]):
     undo = _waited_for(AsyncGainSetsClient.undo)
 
 
-class RecordingsClient(_Client[AsyncRecordingsClient]):
+class FilesClient(_Client[FilesT]):
+    """The common part of recordings and incidents."""
+
+    list = _waited_for(AsyncFilesClient.list)
+    get = _waited_for(AsyncFilesClient.get)
+    trajectory = _waited_for(AsyncFilesClient.trajectory)
+    bench = _waited_for(AsyncFilesClient.bench)
+    download = _waited_for(AsyncFilesClient.download)
+    download_table = _waited_for(AsyncFilesClient.download_table)
+    events = _waited_for(AsyncFilesClient.events)
+    add_note = _waited_for(AsyncFilesClient.add_note)
+
+
+class RecordingsClient(FilesClient[AsyncRecordingsClient]):
     """Recordings of every cycle on the station's disk: `client.recordings`."""
 
-    list = _waited_for(AsyncRecordingsClient.list)
-    get = _waited_for(AsyncRecordingsClient.get)
-    trajectory = _waited_for(AsyncRecordingsClient.trajectory)
-    bench = _waited_for(AsyncRecordingsClient.bench)
-    download = _waited_for(AsyncRecordingsClient.download)
-    download_table = _waited_for(AsyncRecordingsClient.download_table)
-    events = _waited_for(AsyncRecordingsClient.events)
-    add_note = _waited_for(AsyncRecordingsClient.add_note)
     start = _waited_for(AsyncRecordingsClient.start)
+    upload = _waited_for(AsyncRecordingsClient.upload)
     stop = _waited_for(AsyncRecordingsClient.stop)
     delete = _waited_for(AsyncRecordingsClient.delete)
 
 
-class IncidentsClient(_Client[AsyncIncidentsClient]):
+class IncidentsClient(FilesClient[AsyncIncidentsClient]):
     """Recordings around stops, reflexes and faults: `client.incidents`."""
-
-    list = _waited_for(AsyncIncidentsClient.list)
-    get = _waited_for(AsyncIncidentsClient.get)
-    trajectory = _waited_for(AsyncIncidentsClient.trajectory)
-    bench = _waited_for(AsyncIncidentsClient.bench)
-    download = _waited_for(AsyncIncidentsClient.download)
-    download_table = _waited_for(AsyncIncidentsClient.download_table)
-    events = _waited_for(AsyncIncidentsClient.events)
-    add_note = _waited_for(AsyncIncidentsClient.add_note)
 
 
 class ExperimentsClient(_Client[AsyncExperimentsClient]):
@@ -281,6 +282,16 @@ class ExperimentsClient(_Client[AsyncExperimentsClient]):
     preview = _waited_for(AsyncExperimentsClient.preview)
     apply = _waited_for(AsyncExperimentsClient.apply)
     list = _waited_for(AsyncExperimentsClient.list)
+
+
+class ScenesClient(_Client[AsyncScenesClient]):
+    """Named scenes on the station's disk: `client.scenes`."""
+
+    names = _waited_for(AsyncScenesClient.names)
+    get = _waited_for(AsyncScenesClient.get)
+    save = _waited_for(AsyncScenesClient.save)
+    load = _waited_for(AsyncScenesClient.load)
+    delete = _waited_for(AsyncScenesClient.delete)
 
 
 class PlotLayoutsClient(_Client[AsyncPlotLayoutsClient]):
@@ -466,6 +477,7 @@ class StationClient(_Client[AsyncStationClient]):
         self.incidents = IncidentsClient(source.incidents)
         self.experiments = ExperimentsClient(source.experiments)
         self.plot_layouts = PlotLayoutsClient(source.plot_layouts)
+        self.scenes = ScenesClient(source.scenes)
         self.waypoint_paths = WaypointPathsClient(source.waypoint_paths)
         self.alarms = AlarmsClient(source.alarms)
         self.tokens = TokensClient(source.tokens)
@@ -507,6 +519,10 @@ class StationClient(_Client[AsyncStationClient]):
     session = _waited_for(AsyncStationClient.session)
     status = _waited_for(AsyncStationClient.status)
     hardware = _waited_for(AsyncStationClient.hardware)
+    hardware_components = _waited_for(AsyncStationClient.hardware_components)
+    set_hardware_component_state = _waited_for(
+        AsyncStationClient.set_hardware_component_state
+    )
     controllers = _waited_for(AsyncStationClient.controllers)
     controller = _waited_for(AsyncStationClient.controller)
     chains = _waited_for(AsyncStationClient.chains)
@@ -543,6 +559,8 @@ class StationClient(_Client[AsyncStationClient]):
     robot = _made(AsyncStationClient.robot, RobotClient)
     scene = _waited_for(AsyncStationClient.scene)
     clearances = _waited_for(AsyncStationClient.clearances)
+    attach_object = _waited_for(AsyncStationClient.attach_object)
+    detach_object = _waited_for(AsyncStationClient.detach_object)
     put_object = _waited_for(AsyncStationClient.put_object)
     remove_object = _waited_for(AsyncStationClient.remove_object)
     loop = _waited_for(AsyncStationClient.loop)

@@ -5,9 +5,17 @@ import json
 import math
 import ssl
 import time
-from collections.abc import Awaitable, Callable, Coroutine, Mapping, Sequence
+from collections.abc import (
+    AsyncIterable,
+    AsyncIterator,
+    Awaitable,
+    Callable,
+    Coroutine,
+    Mapping,
+    Sequence,
+)
 from pathlib import Path
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, Generic, TypeAlias, TypeVar
 from urllib.parse import quote
 
 import httpx
@@ -18,10 +26,13 @@ from station.client.streams import CommandOptions, Rate, StreamOptions, bearer
 from station.wire.base import reader_of
 from station.wire.protocol import CLOCK_HEADER, LEASE_HEADER, NOT_AFTER_HEADER, PREFIX
 
+_PIECE = 2**18
+"""Bytes of a file that are sent at a time."""
 _ANSWERS = 20
 """Answers that tell how far the station's clock is ahead."""
 Sleep: TypeAlias = Callable[[float], Awaitable[None]]
 ModelT = TypeVar("ModelT")
+ThingT = TypeVar("ThingT")
 Query = Mapping[str, str | list[str]]
 
 
@@ -218,9 +229,10 @@ class AsyncConnection:
         method: str,
         path: str,
         answer: type[ModelT],
-        body: BaseModel | Mapping[str, JsonValue] | None = None,
+        body: BaseModel | Mapping[str, JsonValue] | Path | None = None,
         *,
         headers: Mapping[str, str] | None = None,
+        query: Query | None = None,
         patience: float = 0.0,
     ) -> ModelT:
         """Send a request that changes something and return the answer.
@@ -229,8 +241,9 @@ class AsyncConnection:
             method: HTTP method.
             path: Path below the prefix of the API.
             answer: Wire model of the answer.
-            body: JSON body; a model sends only what was set.
+            body: JSON body, of which a model sends only what was set; or a file.
             headers: Extra headers.
+            query: Query parameters; a list repeats its parameter.
             patience: How much longer than usual the answer may take [s]; infinite for
                 as long as it takes.
 
@@ -244,12 +257,21 @@ class AsyncConnection:
             sent |= self.promptness.headers()
         if self.lease is not None:
             sent[LEASE_HEADER] = self.lease
-        content = None
-        if body is not None:
+        content: bytes | AsyncIterable[bytes] | None = None
+        if isinstance(body, Path):
+            sent["Content-Type"] = "application/octet-stream"
+            content = _pieces(body)
+        elif body is not None:
             sent["Content-Type"] = "application/json"
             content = _written(body)
         return await self._request(
-            method, path, answer, content=content, headers=sent, patience=patience
+            method,
+            path,
+            answer,
+            query=query,
+            content=content,
+            headers=sent,
+            patience=patience,
         )
 
     async def download(
@@ -291,7 +313,7 @@ class AsyncConnection:
         answer: type[ModelT],
         *,
         query: Query | None = None,
-        content: bytes | None = None,
+        content: bytes | AsyncIterable[bytes] | None = None,
         headers: Mapping[str, str] | None = None,
         patience: float = 0.0,
     ) -> ModelT:
@@ -314,6 +336,48 @@ class AsyncConnection:
             refusal = ApiError.from_body(response.status_code, response.content)
             raise refusal
         return reader_of(answer).validate_json(response.content)
+
+
+class ClientPart:
+    """The client of one part of the API.
+
+    Every method raises what the station client's own methods raise.
+
+    Args:
+        connection: The connection to the station.
+    """
+
+    _path = ""
+    """Path of the part below the prefix of the API."""
+
+    def __init__(self, connection: AsyncConnection) -> None:
+        self._connection = connection
+        self._get, self._send = connection.get, connection.send
+
+    def _of(self, name: str, rest: str = "") -> str:
+        """Return the path of a thing that has a name, or of a part of it."""
+        path = f"{self._path}/{segment(name)}"
+        return f"{path}/{rest}" if rest else path
+
+
+class NamedThings(ClientPart, Generic[ThingT]):
+    """The client of a store whose things have names."""
+
+    _kind: type[ThingT]
+
+    async def get(self, name: str) -> ThingT:
+        """Return the one of that name."""
+        return await self._get(self._of(name), self._kind)
+
+    async def delete(self, name: str) -> ThingT:
+        """Delete the one of that name; return its last content."""
+        return await self._send("DELETE", self._of(name), self._kind)
+
+
+async def _pieces(path: Path) -> AsyncIterator[bytes]:
+    with path.open("rb") as file:
+        while piece := file.read(_PIECE):
+            yield piece
 
 
 def _written(body: BaseModel | Mapping[str, JsonValue]) -> bytes:

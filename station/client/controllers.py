@@ -8,8 +8,9 @@ from typing import Literal
 from pydantic import JsonValue
 
 from station import wire
-from station.client.connection import AsyncConnection, Sleep, segment
+from station.client.connection import ClientPart, Sleep, segment
 from station.client.errors import MotionError
+from station.client.poses import Pose
 from station.wire.controllers import SWITCH_BOUND, SwitchStrictness
 from station.wire.excitations import BenchRequest, BenchResponse, Excitation
 from station.wire.protocol import KEY_HEADER
@@ -101,28 +102,22 @@ class AsyncGoalHandle:
         return goal
 
 
-class AsyncControllersClient:
-    """The controllers of a station; every station client is one.
+class AsyncControllersClient(ClientPart):
+    """The controllers of a station; every station client is one."""
 
-    Args:
-        connection: The client's connection.
-    """
-
-    def __init__(self, connection: AsyncConnection) -> None:
-        self._connection = connection
+    _path = "/controllers"
 
     async def controllers(self) -> list[wire.ControllerState]:
         """Return all loaded controllers."""
-        found = await self._connection.get("/controllers", wire.Controllers)
-        return found.controllers
+        return (await self._get("/controllers", wire.Controllers)).controllers
 
     async def controller(self, name: str) -> wire.ControllerState:
         """Return one controller."""
-        return await self._connection.get(controller_path(name), wire.ControllerState)
+        return await self._get(self._of(name), wire.ControllerState)
 
     async def chains(self) -> wire.ControllerChains:
         """Return the loaded controllers with who commands whose references."""
-        return await self._connection.get("/controllers/chains", wire.ControllerChains)
+        return await self._get("/controllers/chains", wire.ControllerChains)
 
     async def load_controller(
         self,
@@ -158,7 +153,7 @@ class AsyncControllersClient:
         request = wire.LoadRequest.model_validate({
             key: value for key, value in given.items() if value is not None
         })
-        return await self._connection.send(
+        return await self._send(
             "POST",
             "/controllers",
             wire.ControllerState,
@@ -176,10 +171,8 @@ class AsyncControllersClient:
             name: Its name.
             idempotency_key: As for `load_controller`.
         """
-        path, headers = controller_path(name), _keyed(idempotency_key)
-        return await self._connection.send(
-            "DELETE", path, wire.ControllerState, headers=headers
-        )
+        path, headers = self._of(name), _keyed(idempotency_key)
+        return await self._send("DELETE", path, wire.ControllerState, headers=headers)
 
     async def switch_controllers(
         self,
@@ -218,7 +211,7 @@ class AsyncControllersClient:
             bound=bound,
             dry_run=dry_run,
         )
-        return await self._connection.send(
+        return await self._send(
             "POST",
             "/controllers/switch",
             wire.SwitchResult,
@@ -229,7 +222,7 @@ class AsyncControllersClient:
 
     async def gains(self, name: str) -> wire.Gains:
         """Return a controller's gains, their units and ranges, and their ETag."""
-        return await self._connection.get(controller_path(name, "gains"), wire.Gains)
+        return await self._get(self._of(name, "gains"), wire.Gains)
 
     async def set_gains(
         self, name: str, values: Mapping[str, float], etag: str | None = None
@@ -241,17 +234,16 @@ class AsyncControllersClient:
             values: New values by name, in the units of the schema.
             etag: Refuse when the gains are no longer those of that ETag.
         """
-        path = controller_path(name, "gains")
+        path = self._of(name, "gains")
         request = wire.GainsPatch(values=dict(values))
         headers = {} if etag is None else {"If-Match": etag}
-        return await self._connection.send(
+        return await self._send(
             "PATCH", path, wire.GainsChange, request, headers=headers
         )
 
     async def last_command(self, name: str) -> wire.CommandInfo:
         """Return the elements of a controller's set-point, and the last set-point."""
-        path = controller_path(name, "command")
-        return await self._connection.get(path, wire.CommandInfo)
+        return await self._get(self._of(name, "command"), wire.CommandInfo)
 
     async def command(
         self,
@@ -281,13 +273,12 @@ class AsyncControllersClient:
             timeout=timeout,
             rates=None if rates is None else list(rates),
         )
-        path = _certified(controller_path(name, "command"), certificate)
-        return await self._connection.send("PUT", path, wire.CommandAccepted, request)
+        path = _certified(self._of(name, "command"), certificate)
+        return await self._send("PUT", path, wire.CommandAccepted, request)
 
     async def controller_state(self, name: str) -> wire.ControllerSample:
         """Return the sample of a controller of the last cycle."""
-        path = controller_path(name, "state")
-        return await self._connection.get(path, wire.ControllerSample)
+        return await self._get(self._of(name, "state"), wire.ControllerSample)
 
     async def bench(
         self,
@@ -323,10 +314,8 @@ class AsyncControllersClient:
             relay_gain=relay_gain,
             name=run,
         )
-        path, patience = controller_path(name, "bench"), 5.0 * request.duration
-        return await self._connection.send(
-            "POST", path, BenchResponse, request, patience=patience
-        )
+        path, patience = self._of(name, "bench"), 5.0 * request.duration
+        return await self._send("POST", path, BenchResponse, request, patience=patience)
 
     async def submit_goal(
         self,
@@ -343,23 +332,22 @@ class AsyncControllersClient:
             epoch: Refuse when a stop or reset came since that epoch.
             certificate: That of a rehearsal of this command; None without one.
         """
-        path = _certified(controller_path(name, "goals"), certificate)
+        path = _certified(self._of(name, "goals"), certificate)
         request = wire.GoalRequest(goal=dict(goal), epoch=epoch)
-        return await self._connection.send("POST", path, wire.Goal, request)
+        return await self._send("POST", path, wire.Goal, request)
 
     async def goals(self, name: str) -> list[wire.Goal]:
         """Return a controller's latest goals, oldest first."""
-        path = controller_path(name, "goals")
-        return (await self._connection.get(path, wire.Goals)).goals
+        return (await self._get(self._of(name, "goals"), wire.Goals)).goals
 
     async def goal(self, name: str, goal_id: str) -> wire.Goal:
         """Return a goal: its progress, or how and why it ended."""
-        return await self._connection.get(goal_path(name, goal_id), wire.Goal)
+        return await self._get(self._of(name, f"goals/{segment(goal_id)}"), wire.Goal)
 
     async def cancel_goal(self, name: str, goal_id: str) -> wire.Goal:
         """Cancel a goal; the joints hold from the next cycle on."""
-        path = goal_path(name, goal_id)
-        return await self._connection.send("DELETE", path, wire.Goal)
+        path = self._of(name, f"goals/{segment(goal_id)}")
+        return await self._send("DELETE", path, wire.Goal)
 
     async def follow_trajectory(
         self,
@@ -378,8 +366,8 @@ class AsyncControllersClient:
             certificate: That of a rehearsal of this command; None without one.
         """
         request = wire.TrajectoryRequest(trajectory=dict(trajectory), epoch=epoch)
-        path = _certified(controller_path(name, "trajectory"), certificate)
-        return await self._connection.send("POST", path, wire.CommandAccepted, request)
+        path = _certified(self._of(name, "trajectory"), certificate)
+        return await self._send("POST", path, wire.CommandAccepted, request)
 
     async def query_state(
         self, name: str, time: float | None = None
@@ -391,8 +379,7 @@ class AsyncControllersClient:
             time: Station time [s]; now when None.
         """
         query = None if time is None else {"time": repr(time)}
-        path = controller_path(name, "query_state")
-        return await self._connection.get(path, wire.DesiredState, query)
+        return await self._get(self._of(name, "query_state"), wire.DesiredState, query)
 
     async def start_goal(
         self,
@@ -435,40 +422,41 @@ class AsyncControllersClient:
             "seconds": seconds,
             "certificate": certificate,
         }
-        return await self._connection.send(
+        return await self._send(
             "POST", "/rehearse", wire.Rehearsal, request, patience=REHEARSAL_BOUND
         )
 
     async def plan(
         self,
         controller: str,
-        positions: Mapping[str, float],
+        target: Mapping[str, float] | Pose | str,
         *,
         timeout: float = 2.0,
         seed: int = 0,
     ) -> wire.Plan:
-        """Return a goal that leads to a pose and touches nothing; nothing moves.
+        """Return a goal that leads to a target and touches nothing; nothing moves.
 
         Args:
             controller: A running trajectory controller.
-            positions: Where joints are to go [rad or m], by name; others stay.
+            target: Where joints are to go [rad or m], by name, others stay; a `Pose` of
+                a Franka's end effector; or the name of a pose that the robot has.
             timeout: How long to search [s], above 0 and at most 30.
             seed: Of the random numbers; another seed finds another path.
         """
         request: dict[str, JsonValue] = {
             "controller": controller,
-            "positions": dict(positions),
+            **_target(target),
             "timeout": timeout,
             "seed": seed,
         }
-        return await self._connection.send(
+        return await self._send(
             "POST", "/plan", wire.Plan, request, patience=REHEARSAL_BOUND + timeout
         )
 
     async def controller_types(self) -> list[wire.ControllerType]:
         """Return the types of controllers that can be loaded."""
         path = "/controller-types"
-        return (await self._connection.get(path, wire.ControllerTypes)).controller_types
+        return (await self._get(path, wire.ControllerTypes)).controller_types
 
     async def reload_controller_types(self, *, force_kill: bool = False) -> list[str]:
         """Let the next load of each type read its Python module anew.
@@ -481,31 +469,27 @@ class AsyncControllersClient:
         """
         path = "/controller-types/reload"
         request = wire.ReloadRequest(force_kill=force_kill)
-        answer = await self._connection.send(
+        answer = await self._send(
             "POST", path, wire.Reloaded, request, patience=SWITCH_BOUND
         )
         return answer.unloaded
 
 
+def _target(target: Mapping[str, float] | Pose | str) -> dict[str, JsonValue]:
+    """Return the target of a plan as its request has it."""
+    if isinstance(target, str):
+        return {"name": target}
+    if isinstance(target, Pose):
+        place: dict[str, JsonValue] = {"position": [*target.position]}
+        if target.orientation is not None:
+            place["orientation"] = [*target.orientation]
+        return {"pose": place}
+    return {"positions": dict(target)}
+
+
 def _certified(path: str, certificate: str | None) -> str:
     """Return the path of a command with the certificate of its rehearsal."""
     return path if certificate is None else f"{path}?certificate={segment(certificate)}"
-
-
-def controller_path(name: str, rest: str = "") -> str:
-    """Return the path of a controller, or of a part of it.
-
-    Args:
-        name: The controller.
-        rest: The part, without a slash at its beginning.
-    """
-    path = f"/controllers/{segment(name)}"
-    return f"{path}/{rest}" if rest else path
-
-
-def goal_path(name: str, goal_id: str) -> str:
-    """Return the path of a controller's goal."""
-    return f"{controller_path(name, 'goals')}/{segment(goal_id)}"
 
 
 def _keyed(key: str | None) -> dict[str, str]:

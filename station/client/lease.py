@@ -3,16 +3,65 @@
 from typing import TYPE_CHECKING, Self
 
 from station import wire
-from station.client.connection import AsyncConnection
+from station.client.connection import AsyncConnection, ClientPart
 from station.client.errors import ApiError, StationUnreachableError
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
-_PATH = "/control"
 _LOST = frozenset({"control_held", "control_not_held"})
 BEATS = 3.0
 """So many heartbeats are sent while one would do."""
+
+
+class AsyncLeaseClient(ClientPart):
+    """Control of the station, taken and given back call by call: `client.lease`.
+
+    `AsyncStationClient.control` does this for the length of a `with` block, with
+    heartbeats; here the caller sends them.
+    """
+
+    _path = "/control"
+
+    def act_under(self, lease: str | None) -> None:
+        """Let the requests from now on act under a lease of control.
+
+        Args:
+            lease: The `lease` in the answer to taking control; None for none.
+        """
+        self._connection.lease = lease
+
+    async def take(
+        self, owner: str | None = None, *, ttl: float = 10.0, force: bool = False
+    ) -> wire.ControlState:
+        """Take control, for clients that then `act_under` the `lease` of the answer.
+
+        Args:
+            owner: Name that others see; that of the token when None.
+            ttl: How long control lasts without `renew` [s], 0.5 to 3600.
+            force: Take control from its holder.
+        """
+        request = wire.ControlRequest(owner=owner, ttl=ttl, force=force)
+        return await self._send("POST", self._path, wire.ControlState, request)
+
+    async def renew(self, *, hand_over_to: str | None = None) -> wire.ControlState:
+        """Keep control, which this client, or its named token, holds.
+
+        Args:
+            hand_over_to: Owner or token that may take control without force; as before
+                when None.
+        """
+        request = wire.ControlPatch(hand_over_to=hand_over_to)
+        return await self._send("PATCH", self._path, wire.ControlState, request)
+
+    async def release(self) -> wire.ControlState:
+        """Give control back, which this client, or its named token, holds."""
+        return await self._send("DELETE", self._path, wire.ControlState)
+
+    async def state(self) -> wire.ControlState:
+        """Return the present holder of control."""
+        # Unlike `get`, this names the lease: the station says whose it is.
+        return await self._send("GET", self._path, wire.ControlState)
 
 
 class AsyncControlLease:
@@ -42,8 +91,8 @@ class AsyncControlLease:
         force: bool,
     ) -> None:
         self._connection = connection
-        self._request = wire.ControlRequest(owner=owner, ttl=ttl, force=force)
-        self._period = ttl / BEATS
+        self._control = AsyncLeaseClient(connection)
+        self._owner, self._ttl, self._force = owner, ttl, force
         self._stop_beating: Callable[[], Awaitable[None]] | None = None
         self.lost: ApiError | None = None
 
@@ -54,23 +103,21 @@ class AsyncControlLease:
             ApiError: Somebody else holds control.
             StationUnreachableError: The station does not answer.
         """
-        state = await self._connection.send(
-            "POST", _PATH, wire.ControlState, self._request
-        )
-        self._connection.lease = state.lease
-        self._stop_beating = self._connection.repeat(self._beat, self._period)
+        state = await self._control.take(self._owner, ttl=self._ttl, force=self._force)
+        self._control.act_under(state.lease)
+        self._stop_beating = self._connection.repeat(self._beat, self._ttl / BEATS)
         return self
 
     async def __aexit__(self, *_: object) -> None:
         if self._stop_beating is not None:
             await self._stop_beating()
         try:
-            await self._connection.send("DELETE", _PATH, wire.ControlState)
+            await self._control.release()
         except ApiError as refused:
             if refused.code not in _LOST:
                 raise
         finally:
-            self._connection.lease = None
+            self._control.act_under(None)
 
     async def _beat(self) -> bool:
         """Send a heartbeat; return whether to go on."""
@@ -85,8 +132,9 @@ class AsyncControlLease:
 
     async def renew(self) -> wire.ControlState:
         """Send a heartbeat now."""
-        request = wire.ControlPatch(ttl=self._request.ttl)
-        return await self._connection.send("PATCH", _PATH, wire.ControlState, request)
+        return await self._connection.send(
+            "PATCH", "/control", wire.ControlState, wire.ControlPatch(ttl=self._ttl)
+        )
 
     async def hand_over(self, to: str) -> wire.ControlState:
         """Let another client take control without force.
@@ -94,63 +142,4 @@ class AsyncControlLease:
         Args:
             to: The owner that they take it as, or the name of their token.
         """
-        request = wire.ControlPatch(hand_over_to=to)
-        return await self._connection.send("PATCH", _PATH, wire.ControlState, request)
-
-
-class AsyncLeaseClient:
-    """Control of the station, taken and given back call by call: `client.lease`.
-
-    `AsyncStationClient.control` does this for the length of a `with` block, with
-    heartbeats; here the caller sends them.
-
-    Args:
-        connection: The client's connection.
-    """
-
-    def __init__(self, connection: AsyncConnection) -> None:
-        self._connection = connection
-
-    def act_under(self, lease: str | None) -> None:
-        """Let the requests from now on act under a lease of control.
-
-        Args:
-            lease: The `lease` in the answer to taking control; None for none.
-        """
-        self._connection.lease = lease
-
-    async def take(
-        self, owner: str | None = None, *, ttl: float = 10.0, force: bool = False
-    ) -> wire.ControlState:
-        """Take control, for clients that then `act_under` the `lease` of the answer.
-
-        Args:
-            owner: Name that others see; that of the token when None.
-            ttl: How long control lasts without `renew` [s], 0.5 to 3600.
-            force: Take control from its holder.
-        """
-        request = wire.ControlRequest(owner=owner, ttl=ttl, force=force)
-        return await self._connection.send(
-            "POST", "/control", wire.ControlState, request
-        )
-
-    async def renew(self, *, hand_over_to: str | None = None) -> wire.ControlState:
-        """Keep control, which this client, or its named token, holds.
-
-        Args:
-            hand_over_to: Owner or token that may take control without force; as before
-                when None.
-        """
-        request = wire.ControlPatch(hand_over_to=hand_over_to)
-        return await self._connection.send(
-            "PATCH", "/control", wire.ControlState, request
-        )
-
-    async def release(self) -> wire.ControlState:
-        """Give control back, which this client, or its named token, holds."""
-        return await self._connection.send("DELETE", "/control", wire.ControlState)
-
-    async def state(self) -> wire.ControlState:
-        """Return the present holder of control."""
-        # Unlike `get`, this names the lease: the station says whose it is.
-        return await self._connection.send("GET", "/control", wire.ControlState)
+        return await self._control.renew(hand_over_to=to)

@@ -10,6 +10,7 @@ from station.client.connection import Sleep
 from station.client.controllers import AsyncControllersClient, AsyncGoalHandle
 from station.client.errors import MotionError
 from station.client.poses import (
+    POSES,
     Pose,
     Target,
     check_name,
@@ -32,7 +33,7 @@ _CARTESIAN = "/CartesianStreamingController"
 
 async def start_move(
     client: AsyncControllersClient,
-    target: Target,
+    target: Target | Pose,
     *,
     duration: float | None = None,
     controller: str = "",
@@ -42,7 +43,8 @@ async def start_move(
 
     Args:
         client: The station.
-        target: Name of a pose, one position per joint, or positions by joint.
+        target: Name of a pose, one position per joint, or positions by joint; with
+            `plan` also a `Pose` of the end effector.
         duration: How long the motion takes [s]; a calm one when None.
         controller: A trajectory controller; found when empty.
         plan: Go by a path that touches nothing.
@@ -51,19 +53,33 @@ async def start_move(
         ApiError: The station refuses.
         MotionError: No such controller is loaded, or a joint is unknown.
         UnknownPoseError: There is no such pose.
+        ValueError: A `Pose` was given without `plan`.
     """
-    if isinstance(target, str):
+    if isinstance(target, Pose) and not plan:
+        raise ValueError("A Pose needs plan=True; move_to goes there straight.")
+    if isinstance(target, str) and not plan:
         check_name(target)
     if not controller:
         controller = await running_controller(client, _TRAJECTORY)
+    # Other names are those of the robot's own poses, which the station knows.
+    if isinstance(target, Pose) or (isinstance(target, str) and target not in POSES):
+        return await _start_planned(client, controller, target)
     here = await client.query_state(controller)
     values = joint_positions(target, here.name, here.position)
     if plan:
         wanted = dict(zip(here.name, values, strict=True))
-        found = await client.plan(controller, wanted)
-        planned = TypeAdapter(dict[str, JsonValue]).validate_python(found.goal)
-        return await client.start_goal(controller, planned)
+        return await _start_planned(client, controller, wanted)
     goal = trajectory_goal(here.name, here.position, values, duration)
+    return await client.start_goal(controller, goal)
+
+
+async def _start_planned(
+    client: AsyncControllersClient,
+    controller: str,
+    target: Mapping[str, float] | Pose | str,
+) -> AsyncGoalHandle:
+    found = await client.plan(controller, target)
+    goal = TypeAdapter(dict[str, JsonValue]).validate_python(found.goal)
     return await client.start_goal(controller, goal)
 
 
@@ -73,6 +89,8 @@ async def move_to(
     duration: float | None,
     timeout: float | None,
     sleep: Sleep,
+    *,
+    plan: bool = False,
 ) -> None:
     """Move the arm and wait until it is there.
 
@@ -82,13 +100,14 @@ async def move_to(
         duration: How long a motion of joints takes [s]; a calm one when None.
         timeout: Longest wait [s]; None waits for ever.
         sleep: Lets some time pass [s].
+        plan: Go by a path of the joints that touches nothing.
 
     Raises:
         MotionError: The arm did not arrive, and why.
         ValueError: A motion to a `Pose` was given a duration.
     """
-    if not isinstance(target, Pose):
-        goal = await start_move(client, target, duration=duration, controller="")
+    if plan or not isinstance(target, Pose):
+        goal = await start_move(client, target, duration=duration, plan=plan)
         await goal.wait(timeout)
         return
     if duration is not None:

@@ -8,7 +8,7 @@ from typing import Literal, TypeAlias
 from pydantic import BaseModel, JsonValue, RootModel
 
 from station import wire
-from station.client.connection import AsyncConnection, segment
+from station.client.connection import AsyncConnection, ClientPart, segment
 from station.client.errors import ApiError, MotionError
 
 Restart: TypeAlias = Literal["none", "previous"]
@@ -18,7 +18,7 @@ class _Answer(RootModel[JsonValue]):
     """The answer of a service, of any type."""
 
 
-class AsyncRobotClient:
+class AsyncRobotClient(ClientPart):
     """One arm of a station: `client.robot(arm_id)`.
 
     Every method raises what the station client's own methods raise.
@@ -33,31 +33,31 @@ class AsyncRobotClient:
     """
 
     def __init__(self, connection: AsyncConnection, arm_id: str) -> None:
-        self._connection = connection
+        super().__init__(connection)
         self._path = f"/robots/{segment(arm_id)}"
         self.arm_id = arm_id
         self.gripper = AsyncGripperClient(connection, arm_id)
 
     async def state(self) -> wire.FrankaState:
         """Return the whole state."""
-        return await self._connection.get(f"{self._path}/state", wire.FrankaState)
+        return await self._get(f"{self._path}/state", wire.FrankaState)
 
     async def model(self, frame: wire.FrameName = "end_effector") -> wire.ArmModel:
         """Return mass, Coriolis, gravity, and the pose and Jacobians of a frame."""
         query = {"frame": frame}
-        return await self._connection.get(f"{self._path}/model", wire.ArmModel, query)
+        return await self._get(f"{self._path}/model", wire.ArmModel, query)
 
     async def errors(self) -> wire.ArmReport:
         """Return the arm's mode, errors and remedy."""
-        return await self._connection.get(f"{self._path}/errors", wire.ArmReport)
+        return await self._get(f"{self._path}/errors", wire.ArmReport)
 
     async def log(self) -> list[wire.ArmRecord]:
         """Return the last cycles before the last error, oldest first."""
-        return (await self._connection.get(f"{self._path}/log", wire.ArmLog)).records
+        return (await self._get(f"{self._path}/log", wire.ArmLog)).records
 
     async def recover(self, restart: Restart = "none") -> wire.Recovery:
         """Clear the errors; with `previous` start the stopped controllers again."""
-        return await self._connection.send(
+        return await self._send(
             "POST",
             f"{self._path}/error_recovery",
             wire.Recovery,
@@ -67,9 +67,7 @@ class AsyncRobotClient:
 
     async def services(self) -> list[wire.ServiceInfo]:
         """Return the robot's services; `call` calls each of them."""
-        return (
-            await self._connection.get(f"{self._path}/services", wire.Services)
-        ).services
+        return (await self._get(f"{self._path}/services", wire.Services)).services
 
     async def call(self, name: str, /, **arguments: JsonValue) -> JsonValue:
         """Call a service of the robot and return its answer.
@@ -94,8 +92,7 @@ class AsyncRobotClient:
             )
         path = f"{self._path}/{service.path}"
         body = arguments if arguments or service.parameters else None
-        answer = await self._connection.send(service.method, path, _Answer, body)
-        return answer.root
+        return (await self._send(service.method, path, _Answer, body)).root
 
     async def user_stop(self, *, pressed: bool) -> wire.ArmReport:
         """Press or release the user stop; in simulation only."""
@@ -161,29 +158,26 @@ class AsyncRobotClient:
 
     async def faults(self) -> list[wire.ActiveFault]:
         """Return the faults that are active; in simulation only."""
-        return (await self._connection.get(f"{self._path}/faults", wire.Faults)).faults
+        return (await self._get(f"{self._path}/faults", wire.Faults)).faults
 
     async def clear_faults(self) -> list[wire.ActiveFault]:
         """End all faults and all pushes; in simulation only."""
-        path = f"{self._path}/faults"
-        return (await self._connection.send("DELETE", path, wire.Faults)).faults
+        return (await self._send("DELETE", f"{self._path}/faults", wire.Faults)).faults
 
     async def _put(self, what: str, request: BaseModel) -> wire.ArmReport:
-        path = f"{self._path}/{what}"
-        return await self._connection.send("PUT", path, wire.ArmReport, request)
+        return await self._send("PUT", f"{self._path}/{what}", wire.ArmReport, request)
 
     async def _post(
         self, what: str, request: BaseModel | None = None
     ) -> wire.ArmReport:
-        path = f"{self._path}/{what}"
-        return await self._connection.send("POST", path, wire.ArmReport, request)
+        return await self._send("POST", f"{self._path}/{what}", wire.ArmReport, request)
 
 
 POLL = 0.05
 """How often a gripper that moves is looked at [s]."""
 
 
-class AsyncGripperClient:
+class AsyncGripperClient(ClientPart):
     """The gripper of an arm: `client.robot(arm_id).gripper`.
 
     Homing, move and grasp begin and return at once; `state` tells how far they are.
@@ -196,13 +190,13 @@ class AsyncGripperClient:
     """
 
     def __init__(self, connection: AsyncConnection, arm_id: str) -> None:
-        self._connection = connection
+        super().__init__(connection)
         self._path = f"/robots/{segment(arm_id)}/gripper"
         self.arm_id = arm_id
 
     async def state(self) -> wire.Gripper:
         """Return the state, with the active command and the last that ended."""
-        return await self._connection.get(self._path, wire.Gripper)
+        return await self._get(self._path, wire.Gripper)
 
     async def open(
         self, width: float | None = None, *, speed: float = 0.1, timeout: float = 10.0
@@ -247,21 +241,19 @@ class AsyncGripperClient:
 
     async def homing(self) -> wire.Gripper:
         """Begin to close and to open the gripper all the way."""
-        return await self._connection.send("POST", f"{self._path}/homing", wire.Gripper)
+        return await self._send("POST", f"{self._path}/homing", wire.Gripper)
 
     async def move(self, request: wire.GripperMoveRequest) -> wire.Gripper:
         """Begin to open or close the gripper to a width."""
-        path = f"{self._path}/move"
-        return await self._connection.send("POST", path, wire.Gripper, request)
+        return await self._send("POST", f"{self._path}/move", wire.Gripper, request)
 
     async def grasp(self, request: wire.GripperGraspRequest) -> wire.Gripper:
         """Begin to grasp an object."""
-        path = f"{self._path}/grasp"
-        return await self._connection.send("POST", path, wire.Gripper, request)
+        return await self._send("POST", f"{self._path}/grasp", wire.Gripper, request)
 
     async def stop(self) -> wire.Gripper:
         """Hold the fingers still without force: a grasped object can fall."""
-        return await self._connection.send("POST", f"{self._path}/stop", wire.Gripper)
+        return await self._send("POST", f"{self._path}/stop", wire.Gripper)
 
     async def _finish(self, begun: wire.Gripper, timeout: float) -> wire.Gripper:
         """Wait until the command that has just begun has ended well.
@@ -284,32 +276,25 @@ class AsyncGripperClient:
         return state
 
 
-_SIMULATION = "/simulation"
-
-
-class AsyncSimulationClient:
+class AsyncSimulationClient(ClientPart):
     """The simulation of a station: `client.simulation`.
 
     Every method raises what the station client's own methods raise.
-
-    Args:
-        connection: The connection to the station.
     """
 
-    def __init__(self, connection: AsyncConnection) -> None:
-        self._connection = connection
+    _path = "/simulation"
 
     async def state(self) -> wire.Simulation:
         """Return whether time passes, and how fast."""
-        return await self._connection.get(_SIMULATION, wire.Simulation)
+        return await self._get(self._path, wire.Simulation)
 
     async def bases(self) -> list[wire.MovingBase]:
         """Return the poses of the root links of robots with a moving base."""
-        return (await self._connection.get("/scene", wire.Scene)).bases
+        return (await self._get("/scene", wire.Scene)).bases
 
     async def contacts(self) -> list[wire.Contact]:
         """Return the contacts of the world with their forces."""
-        return (await self._connection.get("/scene", wire.Scene)).contacts
+        return (await self._get("/scene", wire.Scene)).contacts
 
     async def pause(self) -> wire.Simulation:
         """Pause simulated time; stops and switches still work."""
@@ -328,7 +313,7 @@ class AsyncSimulationClient:
         return await self._change(wire.SimulationPatch(real_time_factor=factor))
 
     async def _change(self, patch: wire.SimulationPatch) -> wire.Simulation:
-        return await self._connection.send("PATCH", _SIMULATION, wire.Simulation, patch)
+        return await self._send("PATCH", self._path, wire.Simulation, patch)
 
     async def step(self, n: int = 1) -> wire.Simulation:
         """Run some cycles while paused; return when they are done.
@@ -336,8 +321,8 @@ class AsyncSimulationClient:
         Args:
             n: Number of cycles, 1 to 10000.
         """
-        path, request = f"{_SIMULATION}/step", wire.StepRequest(n=n)
-        return await self._connection.send(
+        path, request = f"{self._path}/step", wire.StepRequest(n=n)
+        return await self._send(
             "POST", path, wire.Simulation, request, patience=0.1 * n
         )
 
@@ -356,5 +341,4 @@ class AsyncSimulationClient:
         request = wire.ResetRequest(joint_positions=dict(joint_positions or {}))
         if keyframe is not None:
             request = request.model_copy(update={"keyframe": keyframe})
-        path = f"{_SIMULATION}/reset"
-        return await self._connection.send("POST", path, wire.Simulation, request)
+        return await self._send("POST", f"{self._path}/reset", wire.Simulation, request)

@@ -26,12 +26,14 @@ from station.client.stores import (
     AsyncLessonsClient,
     AsyncPlotLayoutsClient,
     AsyncRecordingsClient,
+    AsyncScenesClient,
     AsyncTokensClient,
     AsyncWaypointPathsClient,
 )
 from station.client.streams import AsyncCommandStream, AsyncStream, Rate
 from station.local.station_locator import locate
 from station.local.tls import trust
+from station.wire.hardware import ComponentStateName
 
 
 class AsyncStationClient(AsyncControllersClient):
@@ -69,6 +71,7 @@ class AsyncStationClient(AsyncControllersClient):
         lessons: Exercises that the station checks on the student's own run.
         gain_sets: Named sets of gains on the station's disk.
         plot_layouts: Named layouts of plots on the station's disk.
+        scenes: Named scenes on the station's disk.
         waypoint_paths: Waypoint paths on the station's disk, and their playing.
         tokens: Named tokens of people and programs.
         agents: Requests of agents, and a person's answers.
@@ -103,6 +106,7 @@ class AsyncStationClient(AsyncControllersClient):
         self.incidents = AsyncIncidentsClient(connection)
         self.experiments = AsyncExperimentsClient(connection)
         self.plot_layouts = AsyncPlotLayoutsClient(connection)
+        self.scenes = AsyncScenesClient(connection)
         self.waypoint_paths = AsyncWaypointPathsClient(connection)
         self.alarms = AsyncAlarmsClient(connection)
         self.tokens = AsyncTokensClient(connection)
@@ -165,23 +169,49 @@ class AsyncStationClient(AsyncControllersClient):
 
     async def health(self) -> wire.Health:
         """Return the boot_id of the process, which lives."""
-        return await self._connection.get("/health", wire.Health)
+        return await self._get("/health", wire.Health)
 
     async def ready(self) -> wire.Ready:
         """Wait until the loop runs with fresh cycles, or raise the reason why not."""
-        return await self._connection.get("/ready", wire.Ready)
+        return await self._get("/ready", wire.Ready)
 
     async def session(self) -> wire.Session:
         """Return the role of the token."""
-        return await self._connection.get("/session", wire.Session)
+        return await self._get("/session", wire.Session)
 
     async def status(self) -> wire.Status:
         """Return the station at a glance."""
-        return await self._connection.get("/status", wire.Status)
+        return await self._get("/status", wire.Status)
 
     async def hardware(self) -> wire.Hardware:
         """Return interfaces, claims, limits, transmissions and clamps of the robot."""
-        return await self._connection.get("/hardware", wire.Hardware)
+        return await self._get("/hardware", wire.Hardware)
+
+    async def hardware_components(self) -> list[wire.HardwareComponentReport]:
+        """Return the hardware components with their states and interfaces."""
+        path = "/hardware/components"
+        found = await self._connection.get(path, wire.HardwareComponents)
+        return found.components
+
+    async def set_hardware_component_state(
+        self, name: str, state: ComponentStateName, *, stop_controllers: bool = False
+    ) -> wire.HardwareComponentReport:
+        """Bring a hardware component into a state of its life cycle.
+
+        Args:
+            name: The component.
+            state: `unconfigured`, `inactive`, `active` or `finalized`.
+            stop_controllers: Whether the controllers that command it are stopped first;
+                else a component in use stays active.
+        """
+        return await self._connection.send(
+            "PUT",
+            f"/hardware/components/{segment(name)}/state",
+            wire.HardwareComponentReport,
+            wire.HardwareComponentStateRequest(
+                state=state, stop_controllers=stop_controllers
+            ),
+        )
 
     def command_stream(
         self, controller: str, *, timeout: float = 0.2
@@ -196,7 +226,7 @@ class AsyncStationClient(AsyncControllersClient):
 
     async def start_move(
         self,
-        target: Target,
+        target: Target | Pose,
         *,
         duration: float | None = None,
         controller: str = "",
@@ -209,7 +239,8 @@ class AsyncStationClient(AsyncControllersClient):
 
         Args:
             target: Name of a pose (`ready`, `stretched`), one position per joint of the
-                controller, or positions by joint [rad or m]; other joints stay.
+                controller, or positions by joint [rad or m]; other joints stay. With
+                `plan` also a `Pose`, or another name of a pose that the robot has.
             duration: How long the motion takes [s]; a calm one when None.
             controller: The trajectory controller; found when empty.
             plan: Go by a path that touches nothing, at its own pace.
@@ -224,6 +255,7 @@ class AsyncStationClient(AsyncControllersClient):
         *,
         duration: float | None = None,
         timeout: float | None = None,
+        plan: bool = False,
     ) -> None:
         """Move the arm and wait until it is there.
 
@@ -232,12 +264,14 @@ class AsyncStationClient(AsyncControllersClient):
                 its Cartesian streaming controller moves along a straight line.
             duration: How long a motion of joints takes [s]; a calm one when None.
             timeout: Longest wait [s]; None waits for ever.
+            plan: Go by a path of the joints that touches nothing, as `start_move`.
 
         Raises:
             MotionError: The arm did not arrive, and why.
             ValueError: A motion to a `Pose` was given a duration.
         """
-        await move_to(self, target, duration, timeout, self._connection.sleep)
+        sleep = self._connection.sleep
+        await move_to(self, target, duration, timeout, sleep, plan=plan)
 
     async def collect(
         self, seconds: float, topic: str = "joint_states", *, rate: Rate = "full"
@@ -258,7 +292,7 @@ class AsyncStationClient(AsyncControllersClient):
 
     async def joint_states(self) -> wire.JointStates:
         """Return the joints of the last cycle."""
-        return await self._connection.get("/joint_states", wire.JointStates)
+        return await self._get("/joint_states", wire.JointStates)
 
     async def parameter(self, path: str = "") -> JsonValue:
         """Return a parameter or a namespace; without a path the whole tree.
@@ -266,7 +300,7 @@ class AsyncStationClient(AsyncControllersClient):
         Args:
             path: Names separated by `/`.
         """
-        return (await self._connection.get(_parameter(path), wire.Parameter)).value
+        return (await self._get(_parameter(path), wire.Parameter)).value
 
     async def set_parameter(self, path: str, value: JsonValue) -> None:
         """Set a parameter; controllers that are loaded afterwards read it.
@@ -276,23 +310,20 @@ class AsyncStationClient(AsyncControllersClient):
             value: Any JSON; an object replaces the whole namespace.
         """
         request = wire.ParameterRequest(value=value)
-        await self._connection.send("PUT", _parameter(path), wire.Parameter, request)
+        await self._send("PUT", _parameter(path), wire.Parameter, request)
 
     async def delete_parameter(self, path: str) -> JsonValue:
         """Delete a parameter or a namespace; return its last value."""
-        found = await self._connection.send("DELETE", _parameter(path), wire.Parameter)
-        return found.value
+        return (await self._send("DELETE", _parameter(path), wire.Parameter)).value
 
     async def robots(self) -> list[wire.ArmReport]:
         """Return all arms with modes, errors and remedies."""
-        return (await self._connection.get("/robots", wire.Arms)).robots
+        return (await self._get("/robots", wire.Arms)).robots
 
     async def recover_all(self, restart: Restart = "none") -> wire.Recoveries:
         """Clear the errors of all arms; with `previous` start controllers again."""
         path, request = "/robots/error_recovery", wire.RecoveryRequest(restart=restart)
-        return await self._connection.send(
-            "POST", path, wire.Recoveries, request, patience=5.0
-        )
+        return await self._send("POST", path, wire.Recoveries, request, patience=5.0)
 
     def robot(self, arm_id: str = "panda") -> AsyncRobotClient:
         """Return the client of one arm."""
@@ -300,11 +331,11 @@ class AsyncStationClient(AsyncControllersClient):
 
     async def scene(self) -> list[wire.SceneObject]:
         """Return the objects around a simulated robot, where they are now."""
-        return (await self._connection.get("/scene", wire.Scene)).objects
+        return (await self._get("/scene", wire.Scene)).objects
 
     async def clearances(self) -> list[wire.Clearance]:
         """Return the nearest pair of each arm that keeps clear of something."""
-        return (await self._connection.get("/scene", wire.Scene)).clearances
+        return (await self._get("/scene", wire.Scene)).clearances
 
     async def put_object(self, name: str, /, **values: JsonValue) -> wire.SceneObject:
         """Add an object that arms keep clear of, or change the one of that name.
@@ -316,25 +347,49 @@ class AsyncStationClient(AsyncControllersClient):
         """
         request = wire.SceneObjectRequest.model_validate(values)
         path = f"/scene/{segment(name)}"
-        return await self._connection.send("PUT", path, wire.SceneObject, request)
+        return await self._send("PUT", path, wire.SceneObject, request)
 
     async def remove_object(self, name: str) -> list[wire.SceneObject]:
         """Remove an object with a role; return what is left."""
         path = f"/scene/{segment(name)}"
-        return (await self._connection.send("DELETE", path, wire.Scene)).objects
+        return (await self._send("DELETE", path, wire.Scene)).objects
+
+    async def attach_object(
+        self, name: str, arm: str = "", *, load: bool = True
+    ) -> wire.SceneObject:
+        """Let an arm carry an object, which moves with its hand from now on.
+
+        Args:
+            name: The object.
+            arm: The arm; may be empty where there is only one.
+            load: Tell the arm the mass of what it carries; it must not move.
+        """
+        request = wire.AttachRequest(arm=arm, load=load)
+        path = f"/scene/{segment(name)}/attach"
+        return await self._connection.send("POST", path, wire.SceneObject, request)
+
+    async def detach_object(self, name: str, *, load: bool = True) -> wire.SceneObject:
+        """Let an object that an arm carries stay where it is.
+
+        Args:
+            name: The object.
+            load: Tell the arm the mass of what is left; it must not move.
+        """
+        request = wire.DetachRequest(load=load)
+        path = f"/scene/{segment(name)}/detach"
+        return await self._connection.send("POST", path, wire.SceneObject, request)
 
     async def loop(self) -> wire.LoopReport:
         """Return state and statistics of the control loop."""
-        return await self._connection.get("/loop", wire.LoopReport)
+        return await self._get("/loop", wire.LoopReport)
 
     async def reset_loop_statistics(self) -> wire.LoopReport:
         """Reset the loop's statistics."""
-        path = "/loop/statistics/reset"
-        return await self._connection.send("POST", path, wire.LoopReport)
+        return await self._send("POST", "/loop/statistics/reset", wire.LoopReport)
 
     async def stop_state(self) -> wire.StopState:
         """Return the state of the latched stop."""
-        return await self._connection.get("/stop", wire.StopState)
+        return await self._get("/stop", wire.StopState)
 
     async def stop(self, reason: str = "") -> wire.StopState:
         """Stop the robot; it stays stopped until released.
@@ -343,7 +398,7 @@ class AsyncStationClient(AsyncControllersClient):
             reason: For the record.
         """
         request = wire.StopRequest(reason=reason)
-        return await self._connection.send("POST", "/stop", wire.StopState, request)
+        return await self._send("POST", "/stop", wire.StopState, request)
 
     async def release_stop(self, *, arm: bool = False) -> wire.StopState:
         """Release a stop, in two steps; nothing resumes by itself.
@@ -352,9 +407,7 @@ class AsyncStationClient(AsyncControllersClient):
             arm: False, first: the cause is gone. True, afterwards: allow motion again.
         """
         request = wire.ReleaseRequest(arm=arm)
-        return await self._connection.send(
-            "POST", "/stop/release", wire.StopState, request
-        )
+        return await self._send("POST", "/stop/release", wire.StopState, request)
 
     def control(
         self, owner: str | None = None, *, ttl: float = 10.0, force: bool = False
@@ -396,11 +449,11 @@ class AsyncStationClient(AsyncControllersClient):
             "kind": list(kinds),
             **({} if since is None else {"since": str(since)}),
         }
-        return (await self._connection.get("/events", wire.Events, query)).events
+        return (await self._get("/events", wire.Events, query)).events
 
     async def stream_ticket(self) -> wire.StreamTicket:
         """Return a ticket that opens one WebSocket, e.g. for a browser."""
-        return await self._connection.send("POST", "/stream-tickets", wire.StreamTicket)
+        return await self._send("POST", "/stream-tickets", wire.StreamTicket)
 
     def stream(
         self,

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Literal
 
 from station import wire
-from station.client.connection import AsyncConnection, Query, segment
+from station.client.connection import ClientPart, NamedThings, Query
 from station.wire.controllers import GainsOfControllersPatch
 from station.wire.excitations import BenchResponse, BenchRun, BenchRuns, PartRequest
 from station.wire.experiments import (
@@ -28,36 +28,24 @@ from station.wire.lessons import (
     Lessons,
 )
 
-_RECORDINGS, _INCIDENTS = "/recordings", "/incidents"
-_BENCH_RUNS, _LESSONS = "/bench-runs", "/lessons"
-_GAIN_SETS, _WAYPOINT_PATHS = "/gain-sets", "/waypoint-paths"
-_PLOT_LAYOUTS = "/plot-layouts"
-_EXPERIMENTS, _PLAYBACK = "/experiments", "/playback"
+_PLAYBACK = "/playback"
 _PERIOD = 0.5
 """Time between two looks at an experiment that runs [s]."""
 _CHECKING = 60.0
-"""How much longer than usual the start of an experiment may take [s]."""
+"""How much longer than usual it may take to start an experiment, or to look at an
+uploaded file [s]."""
 
 
-class _AsyncFiles:
-    """Common part of recordings and incidents.
-
-    Args:
-        connection: The connection to the station.
-        path: Where they are.
-    """
-
-    def __init__(self, connection: AsyncConnection, path: str) -> None:
-        self._connection = connection
-        self._path = path
+class AsyncFilesClient(ClientPart):
+    """Common part of recordings and incidents."""
 
     async def list(self) -> list[wire.Recording]:
         """Return all, the oldest first."""
-        return (await self._connection.get(self._path, wire.Recordings)).recordings
+        return (await self._get(self._path, wire.Recordings)).recordings
 
     async def get(self, identifier: str) -> wire.Recording:
         """Return the description of one."""
-        return await self._connection.get(self._of(identifier), wire.Recording)
+        return await self._get(self._of(identifier), wire.Recording)
 
     async def trajectory(self, identifier: str, rate: float = 30.0) -> wire.Trajectory:
         """Return the joint positions of one that has ended.
@@ -66,8 +54,8 @@ class _AsyncFiles:
             identifier: Which one.
             rate: Cycles per second of station time [Hz].
         """
-        path = f"{self._of(identifier)}/trajectory"
-        return await self._connection.get(path, wire.Trajectory, {"rate": repr(rate)})
+        path = self._of(identifier, "trajectory")
+        return await self._get(path, wire.Trajectory, {"rate": repr(rate)})
 
     async def download(self, identifier: str, target: Path | str) -> Path:
         """Write the MCAP file of one that has ended to a new file; return its path.
@@ -80,7 +68,7 @@ class _AsyncFiles:
             FileExistsError: There is such a file.
         """
         target = Path(target)
-        await self._connection.download(f"{self._of(identifier)}/file", target)
+        await self._connection.download(self._of(identifier, "file"), target)
         return target
 
     async def download_table(
@@ -109,13 +97,13 @@ class _AsyncFiles:
         query: Query = {"channels": [*channels], "joints": [*joints]}
         if rate is not None:
             query = {**query, "rate": repr(rate)}
-        await self._connection.download(f"{self._of(identifier)}/table", target, query)
+        await self._connection.download(self._of(identifier, "table"), target, query)
         return target
 
     async def events(self, identifier: str) -> Sequence[wire.RecordedEvent]:
         """Return the events of one that has ended, with the notes on it."""
-        path = f"{self._of(identifier)}/events"
-        return (await self._connection.get(path, wire.RecordedEvents)).events
+        path = self._of(identifier, "events")
+        return (await self._get(path, wire.RecordedEvents)).events
 
     async def add_note(
         self, identifier: str, text: str, time: float, until: float | None = None
@@ -129,8 +117,8 @@ class _AsyncFiles:
             until: Station time of the end of the range [s]; None for a moment.
         """
         request = wire.NoteRequest(text=text, time=time, until=until)
-        path = f"{self._of(identifier)}/notes"
-        return await self._connection.send("POST", path, wire.RecordedEvent, request)
+        path = self._of(identifier, "notes")
+        return await self._send("POST", path, wire.RecordedEvent, request)
 
     async def bench(self, identifier: str, part: PartRequest) -> BenchResponse:
         """Read a part of one that has ended as a test of a joint, and keep the run.
@@ -139,24 +127,17 @@ class _AsyncFiles:
             identifier: Which one.
             part: Controller, joint, kind of the test, begin and end.
         """
-        path = f"{self._of(identifier)}/bench"
-        return await self._connection.send("POST", path, BenchResponse, part)
-
-    def _of(self, identifier: str) -> str:
-        return _below(self._path, identifier)
+        path = self._of(identifier, "bench")
+        return await self._send("POST", path, BenchResponse, part)
 
 
-class AsyncRecordingsClient(_AsyncFiles):
+class AsyncRecordingsClient(AsyncFilesClient):
     """Recordings of every cycle on the station's disk: `client.recordings`.
 
     Every method raises what the station client's own methods raise.
-
-    Args:
-        connection: The connection to the station.
     """
 
-    def __init__(self, connection: AsyncConnection) -> None:
-        super().__init__(connection, _RECORDINGS)
+    _path = "/recordings"
 
     async def start(self, name: str = "", note: str = "") -> wire.Recording:
         """Begin to record with the next cycle; one recording runs at a time.
@@ -166,7 +147,7 @@ class AsyncRecordingsClient(_AsyncFiles):
             note: For the record.
         """
         request = wire.RecordingRequest(name=name, note=note)
-        return await self._connection.send("POST", self._path, wire.Recording, request)
+        return await self._send("POST", self._path, wire.Recording, request)
 
     async def stop(self, identifier: str | None = None) -> wire.Recording:
         """End a recording; its file is whole then.
@@ -182,76 +163,68 @@ class AsyncRecordingsClient(_AsyncFiles):
             if not running:
                 raise LookupError("Nothing is being recorded.")
             identifier = running[-1].identifier
-        path = f"{self._of(identifier)}/stop"
-        return await self._connection.send("POST", path, wire.Recording)
+        return await self._send("POST", self._of(identifier, "stop"), wire.Recording)
+
+    async def upload(self, file: Path | str, name: str = "") -> wire.Recording:
+        """Keep an MCAP file of a station, this one or another, among the recordings.
+
+        Args:
+            file: The file.
+            name: Name of the recording: up to 80 letters, digits, `_`, `.` and `-`.
+
+        Raises:
+            FileNotFoundError: There is no such file.
+        """
+        return await self._connection.send(
+            "POST",
+            f"{self._path}/upload",
+            wire.Recording,
+            Path(file),
+            query={"name": name},
+            patience=_CHECKING,
+        )
 
     async def delete(self, identifier: str) -> wire.Recording:
         """Delete a recording that does not run; return its description."""
-        return await self._connection.send(
-            "DELETE", self._of(identifier), wire.Recording
-        )
+        return await self._send("DELETE", self._of(identifier), wire.Recording)
 
 
-class AsyncIncidentsClient(_AsyncFiles):
-    """Recordings around stops, reflexes and faults: `client.incidents`.
+class AsyncIncidentsClient(AsyncFilesClient):
+    """Recordings around stops, reflexes and faults: `client.incidents`."""
 
-    Args:
-        connection: The connection to the station.
-    """
-
-    def __init__(self, connection: AsyncConnection) -> None:
-        super().__init__(connection, _INCIDENTS)
+    _path = "/incidents"
 
 
-class AsyncBenchRunsClient:
+class AsyncBenchRunsClient(NamedThings[BenchResponse]):
     """Runs of the bench that the station keeps: `client.bench_runs`.
 
     Every method raises what the station client's own methods raise.
-
-    Args:
-        connection: The connection to the station.
     """
 
-    def __init__(self, connection: AsyncConnection) -> None:
-        self._connection = connection
+    _path = "/bench-runs"
+    _kind = BenchResponse
 
     async def list(self) -> list[BenchRun]:
         """Return the runs with their figures, the oldest first."""
-        return (await self._connection.get(_BENCH_RUNS, BenchRuns)).runs
-
-    async def get(self, name: str) -> BenchResponse:
-        """Return a run with its curves."""
-        return await self._connection.get(_below(_BENCH_RUNS, name), BenchResponse)
-
-    async def delete(self, name: str) -> BenchResponse:
-        """Delete a run; return its last content."""
-        path = _below(_BENCH_RUNS, name)
-        return await self._connection.send("DELETE", path, BenchResponse)
+        return (await self._get(self._path, BenchRuns)).runs
 
 
-class AsyncLessonsClient:
+class AsyncLessonsClient(ClientPart):
     """Exercises that the station checks on the student's own run: `client.lessons`.
 
     Every method raises what the station client's own methods raise.
-
-    Args:
-        connection: The connection to the station.
     """
 
-    def __init__(self, connection: AsyncConnection) -> None:
-        self._connection = connection
+    _path = "/lessons"
 
     async def list(self, person: str = "") -> Lessons:
         """Return the lessons in their order, with the progress of a person."""
-        return await self._connection.get(_LESSONS, Lessons, {"person": person})
+        return await self._get(self._path, Lessons, {"person": person})
 
     async def begin(self, name: str, person: str = "") -> Lesson:
         """Begin a lesson: the station watches what the robot does from now on."""
-        path, request = (
-            f"{_below(_LESSONS, name)}/begin",
-            LessonBeginRequest(person=person),
-        )
-        return await self._connection.send("POST", path, Lesson, request)
+        request = LessonBeginRequest(person=person)
+        return await self._send("POST", self._of(name, "begin"), Lesson, request)
 
     async def check(
         self, name: str, person: str = "", answers: Mapping[str, float] | None = None
@@ -264,29 +237,21 @@ class AsyncLessonsClient:
             answers: Worked-out numbers by name, in the units of the lesson.
         """
         request = LessonCheckRequest(person=person, answers=dict(answers or {}))
-        path = f"{_below(_LESSONS, name)}/check"
-        return await self._connection.send("POST", path, LessonResult, request)
+        return await self._send("POST", self._of(name, "check"), LessonResult, request)
 
 
-class AsyncGainSetsClient:
+class AsyncGainSetsClient(NamedThings[wire.GainSet]):
     """Named sets of gains on the station's disk: `client.gain_sets`.
 
     Every method raises what the station client's own methods raise.
-
-    Args:
-        connection: The connection to the station.
     """
 
-    def __init__(self, connection: AsyncConnection) -> None:
-        self._connection = connection
+    _path = "/gain-sets"
+    _kind = wire.GainSet
 
     async def names(self) -> list[str]:
         """Return the names of the saved sets."""
-        return (await self._connection.get(_GAIN_SETS, wire.GainSets)).gain_sets
-
-    async def get(self, name: str) -> wire.GainSet:
-        """Return a set, and where it differs from the gains in force."""
-        return await self._connection.get(_below(_GAIN_SETS, name), wire.GainSet)
+        return (await self._get(self._path, wire.GainSets)).gain_sets
 
     async def save(
         self, name: str, controllers: Sequence[str] | None = None
@@ -298,15 +263,7 @@ class AsyncGainSetsClient:
             controllers: Controllers; all loaded controllers when None.
         """
         request = _chosen(controllers)
-        return await self._connection.send(
-            "PUT", _below(_GAIN_SETS, name), wire.GainSet, request
-        )
-
-    async def delete(self, name: str) -> wire.GainSet:
-        """Delete a set; return its last content."""
-        return await self._connection.send(
-            "DELETE", _below(_GAIN_SETS, name), wire.GainSet
-        )
+        return await self._send("PUT", self._of(name), wire.GainSet, request)
 
     async def apply(
         self, name: str, controllers: Sequence[str] | None = None
@@ -317,9 +274,8 @@ class AsyncGainSetsClient:
             name: The set.
             controllers: Controllers; all controllers of the set when None.
         """
-        path, request = f"{_below(_GAIN_SETS, name)}/apply", _chosen(controllers)
-        answer = await self._connection.send("POST", path, wire.GainsChanges, request)
-        return answer.changes
+        path, request = self._of(name, "apply"), _chosen(controllers)
+        return (await self._send("POST", path, wire.GainsChanges, request)).changes
 
     async def set_gains(
         self,
@@ -336,16 +292,11 @@ class AsyncGainSetsClient:
             changes={name: dict(values) for name, values in changes.items()},
             revisions=None if revisions is None else dict(revisions),
         )
-        answer = await self._connection.send(
-            "PATCH", "/gains", wire.GainsChanges, request
-        )
-        return answer.changes
+        return (await self._send("PATCH", "/gains", wire.GainsChanges, request)).changes
 
     async def undo(self) -> Mapping[str, wire.GainsChange]:
         """Take the last change of gains back; return the change of each controller."""
-        answer = await self._connection.send(
-            "POST", f"{_GAIN_SETS}/undo", wire.GainsChanges
-        )
+        answer = await self._send("POST", f"{self._path}/undo", wire.GainsChanges)
         return answer.changes
 
 
@@ -355,51 +306,43 @@ def _chosen(controllers: Sequence[str] | None) -> wire.GainSetRequest:
     return wire.GainSetRequest(controllers=list(controllers))
 
 
-class AsyncPlotLayoutsClient:
+class AsyncPlotLayoutsClient(NamedThings[wire.PlotLayout]):
     """Named layouts of plots on the station's disk: `client.plot_layouts`.
 
     Every method raises what the station client's own methods raise.
-
-    Args:
-        connection: The connection to the station.
     """
 
-    def __init__(self, connection: AsyncConnection) -> None:
-        self._connection = connection
+    _path = "/plot-layouts"
+    _kind = wire.PlotLayout
 
     async def names(self) -> list[str]:
         """Return the names of the saved layouts."""
-        found = await self._connection.get(_PLOT_LAYOUTS, wire.PlotLayouts)
-        return found.plot_layouts
-
-    async def get(self, name: str) -> wire.PlotLayout:
-        """Return a layout with its plots."""
-        return await self._connection.get(_below(_PLOT_LAYOUTS, name), wire.PlotLayout)
+        return (await self._get(self._path, wire.PlotLayouts)).plot_layouts
 
     async def save(
-        self, name: str, plots: Sequence[wire.PlotSettings | wire.PlotRequest]
+        self,
+        name: str,
+        plots: Sequence[wire.PlotSettings | wire.PlotRequest],
+        docks: wire.DockSettings | wire.DocksRequest | None = None,
     ) -> wire.PlotLayout:
         """Save the plots of a layout; a layout of that name is replaced.
 
         Args:
             name: Letters, digits, `_`, `.` and `-`.
             plots: The plots, from left to right.
+            docks: Folds and sizes of the docks; None keeps those of the layout.
         """
         read = partial(wire.PlotRequest.model_validate, from_attributes=True)
-        request = wire.PlotLayoutRequest(plots=[read(plot) for plot in plots])
-        return await self._connection.send(
-            "PUT", _below(_PLOT_LAYOUTS, name), wire.PlotLayout, request
+        of_docks = partial(wire.DocksRequest.model_validate, from_attributes=True)
+        request = wire.PlotLayoutRequest(
+            plots=[read(plot) for plot in plots],
+            docks=None if docks is None else of_docks(docks),
         )
-
-    async def delete(self, name: str) -> wire.PlotLayout:
-        """Delete a layout; return its last content."""
-        return await self._connection.send(
-            "DELETE", _below(_PLOT_LAYOUTS, name), wire.PlotLayout
-        )
+        return await self._send("PUT", self._of(name), wire.PlotLayout, request)
 
 
-class AsyncWaypointPathsClient:
-    """Waypoint paths on the station's disk, and their playing: `client.waypoint_paths`.
+class AsyncScenesClient(NamedThings[wire.SavedScene]):
+    """Named scenes on the station's disk: `client.scenes`.
 
     Every method raises what the station client's own methods raise.
 
@@ -407,20 +350,38 @@ class AsyncWaypointPathsClient:
         connection: The connection to the station.
     """
 
-    def __init__(self, connection: AsyncConnection) -> None:
-        self._connection = connection
+    _path = "/scenes"
+    _kind = wire.SavedScene
+
+    async def names(self) -> list[str]:
+        """Return the names of the saved scenes."""
+        return (await self._get(self._path, wire.SavedScenes)).scenes
+
+    async def save(self, name: str) -> wire.SavedScene:
+        """Save the objects that have a role now; a scene of that name is replaced.
+
+        Args:
+            name: Letters, digits, `_`, `.` and `-`.
+        """
+        return await self._send("PUT", self._of(name), wire.SavedScene)
+
+    async def load(self, name: str) -> list[wire.SceneObject]:
+        """Replace the objects with a role by those of a scene; return all objects."""
+        return (await self._send("POST", self._of(name, "load"), wire.Scene)).objects
+
+
+class AsyncWaypointPathsClient(NamedThings[wire.WaypointPath]):
+    """Waypoint paths on the station's disk, and their playing: `client.waypoint_paths`.
+
+    Every method raises what the station client's own methods raise.
+    """
+
+    _path = "/waypoint-paths"
+    _kind = wire.WaypointPath
 
     async def names(self) -> list[str]:
         """Return the names of the saved paths."""
-        return (
-            await self._connection.get(_WAYPOINT_PATHS, wire.WaypointPaths)
-        ).waypoint_paths
-
-    async def get(self, name: str) -> wire.WaypointPath:
-        """Return a path with its waypoints."""
-        return await self._connection.get(
-            _below(_WAYPOINT_PATHS, name), wire.WaypointPath
-        )
+        return (await self._get(self._path, wire.WaypointPaths)).waypoint_paths
 
     async def save(
         self, name: str, waypoints: Sequence[wire.Waypoint | wire.WaypointRequest]
@@ -434,15 +395,7 @@ class AsyncWaypointPathsClient:
         read = partial(wire.WaypointRequest.model_validate, from_attributes=True)
         found = [read(waypoint) for waypoint in waypoints]
         request = wire.WaypointPathRequest(waypoints=found)
-        return await self._connection.send(
-            "PUT", _below(_WAYPOINT_PATHS, name), wire.WaypointPath, request
-        )
-
-    async def delete(self, name: str) -> wire.WaypointPath:
-        """Delete a path; return its last content."""
-        return await self._connection.send(
-            "DELETE", _below(_WAYPOINT_PATHS, name), wire.WaypointPath
-        )
+        return await self._send("PUT", self._of(name), wire.WaypointPath, request)
 
     async def capture(
         self, name: str, waypoint: str | None = None, duration: float = 2.0
@@ -455,8 +408,8 @@ class AsyncWaypointPathsClient:
             duration: Time to it from the waypoint before [s], above 0.
         """
         request = wire.CaptureRequest(name=waypoint, duration=duration)
-        path = f"{_below(_WAYPOINT_PATHS, name)}/capture"
-        return await self._connection.send("POST", path, wire.WaypointPath, request)
+        path = self._of(name, "capture")
+        return await self._send("POST", path, wire.WaypointPath, request)
 
     async def play(
         self,
@@ -475,12 +428,11 @@ class AsyncWaypointPathsClient:
             loop: Begin again at the end.
         """
         request = wire.PlayRequest(controller=controller, speed=speed, loop=loop)
-        path = f"{_below(_WAYPOINT_PATHS, name)}/play"
-        return await self._connection.send("POST", path, wire.Playback, request)
+        return await self._send("POST", self._of(name, "play"), wire.Playback, request)
 
     async def playback(self) -> wire.Playback | None:
         """Return the path that plays or played last; None when none was played."""
-        return (await self._connection.get(_PLAYBACK, wire.LastPlayback)).playback
+        return (await self._get(_PLAYBACK, wire.LastPlayback)).playback
 
     async def change(
         self,
@@ -497,24 +449,21 @@ class AsyncWaypointPathsClient:
             loop: Whether it begins again at its end; None leaves it.
         """
         request = wire.PlaybackPatch(paused=paused, speed=speed, loop=loop)
-        return await self._connection.send("PATCH", _PLAYBACK, wire.Playback, request)
+        return await self._send("PATCH", _PLAYBACK, wire.Playback, request)
 
     async def cancel(self) -> wire.Playback:
         """End the path that plays; the robot holds where it is."""
-        return await self._connection.send("DELETE", _PLAYBACK, wire.Playback)
+        return await self._send("DELETE", _PLAYBACK, wire.Playback)
 
 
-class AsyncExperimentsClient:
+class AsyncExperimentsClient(NamedThings[Experiment]):
     """Experiments that run beside the station: `client.experiments`.
 
     Every method raises what the station client's own methods raise.
-
-    Args:
-        connection: The connection to the station.
     """
 
-    def __init__(self, connection: AsyncConnection) -> None:
-        self._connection = connection
+    _path = "/experiments"
+    _kind = Experiment
 
     async def start(self, request: wire.ExperimentRequest) -> Experiment:
         """Start an experiment; one runs at a time. The robot does not move.
@@ -523,13 +472,9 @@ class AsyncExperimentsClient:
             request: Description of it, such as `ExperimentRequest(kind="tune",
                 controller="effort_joint_trajectory_controller")`.
         """
-        return await self._connection.send(
-            "POST", _EXPERIMENTS, Experiment, request, patience=_CHECKING
+        return await self._send(
+            "POST", self._path, Experiment, request, patience=_CHECKING
         )
-
-    async def get(self, name: str) -> Experiment:
-        """Return an experiment's progress, its first trial and the best so far."""
-        return await self._connection.get(_below(_EXPERIMENTS, name), Experiment)
 
     async def wait(
         self, name: str, watch: Callable[[Experiment], None] | None = None
@@ -552,15 +497,7 @@ class AsyncExperimentsClient:
 
     async def cancel(self, name: str) -> Experiment:
         """End the experiment that runs; trials that run may end."""
-        return await self._connection.send(
-            "POST", f"{_below(_EXPERIMENTS, name)}/cancel", Experiment
-        )
-
-    async def delete(self, name: str) -> Experiment:
-        """Delete an experiment that does not run; return its last state."""
-        return await self._connection.send(
-            "DELETE", _below(_EXPERIMENTS, name), Experiment
-        )
+        return await self._send("POST", self._of(name, "cancel"), Experiment)
 
     async def trials(
         self, name: str, after: int = 0, count: int = 100
@@ -573,8 +510,8 @@ class AsyncExperimentsClient:
             count: How many at most, 1 to 500.
         """
         query = {"after": str(after), "count": str(count)}
-        path = f"{_below(_EXPERIMENTS, name)}/trials"
-        return (await self._connection.get(path, ExperimentTrials, query)).trials
+        path = self._of(name, "trials")
+        return (await self._get(path, ExperimentTrials, query)).trials
 
     async def best(
         self, name: str, count: int = 5, metric: str | None = None
@@ -589,13 +526,12 @@ class AsyncExperimentsClient:
         query = {"count": str(count)}
         if metric is not None:
             query["metric"] = metric
-        path = f"{_below(_EXPERIMENTS, name)}/best"
-        return (await self._connection.get(path, ExperimentTrials, query)).trials
+        return (await self._get(self._of(name, "best"), ExperimentTrials, query)).trials
 
     async def responses(self, name: str) -> list[ExperimentResponse]:
         """Return the responses that were kept: first and best trial, or the worst."""
-        path = f"{_below(_EXPERIMENTS, name)}/responses"
-        return (await self._connection.get(path, ExperimentResponses)).responses
+        path = self._of(name, "responses")
+        return (await self._get(path, ExperimentResponses)).responses
 
     async def preview(self, name: str, trial: str | None = None) -> ExperimentPreview:
         """Return the gains that a trial's own would change.
@@ -605,8 +541,7 @@ class AsyncExperimentsClient:
             trial: Hash of the trial, or the beginning of it; the best when None.
         """
         query = {} if trial is None else {"trial": trial}
-        path = f"{_below(_EXPERIMENTS, name)}/preview"
-        return await self._connection.get(path, ExperimentPreview, query)
+        return await self._get(self._of(name, "preview"), ExperimentPreview, query)
 
     async def apply(
         self,
@@ -624,28 +559,22 @@ class AsyncExperimentsClient:
         request = ExperimentApplyRequest(
             trial=trial, revisions=None if revisions is None else dict(revisions)
         )
-        path = f"{_below(_EXPERIMENTS, name)}/apply"
-        answer = await self._connection.send("POST", path, wire.GainsChanges, request)
-        return answer.changes
+        path = self._of(name, "apply")
+        return (await self._send("POST", path, wire.GainsChanges, request)).changes
 
     async def list(self) -> list[ExperimentSummary]:
         """Return the experiments, sorted by name."""
-        return (await self._connection.get(_EXPERIMENTS, Experiments)).experiments
+        return (await self._get(self._path, Experiments)).experiments
 
 
-class AsyncAlarmsClient:
-    """Alarms, each of which asks for a person: `client.alarms`.
+class AsyncAlarmsClient(ClientPart):
+    """Alarms, each of which asks for a person: `client.alarms`."""
 
-    Args:
-        connection: The client's connection.
-    """
-
-    def __init__(self, connection: AsyncConnection) -> None:
-        self._connection = connection
+    _path = "/alarms"
 
     async def list(self) -> list[wire.Alarm]:
         """Return the alarms whose cause is there or that nobody has acknowledged."""
-        return (await self._connection.get("/alarms", wire.Alarms)).alarms
+        return (await self._get(self._path, wire.Alarms)).alarms
 
     async def acknowledge(self, number: int) -> wire.Alarm:
         """Say that an alarm was seen; its cause stays.
@@ -653,23 +582,18 @@ class AsyncAlarmsClient:
         Args:
             number: The `id` of the alarm.
         """
-        path = f"/alarms/{number:d}/acknowledge"
-        return await self._connection.send("POST", path, wire.Alarm)
+        path = self._of(f"{number:d}", "acknowledge")
+        return await self._send("POST", path, wire.Alarm)
 
 
-class AsyncTokensClient:
-    """Named tokens, made, listed and revoked by an operator: `client.tokens`.
+class AsyncTokensClient(ClientPart):
+    """Named tokens, made, listed and revoked by an operator: `client.tokens`."""
 
-    Args:
-        connection: The client's connection.
-    """
-
-    def __init__(self, connection: AsyncConnection) -> None:
-        self._connection = connection
+    _path = "/tokens"
 
     async def list(self) -> list[wire.Token]:
         """Return the named tokens that are valid."""
-        return (await self._connection.get("/tokens", wire.Tokens)).tokens
+        return (await self._get(self._path, wire.Tokens)).tokens
 
     async def create(
         self,
@@ -686,28 +610,21 @@ class AsyncTokensClient:
             expires: How long it is valid [s]; None until it is revoked.
         """
         request = wire.TokenRequest(name=name, role=role, expires=expires)
-        return await self._connection.send("POST", "/tokens", wire.NewToken, request)
+        return await self._send("POST", self._path, wire.NewToken, request)
 
     async def revoke(self, name: str) -> wire.Token:
         """End a token, and the streams, sessions and the control it has."""
-        path = _below("/tokens", name)
-        return await self._connection.send("DELETE", path, wire.Token)
+        return await self._send("DELETE", self._of(name), wire.Token)
 
 
-class AsyncAgentsClient:
-    """Requests of agents, which a person allows or refuses: `client.agents`.
+class AsyncAgentsClient(ClientPart):
+    """Requests of agents, which a person allows or refuses: `client.agents`."""
 
-    Args:
-        connection: The client's connection.
-    """
-
-    def __init__(self, connection: AsyncConnection) -> None:
-        self._connection = connection
+    _path = "/agents/requests"
 
     async def requests(self) -> list[wire.AgentRequest]:
         """Return the latest requests, oldest first; one that waits has no `verdict`."""
-        found = await self._connection.get("/agents/requests", wire.AgentRequests)
-        return found.requests
+        return (await self._get(self._path, wire.AgentRequests)).requests
 
     async def answer(
         self,
@@ -720,13 +637,9 @@ class AsyncAgentsClient:
             number: `number` of the request.
             verdict: `allowed_for_a_time` also allows what comes in the next 10 min.
         """
-        return await self._connection.send(
+        return await self._send(
             "POST",
-            _below("/agents/requests", number),
+            self._of(number),
             wire.AgentRequest,
             wire.AgentAnswer(verdict=verdict),
         )
-
-
-def _below(path: str, name: str) -> str:
-    return f"{path}/{segment(name)}"

@@ -15,17 +15,9 @@ from pydantic import JsonValue, ValidationError
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus, WebSocketException
 
+from station import wire
 from station.client.errors import ApiError, StationUnreachableError, StreamTimeoutError
 from station.client.samples import Samples
-from station.wire import (
-    CLOSE_BAD_REQUEST,
-    CLOSE_CONTROL_HELD,
-    CLOSE_FORBIDDEN,
-    CLOSE_UNAUTHORIZED,
-    CLOSE_UNKNOWN_TOPIC,
-    CommandCounts,
-    StreamFrame,
-)
 from station.wire.protocol import LEASE_HEADER, PREFIX
 
 Rate = float | Literal["full"]
@@ -36,11 +28,14 @@ CLOSE_TIMEOUT: Final = 1.0
 """Longest wait for the station to confirm the end of a stream [s]."""
 
 REFUSALS: Mapping[int, tuple[str, str]] = {
-    CLOSE_BAD_REQUEST: ("bad_stream_request", "Correct rate, fields or format."),
-    CLOSE_UNAUTHORIZED: ("unauthorized", "Give the client the station's token."),
-    CLOSE_FORBIDDEN: ("forbidden", "Use the address and token the station printed."),
-    CLOSE_CONTROL_HELD: ("control_held", "Ask for control, or take it by force."),
-    CLOSE_UNKNOWN_TOPIC: ("unknown_topic", "Ask for a topic the station has."),
+    wire.CLOSE_BAD_REQUEST: ("bad_stream_request", "Correct rate, fields or format."),
+    wire.CLOSE_UNAUTHORIZED: ("unauthorized", "Give the client the station's token."),
+    wire.CLOSE_FORBIDDEN: (
+        "forbidden",
+        "Use the address and token the station printed.",
+    ),
+    wire.CLOSE_CONTROL_HELD: ("control_held", "Ask for control, or take it by force."),
+    wire.CLOSE_UNKNOWN_TOPIC: ("unknown_topic", "Ask for a topic the station has."),
 }
 """Close codes after which connecting again is pointless: code and remedy."""
 
@@ -114,12 +109,12 @@ class StreamProgress:
 
     def __init__(self) -> None:
         self.connected = False
-        self.hello: StreamFrame | None = None
+        self.hello: wire.StreamFrame | None = None
         self.connections = 0
 
-    def accept(self, message: str | bytes) -> StreamFrame | None:
+    def accept(self, message: str | bytes) -> wire.StreamFrame | None:
         """Read a message; return its frame, or None for the first message (`hello`)."""
-        frame = StreamFrame.model_validate_json(message)
+        frame = wire.StreamFrame.model_validate_json(message)
         if frame.topic == "hello":
             self.hello = frame
             self.connected = True
@@ -213,7 +208,7 @@ class AsyncStream:
         if connection is not None:
             await connection.close()
 
-    async def __aiter__(self) -> AsyncIterator[StreamFrame]:
+    async def __aiter__(self) -> AsyncIterator[wire.StreamFrame]:
         """Yield frames until the loop over them is left."""
         try:
             while True:
@@ -222,8 +217,10 @@ class AsyncStream:
             await self.close()
 
     async def wait_for(
-        self, predicate: Callable[[StreamFrame], bool], timeout: float | None = None
-    ) -> StreamFrame:
+        self,
+        predicate: Callable[[wire.StreamFrame], bool],
+        timeout: float | None = None,
+    ) -> wire.StreamFrame:
         """Return the first frame that fulfils a condition.
 
         Args:
@@ -260,7 +257,7 @@ class AsyncStream:
         samples.cut(seconds)
         return samples
 
-    async def receive(self, timeout: float | None = None) -> StreamFrame:
+    async def receive(self, timeout: float | None = None) -> wire.StreamFrame:
         """Return the next frame.
 
         Args:
@@ -277,7 +274,7 @@ class AsyncStream:
         except TimeoutError as error:
             raise StreamTimeoutError(self.options.topic, timeout) from error
 
-    async def _receive(self) -> StreamFrame:
+    async def _receive(self) -> wire.StreamFrame:
         while True:
             try:
                 connection = self._connection or await self._connect()
@@ -383,7 +380,7 @@ class AsyncCommandStream:
 
     def __init__(self, options: CommandOptions) -> None:
         self.options = options
-        self.counts: CommandCounts | None = None
+        self.counts: wire.CommandCounts | None = None
         self._connection: ClientConnection | None = None
         self._reader: asyncio.Task[None] | None = None
         self._broken: Exception | None = None
@@ -470,6 +467,6 @@ class AsyncCommandStream:
         try:
             while True:
                 message = await connection.recv()
-                self.counts = CommandCounts.model_validate_json(message)
+                self.counts = wire.CommandCounts.model_validate_json(message)
         except (OSError, WebSocketException, ValidationError) as error:
             self._broken = error

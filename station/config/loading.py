@@ -83,7 +83,7 @@ def _leaves(
 DEFAULT_FILE = Path(__file__).with_name("default.yaml")
 _MERGED_SECTIONS = (
     "station", "robot", "api", "ui", "watchdog", "records", "foxglove", "rosbridge",
-    "rehearsal",
+    "rehearsal", "arguments",
 )  # fmt: skip
 _INNER_SECTIONS = {n for n, f in StationConfig.model_fields.items() if f.exclude}
 _SECTIONS = [n for n, f in StationConfig.model_fields.items() if not f.exclude]
@@ -169,6 +169,13 @@ class _Merge:
                 of ROS 2 do not fit.
         """
         found, sources = RosParameters(), list[tuple[KeyPath, str | YamlDocument]]()
+        before = self.values.get("controllers")
+        known = before if isinstance(before, dict) else {}
+        types = {
+            key: value["type"]
+            for key, value in known.items()
+            if isinstance(value, dict) and isinstance(value.get("type"), str)
+        }
         together = [each for each in documents if is_ros2(each.values)]
         parts = [
             (each.name, split_ros_parameters(each.values, each.name))
@@ -177,13 +184,12 @@ class _Merge:
         ]
         if together:
             names = ", ".join(each.name for each in together)
-            parts.append((names, join_ros2([each.values for each in together], names)))
+            values = [each.values for each in together]
+            parts.append((names, join_ros2(values, names, types)))
         for source, more in parts:
             found.add_file(more, source)
             sources += [(("controllers", name), source) for name in more.controllers]
-        before = self.values.get("controllers")
         if documents:
-            known = before if isinstance(before, dict) else {}
             self.values["controllers"] = {**known, **found.controllers}
         self._sources += sources
         self._parameters |= found.others
@@ -207,12 +213,38 @@ class _Merge:
             arm = {"arm": str(robot.get("arm", _ARM))}
             arm_id = str(substitute(arm_id, arm, "robot"))
             self.values["robot"] = {**robot, "arm_id": arm_id}
-        arguments = {"arm_id": arm_id} if isinstance(arm_id, str) else {}
+        given = self.values.get("arguments")
+        arguments = {
+            key: str(value)
+            for key, value in (given.items() if isinstance(given, dict) else ())
+        }
+        if isinstance(arm_id, str):
+            arguments["arm_id"] = arm_id
+            self._name_arm(arm_id)
         for section, values in (
             ("controllers", self.values.get("controllers")),
             ("parameters", self._parameters),
         ):
             self.values[section] = substitute(values, arguments, section)
+
+    def _name_arm(self, arm_id: str) -> None:
+        """Give the examples of franka_ros2 their arm, which their files do not name."""
+        controllers = self.values.get("controllers")
+        names = self.values.get("ros_controllers")
+        if not isinstance(controllers, dict) or not isinstance(names, frozenset):
+            return
+        for name in names:
+            params = controllers[name]
+            package, _, kind = str(params.get("type")).partition("/")
+            if package != "franka_example_controllers":
+                continue
+            named: dict[str, object] = {}
+            if kind != "JointPositionExampleController":
+                named["arm_id"] = arm_id
+            if "Joint" in kind:
+                joints = [f"{arm_id}_joint{number}" for number in range(1, 8)]
+                named["joint_names"] = joints
+            controllers[name] = {**named, **params}
 
     def _is_another_robot(self, values: Mapping[str, object]) -> bool:
         before, now = self.values.get("robot"), values.get("robot")

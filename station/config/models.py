@@ -84,12 +84,17 @@ class LoopSection(_Section):
             `period` for the period of the loop, None for no budget.
         controller_modules: Python modules whose controllers may be loaded as
             `module:Class` while the station runs.
+        hardware_components_initial_state: Names of the hardware components that do not
+            begin as active ones, by their states.
     """
 
     rate: float = Field(ge=1.0, le=10_000.0)
     real_time_factor: Annotated[float, AfterValidator(_within(SLOWEST, FASTEST))]
     update_budget: Annotated[float, Field(gt=0.0)] | Literal["period"] | None
     controller_modules: list[ModuleName]
+    hardware_components_initial_state: dict[
+        Literal["unconfigured", "inactive"], list[str]
+    ] = Field(default_factory=dict)
 
     def longest_update(self) -> float:
         """Return the longest allowed update [s wall time]; infinite for no budget."""
@@ -278,11 +283,16 @@ class EnvelopeSection(_Section):
 
     Attributes:
         joints: Range of positions by joint [rad or m]; others have the robot's.
+        workspace: Ranges of x, y and z of end effectors in the base frame of their arm
+            [m].
         speed: Highest speed of any joint [rad/s or m/s]; None for the robot's.
         force: Highest force of a contact [N]; None for any.
     """
 
     joints: dict[str, tuple[float, float]] = Field(default_factory=dict, strict=False)
+    workspace: dict[Literal["x", "y", "z"], tuple[float, float]] = Field(
+        default_factory=dict, strict=False
+    )
     speed: float | None = Field(default=None, gt=0.0)
     force: float | None = Field(default=None, ge=0.0)
 
@@ -324,6 +334,7 @@ class StationConfig(_Section):
         agents: Programs that ask people before they change anything.
         fci: The server for programs of libfranka.
         rehearsal: The need of rehearsals before motions.
+        arguments: Values of `$(var NAME)` in parameter files, by name.
     """
 
     station: LoopSection
@@ -340,6 +351,7 @@ class StationConfig(_Section):
     agents: AgentsSection = Field(default_factory=AgentsSection)
     fci: FciSection
     rehearsal: RehearsalSection
+    arguments: dict[str, str] = Field(default_factory=dict)
     parameters: dict[str, Any] = Field(default_factory=dict, exclude=True)
     ros_controllers: frozenset[str] = Field(default=frozenset(), exclude=True)
 

@@ -17,6 +17,7 @@ from station.core.errors import ConfigError, show
 _KEY = "ros__parameters"
 _MANAGER = "controller_manager"
 _TYPE = re.compile(r"[A-Za-z_][\w.]*[/:]+[A-Za-z_]\w*")
+_SEPARATORS = re.compile(r"[./]")
 Values = dict[str, Any]
 
 
@@ -28,7 +29,9 @@ def is_ros2(values: object) -> bool:
 
 
 def read_ros2(
-    files: Sequence[Mapping[str, object]], name: str
+    files: Sequence[Mapping[str, object]],
+    name: str,
+    types: Mapping[str, str] | None = None,
 ) -> tuple[dict[str, Values], Values]:
     """Return the controllers and the other nodes of files of ROS 2.
 
@@ -39,6 +42,8 @@ def read_ros2(
     Args:
         files: The content of each; what comes later wins, as in one file.
         name: The files, for messages.
+        types: Types of controllers that another place names, by name: a launch file of
+            ROS 2 may have them.
 
     Returns:
         The parameters of each controller, `type` among them, by name, and those of
@@ -51,7 +56,8 @@ def read_ros2(
     nodes = [node for values in files for node in _nodes(values, (), name)]
     found: dict[tuple[str, ...], Values] = {}
     for path, params in nodes:
-        own = {"": params} if isinstance(params.get("type"), str) else {}
+        known = params.get("type") or (types or {}).get(path[-1])
+        own = {"": {"type": known}} if isinstance(known, str) else {}
         is_manager = path[-1] == _MANAGER
         # A pattern for a whole namespace has no namespace of its own.
         space = tuple(part for part in path[:-1] if "*" not in part)
@@ -100,7 +106,8 @@ def _nested(values: Mapping[str, object]) -> Values:
     result: Values = {}
     for key, value in values.items():
         inner = _nested(value) if isinstance(value, dict) else value
-        for part in reversed(str(key).split(".")):
+        # A filter of one input has the name of the input, with its slash.
+        for part in reversed(_SEPARATORS.split(str(key))):
             inner = {part: inner}
         _merge(result, inner)  # type: ignore[arg-type]  # a key has at least one part
     return result
@@ -208,6 +215,13 @@ def _diff_drive(params: Values, place: str) -> Values:  # noqa: ARG001 - as the 
     for side in ("left", "right"):
         if f"{side}_wheel_names" in params:
             params[f"{side}_wheel"] = params.pop(f"{side}_wheel_names")
+    # Here both wheels have one multiplier.
+    sides = [f"{side}_wheel_radius_multiplier" for side in ("left", "right")]
+    left, right = (params.get(key) for key in sides)
+    if left is not None and left == right:
+        params["wheel_radius_multiplier"] = left
+        for key in sides:
+            del params[key]
     if "publish_limited_velocity" in params:
         params["publish_cmd"] = params.pop("publish_limited_velocity")
     # A limit that is a number is on; in ros_control a flag tells that.
@@ -219,6 +233,8 @@ def _diff_drive(params: Values, place: str) -> Values:  # noqa: ARG001 - as the 
 
 
 _TRANSLATIONS: Mapping[str, Callable[[Values, str], Values]] = {
+    # Its speed scaling is that of every trajectory controller here.
+    "ur_controllers/ScaledJointTrajectoryController": _trajectory,
     "joint_trajectory_controller/JointTrajectoryController": _trajectory,
     "forward_command_controller/ForwardCommandController": _forward,
     "joint_state_broadcaster/JointStateBroadcaster": _joint_states,

@@ -62,7 +62,9 @@ class RosParameters:
         self.paths |= other.paths
 
 
-def split_ros_parameters(values: dict[str, object], name: str) -> RosParameters:
+def split_ros_parameters(
+    values: dict[str, object], name: str, types: Mapping[str, str] | None = None
+) -> RosParameters:
     """Separate the controllers in a ROS parameter file from other parameters.
 
     A controller is a mapping with a `type` of the form `package/Class`; a namespace is
@@ -72,6 +74,7 @@ def split_ros_parameters(values: dict[str, object], name: str) -> RosParameters:
     Args:
         values: The content of the file.
         name: The file, for messages.
+        types: Types that another place names, for files of ROS 2; see `read_ros2`.
 
     Raises:
         ConfigError: A name is in two namespaces, a key that the station reads is
@@ -79,7 +82,7 @@ def split_ros_parameters(values: dict[str, object], name: str) -> RosParameters:
     """
     found = RosParameters()
     if is_ros2(values):
-        return join_ros2([values], name)
+        return join_ros2([values], name, types)
     _collect(values, "", found, name)
     if LIST in found.others:
         # What the file says of a controller itself goes before MoveIt's view of it.
@@ -88,17 +91,22 @@ def split_ros_parameters(values: dict[str, object], name: str) -> RosParameters:
     return found
 
 
-def join_ros2(files: Sequence[Mapping[str, object]], name: str) -> RosParameters:
+def join_ros2(
+    files: Sequence[Mapping[str, object]],
+    name: str,
+    types: Mapping[str, str] | None = None,
+) -> RosParameters:
     """Join files of ROS 2: types may be in one, parameters in another.
 
     Args:
         files: The content of each, in their order.
         name: The files, for messages.
+        types: Types that another place names; see `read_ros2`.
 
     Raises:
         ConfigError: Something does not fit; see `read_ros2`.
     """
-    controllers, others = read_ros2(files, name)
+    controllers, others = read_ros2(files, name, types)
     paths = {key: key for key in (*controllers, *others)}
     return RosParameters(controllers, others, paths)
 

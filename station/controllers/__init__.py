@@ -8,6 +8,12 @@ CONTROLLERS: dict[str, str] = {
     "admittance_controller/AdmittanceController": (
         "station.controllers.admittance_controller:AdmittanceController"
     ),
+    "battery_state_broadcaster/BatteryStateBroadcaster": (
+        "station.controllers.semantic_sensor_broadcasters:BatteryStateBroadcaster"
+    ),
+    "chained_filter_controller/ChainedFilter": (
+        "station.controllers.chained_filter_controller:ChainedFilter"
+    ),
     "diff_drive_controller/DiffDriveController": (
         "station.controllers.diff_drive_controller:DiffDriveController"
     ),
@@ -87,6 +93,12 @@ CONTROLLERS: dict[str, str] = {
     "franka_control/FrankaStateController": (
         "station.controllers.franka_state_controller:FrankaStateController"
     ),
+    "gpio_controllers/GpioCommandController": (
+        "station.controllers.gpio_controllers:GpioCommandController"
+    ),
+    "gps_sensor_broadcaster/GPSSensorBroadcaster": (
+        "station.controllers.semantic_sensor_broadcasters:GPSSensorBroadcaster"
+    ),
     "impedance_controllers/CartesianImpedanceController": (
         "station.controllers.impedance_controllers:CartesianImpedanceController"
     ),
@@ -98,6 +110,9 @@ CONTROLLERS: dict[str, str] = {
     ),
     "joint_state_controller/JointStateController": (
         "station.controllers.joint_state_controller:JointStateController"
+    ),
+    "magnetometer_broadcaster/MagnetometerBroadcaster": (
+        "station.controllers.semantic_sensor_broadcasters:MagnetometerBroadcaster"
     ),
     "parallel_gripper_action_controller/GripperActionController": (
         "station.controllers.gripper_action_controller:ParallelGripperActionController"
@@ -131,6 +146,9 @@ CONTROLLERS: dict[str, str] = {
     ),
     "position_controllers/JointPositionController": (
         "station.controllers.position_controllers:JointPositionController"
+    ),
+    "range_sensor_broadcaster/RangeSensorBroadcaster": (
+        "station.controllers.semantic_sensor_broadcasters:RangeSensorBroadcaster"
     ),
     "velocity_controllers/JointGroupVelocityController": (
         "station.controllers.velocity_controllers:JointGroupVelocityController"

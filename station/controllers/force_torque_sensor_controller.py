@@ -91,15 +91,16 @@ class ForceTorqueSensorController(Controller[ForceTorqueSensorInterface]):
         return {name: wrench._asdict() for name, wrench in self.wrenches.items()}
 
 
-_SENSOR_NAME = DeclaredParameter(
+SENSOR_NAME = DeclaredParameter(
     name="sensor_name", type=ParameterType.STRING, description="the sensor"
 )
-_FRAME_ID = DeclaredParameter(
+FRAME_ID = DeclaredParameter(
     name="frame_id",
     type=ParameterType.STRING,
     default="",
     description="name of the frame of the published values",
 )
+"""Two parameters that every broadcaster of one sensor has."""
 _FILTERS = DeclaredParameter(
     name="sensor_filter_chain",
     type=ParameterType.MAPPINGS,
@@ -152,8 +153,8 @@ class ForceTorqueSensorBroadcaster(Controller[ForceTorqueSensorInterface]):
     def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
         return (
             *super().declared_parameters(),
-            _SENSOR_NAME,
-            _FRAME_ID,
+            SENSOR_NAME,
+            FRAME_ID,
             _FILTERS,
             *_OFFSET,
             *_MULTIPLIER,
@@ -161,8 +162,8 @@ class ForceTorqueSensorBroadcaster(Controller[ForceTorqueSensorInterface]):
 
     @override
     def init(self, interface: ForceTorqueSensorInterface, params: Parameters) -> None:
-        self._sensor = interface.get_handle(_SENSOR_NAME.read_str(params))
-        self._frame = _FRAME_ID.read_str(params) or self._sensor.get_frame_id()
+        self._sensor = interface.get_handle(SENSOR_NAME.read_str(params))
+        self._frame = FRAME_ID.read_str(params) or self._sensor.get_frame_id()
         self._filters = FilterChain.read(
             params.get(_FILTERS.name), params.resolve(_FILTERS.name)
         )

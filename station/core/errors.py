@@ -32,6 +32,8 @@ StationError
 ├── PlotLayoutNotFoundError       there is no plot layout of that name (KeyError)
 ├── PlotLayoutError               a plot layout cannot be read or written (OSError)
 ├── SceneObjectNotFoundError      the scene has no object of that name (KeyError)
+├── SavedSceneNotFoundError       there is no saved scene of that name (KeyError)
+├── SavedSceneError               a saved scene cannot be read or written (OSError)
 ├── SceneRefusedError             a solid object cannot be changed so (RuntimeError)
 ├── WaypointPathNotFoundError     there is no waypoint path of that name (KeyError)
 ├── WaypointPathError             a waypoint path cannot be read or written (OSError)
@@ -145,6 +147,18 @@ class ResourceNotFoundError(HardwareInterfaceError, KeyError):
     """An interface has no resource of that name."""
 
     code = "resource_not_found"
+
+
+class HardwareComponentNotFoundError(StationError, KeyError):
+    """There is no hardware component of that name."""
+
+    code = "hardware_component_not_found"
+
+
+class HardwareComponentError(StationError, RuntimeError):
+    """A hardware component does not change its state; it is in use, or refuses."""
+
+    code = "hardware_component_state"
 
 
 class ParameterError(StationError, ValueError):
@@ -326,6 +340,18 @@ class PlotLayoutError(StationError, OSError):
     """A plot layout cannot be read or written, or its file is malformed."""
 
     code = "plot_layout_unusable"
+
+
+class SavedSceneNotFoundError(StationError, KeyError):
+    """There is no saved scene of that name."""
+
+    code = "saved_scene_not_found"
+
+
+class SavedSceneError(StationError, OSError):
+    """A saved scene cannot be read or written, or its file is malformed."""
+
+    code = "saved_scene_unusable"
 
 
 class SceneObjectNotFoundError(StationError, KeyError):

@@ -2,25 +2,30 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from datetime import UTC, datetime
-from math import isfinite
 from pathlib import Path
+from typing import Annotated
+
+from pydantic import FiniteFloat, Strict, TypeAdapter
+from typing_extensions import override
 
 from station.core.errors import (
     GainSetError,
     GainSetNotFoundError,
     InvalidGainError,
-    show,
     suggest,
 )
 from station.core.facade.gain_tuning import GainTuning
 from station.core.user_files import user_folder
-from station.library.yaml_folder import FileKind, YamlFolder
+from station.library.yaml_folder import FileKind, Library
 from station.reports import GainDifference, GainsChange
 
 _KIND = FileKind("gain set", "gain-sets", GainSetNotFoundError, GainSetError)
 
 GainsByController = dict[str, dict[str, float]]
+# Strict: true is no number.
+_GAINS: TypeAdapter[GainsByController] = TypeAdapter(
+    dict[str, dict[str, Annotated[FiniteFloat, Strict()]]]
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +48,7 @@ def default_folder() -> Path:
     return user_folder(_KIND.folder)
 
 
-class GainSets:
+class GainSets(Library[GainSet]):
     """The gain sets in a folder. Any thread.
 
     Args:
@@ -54,30 +59,7 @@ class GainSets:
 
     def __init__(self, tuning: GainTuning, folder: Path | None = None) -> None:
         self._tuning = tuning
-        self._files = YamlFolder(_KIND, folder)
-
-    @property
-    def folder(self) -> Path:
-        """Return the folder of the files."""
-        return self._files.folder
-
-    def names(self) -> list[str]:
-        """Return the names of all sets, sorted."""
-        return self._files.names()
-
-    def get(self, name: str) -> GainSet:
-        """Return a set.
-
-        Raises:
-            GainSetNotFoundError: There is no set of that name.
-            GainSetError: Its file cannot be read or is malformed.
-        """
-        data = self._files.read(name)
-        try:
-            gains = _checked(data.get("gains"))
-        except ValueError as error:
-            raise self._files.unusable(name, error) from error
-        return GainSet(name, str(data.get("saved_at", "")), gains)
+        super().__init__(_KIND, folder)
 
     def save(self, name: str, controllers: Iterable[str] | None = None) -> GainSet:
         """Save the gains in force under a name; a set of that name is replaced.
@@ -96,23 +78,8 @@ class GainSets:
             gains = {
                 each: dict(self._tuning.gains(each).values) for each in controllers
             }
-        now = datetime.now(UTC).isoformat(timespec="seconds")
-        found = GainSet(name, now, gains)
         with self._files.changing(name):
-            self._files.write(name, {"saved_at": now, "gains": gains})
-        return found
-
-    def delete(self, name: str) -> GainSet:
-        """Delete a set and return it.
-
-        Raises:
-            GainSetNotFoundError: There is no set of that name.
-            GainSetError: Its file cannot be read or deleted.
-        """
-        with self._files.changing(name):
-            found = self.get(name)
-            self._files.delete(name)
-        return found
+            return GainSet(name, self._write(name, {"gains": gains}), gains)
 
     def differences(self, name: str) -> list[GainDifference]:
         """Return the differences between a set and the gains in force.
@@ -161,23 +128,6 @@ class GainSets:
             gains = {each: gains[each] for each in chosen}
         return self._tuning.set_many(gains)
 
-
-def _checked(gains: object) -> GainsByController:
-    """Return the gains that a file has.
-
-    Raises:
-        ValueError: The values are malformed; the message says how.
-    """
-    if not isinstance(gains, dict):
-        raise ValueError("it has no mapping 'gains'")  # noqa: TRY004 - of a file
-    checked: GainsByController = {}
-    for controller, values in gains.items():
-        if not isinstance(values, dict):
-            raise ValueError(f"the gains of '{controller}' are no mapping")  # noqa: TRY004
-        for gain, value in values.items():
-            is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
-            if not is_number or not isfinite(value):
-                what = f"gain '{gain}' of '{controller}' is {show(value)}"
-                raise ValueError(f"{what}, which is no finite number")
-        checked[str(controller)] = {str(k): float(v) for k, v in values.items()}
-    return checked
+    @override
+    def _parse(self, name: str, saved_at: str, data: Mapping[str, object]) -> GainSet:
+        return GainSet(name, saved_at, _GAINS.validate_python(data.get("gains")))

@@ -1,21 +1,25 @@
-"""Plot layouts on disk: which plots a page shows, under a name. One YAML file each."""
+"""Plot layouts on disk: which plots a page shows, under a name."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from datetime import UTC, datetime
-from math import isfinite
+from math import inf
 from pathlib import Path
 
+from pydantic import TypeAdapter
+from typing_extensions import override
+
 from station.core.errors import PlotLayoutError, PlotLayoutNotFoundError
-from station.library.yaml_folder import FileKind, YamlFolder
-from station.reports import PlotLayout, PlotSettings
+from station.library.yaml_folder import FileKind, Library
+from station.reports import DockSettings, PlotLayout, PlotSettings
 
 _KIND = FileKind(
     "plot layout", "plot-layouts", PlotLayoutNotFoundError, PlotLayoutError
 )
+_PLOTS = TypeAdapter(tuple[PlotSettings, ...])
+_DOCKS = TypeAdapter(DockSettings | None)
 
 
-class PlotLayouts:
+class PlotLayouts(Library[PlotLayout]):
     """The plot layouts in a folder. Any thread.
 
     Args:
@@ -23,70 +27,42 @@ class PlotLayouts:
     """
 
     def __init__(self, folder: Path | None = None) -> None:
-        self._files = YamlFolder(_KIND, folder)
+        super().__init__(_KIND, folder)
 
-    def names(self) -> list[str]:
-        """Return the names of all layouts, sorted."""
-        return self._files.names()
-
-    def get(self, name: str) -> PlotLayout:
-        """Return a layout.
-
-        Raises:
-            PlotLayoutNotFoundError: There is no layout of that name.
-            PlotLayoutError: Its file cannot be read or is malformed.
-        """
-        data = self._files.read(name)
-        try:
-            plots = _read(data.get("plots"))
-        except ValueError as error:
-            raise self._files.unusable(name, error) from error
-        return PlotLayout(name, str(data.get("saved_at", "")), plots)
-
-    def save(self, name: str, plots: Sequence[PlotSettings]) -> PlotLayout:
+    def save(
+        self,
+        name: str,
+        plots: Sequence[PlotSettings],
+        docks: DockSettings | None = None,
+    ) -> PlotLayout:
         """Save a layout; one of that name is replaced.
+
+        Args:
+            name: Its name.
+            plots: Its plots.
+            docks: Folds and sizes of the docks; None keeps those of the layout.
 
         Raises:
             PlotLayoutNotFoundError: The name is none.
             PlotLayoutError: The file cannot be written.
         """
-        now = datetime.now(UTC).isoformat(timespec="seconds")
-        data = {"saved_at": now, "plots": [asdict(plot) for plot in plots]}
         with self._files.changing(name):
-            self._files.write(name, data)
-        return PlotLayout(name, now, tuple(plots))
+            if docks is None and name in self.names():
+                docks = self.get(name).docks
+            content: dict[str, object] = {"plots": [asdict(plot) for plot in plots]}
+            if docks is not None:
+                content["docks"] = asdict(docks)
+            now = self._write(name, content)
+        return PlotLayout(name, now, tuple(plots), docks)
 
-    def delete(self, name: str) -> PlotLayout:
-        """Delete a layout and return it.
-
-        Raises:
-            PlotLayoutNotFoundError: There is no layout of that name.
-            PlotLayoutError: Its file cannot be read or deleted.
-        """
-        with self._files.changing(name):
-            found = self.get(name)
-            self._files.delete(name)
-            return found
-
-
-def _read(plots: object) -> tuple[PlotSettings, ...]:
-    """Return the plots that a file has.
-
-    Raises:
-        ValueError: The values are malformed; the message says how.
-    """
-    if not isinstance(plots, list):
-        raise ValueError("it has no list 'plots'")  # noqa: TRY004 - of a file
-    found = []
-    for number, each in enumerate(plots, 1):
-        try:
-            keys = [str(key) for key in each["keys"]]
-            span = float(each["span"])
-            found.append(
-                PlotSettings(keys, bool(each["xy"]), span, str(each["transform"]))
-            )
-        except (KeyError, TypeError, ValueError) as error:
-            raise ValueError(f"its plot {number} is malformed: {error!r}") from error
-        if not isfinite(span) or span <= 0.0:
-            raise ValueError(f"its plot {number} shows {span} s")
-    return tuple(found)
+    @override
+    def _parse(
+        self, name: str, saved_at: str, data: Mapping[str, object]
+    ) -> PlotLayout:
+        plots = _PLOTS.validate_python(data.get("plots"))
+        for number, plot in enumerate(plots, 1):
+            if not 0.0 < plot.span < inf:
+                raise ValueError(f"its plot {number} shows {plot.span} s")
+        return PlotLayout(
+            name, saved_at, plots, _DOCKS.validate_python(data.get("docks"))
+        )

@@ -1,23 +1,24 @@
 """Waypoint paths on disk: captured from where the robot is, edited, kept."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
-from datetime import UTC, datetime
 from math import isfinite
 from pathlib import Path
+
+from pydantic import TypeAdapter
+from typing_extensions import override
 
 from station.core.control.controller_manager import ControllerManager
 from station.core.errors import (
     InvalidTrajectoryError,
     LoopError,
-    StationError,
     WaypointPathError,
     WaypointPathNotFoundError,
     show,
     suggest,
 )
 from station.core.loop.control_loop import ControlLoop
-from station.library.yaml_folder import FileKind, YamlFolder
+from station.library.yaml_folder import FileKind, Library
 from station.reports import Waypoint, WaypointPath
 
 MOST_WAYPOINTS = 500
@@ -27,9 +28,10 @@ LONGEST = 600.0
 _KIND = FileKind(
     "waypoint path", "waypoint-paths", WaypointPathNotFoundError, WaypointPathError
 )
+_WAYPOINTS = TypeAdapter(tuple[Waypoint, ...])
 
 
-class WaypointPaths:
+class WaypointPaths(Library[WaypointPath]):
     """The waypoint paths in a folder. Any thread.
 
     Args:
@@ -43,26 +45,7 @@ class WaypointPaths:
     ) -> None:
         self._loop = loop
         self._manager = manager
-        self._files = YamlFolder(_KIND, folder)
-
-    def names(self) -> list[str]:
-        """Return the names of all paths, sorted."""
-        return self._files.names()
-
-    def get(self, name: str) -> WaypointPath:
-        """Return a path.
-
-        Raises:
-            WaypointPathNotFoundError: There is no path of that name.
-            WaypointPathError: Its file cannot be read or is malformed.
-        """
-        data = self._files.read(name)
-        try:
-            waypoints = _read(data.get("waypoints"))
-            _check(waypoints)
-        except (ValueError, StationError) as error:
-            raise self._files.unusable(name, error) from error
-        return WaypointPath(name, str(data.get("saved_at", "")), waypoints)
+        super().__init__(_KIND, folder)
 
     def save(self, name: str, waypoints: Sequence[Waypoint]) -> WaypointPath:
         """Save a path; one of that name is replaced.
@@ -101,18 +84,6 @@ class WaypointPaths:
             added = Waypoint(waypoint or _free_name(known), duration, positions)
             return self._save(name, (*known, added))
 
-    def delete(self, name: str) -> WaypointPath:
-        """Delete a path and return it.
-
-        Raises:
-            WaypointPathNotFoundError: There is no path of that name.
-            WaypointPathError: Its file cannot be read or deleted.
-        """
-        with self._files.changing(name):
-            found = self.get(name)
-            self._files.delete(name)
-            return found
-
     def present_positions(self) -> dict[str, float]:
         """Return the positions of the trajectory controllers' joints [rad or m].
 
@@ -142,11 +113,17 @@ class WaypointPaths:
                         remedy=suggest(joint, self._loop.joint_names),
                         details={"joint": joint},
                     )
-        now = datetime.now(UTC).isoformat(timespec="seconds")
         kept = tuple(replace(w, positions=dict(w.positions)) for w in waypoints)
-        data = {"saved_at": now, "waypoints": [asdict(each) for each in kept]}
-        self._files.write(name, data)
+        now = self._write(name, {"waypoints": [asdict(each) for each in kept]})
         return WaypointPath(name, now, kept)
+
+    @override
+    def _parse(
+        self, name: str, saved_at: str, data: Mapping[str, object]
+    ) -> WaypointPath:
+        waypoints = _WAYPOINTS.validate_python(data.get("waypoints"))
+        _check(waypoints)
+        return WaypointPath(name, saved_at, waypoints)
 
 
 def _free_name(known: Sequence[Waypoint]) -> str:
@@ -182,25 +159,3 @@ def _check(waypoints: Sequence[Waypoint]) -> None:
                 f"{what} needs a finite position of one joint or more.",
                 remedy="Capture it anew, or give its positions.",
             )
-
-
-def _read(waypoints: object) -> tuple[Waypoint, ...]:
-    """Return the waypoints that a file has.
-
-    Raises:
-        ValueError: The values are malformed; the message says how.
-    """
-    if not isinstance(waypoints, list):
-        raise ValueError("it has no list 'waypoints'")  # noqa: TRY004 - of a file
-    found = []
-    for number, each in enumerate(waypoints, 1):
-        try:
-            positions = {str(j): float(q) for j, q in each["positions"].items()}
-            found.append(
-                Waypoint(str(each["name"]), float(each["duration"]), positions)
-            )
-        except (AttributeError, KeyError, TypeError, ValueError) as error:
-            raise ValueError(
-                f"its waypoint {number} is malformed: {error!r}"
-            ) from error
-    return tuple(found)

@@ -3,12 +3,16 @@
 import os
 import re
 import tempfile
+from abc import abstractmethod
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
+from typing import Generic, TypeVar
 
 import yaml
+from pydantic import ValidationError
 
 from station.core.errors import ConfigError, StationError, show, suggest
 from station.core.user_files import (
@@ -19,6 +23,7 @@ from station.core.user_files import (
 )
 from station.core.yaml_reader import FILE, parse_yaml
 
+ThingT = TypeVar("ThingT")
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}")
 _SUFFIX = ".yaml"
 _REMEDY = "Correct or delete the file, or save it anew."
@@ -163,3 +168,65 @@ class YamlFolder:
                 details={self._kind.key: name},
             )
         return self.folder / f"{name}{_SUFFIX}"
+
+
+class Library(Generic[ThingT]):
+    """Things of one kind that an operator keeps by name, a YAML file each. Any thread.
+
+    Args:
+        kind: Noun for the things in messages.
+        folder: Where the files are; the user's own folder when None. It is made when
+            the first thing is saved.
+    """
+
+    def __init__(self, kind: FileKind, folder: Path | None = None) -> None:
+        self._files = YamlFolder(kind, folder)
+
+    @property
+    def folder(self) -> Path:
+        """Return the folder of the files."""
+        return self._files.folder
+
+    def names(self) -> list[str]:
+        """Return the names of all things, sorted."""
+        return self._files.names()
+
+    def get(self, name: str) -> ThingT:
+        """Return a thing.
+
+        Raises:
+            StationError: There is none of that name, or its file cannot be read or is
+                malformed; of the kind's own types.
+        """
+        data = self._files.read(name)
+        try:
+            return self._parse(name, str(data.get("saved_at", "")), data)
+        except ValidationError as error:
+            first = error.errors()[0]
+            place = "/".join(map(str, first["loc"])) or "its content"
+            why = f"{place}: {first['msg']}"
+            raise self._files.unusable(name, why) from error
+        except (ValueError, StationError) as error:
+            raise self._files.unusable(name, error) from error
+
+    def delete(self, name: str) -> ThingT:
+        """Delete a thing and return it.
+
+        Raises:
+            StationError: There is none of that name, or its file cannot be read or
+                deleted; of the kind's own types.
+        """
+        with self._files.changing(name):
+            found = self.get(name)
+            self._files.delete(name)
+            return found
+
+    @abstractmethod
+    def _parse(self, name: str, saved_at: str, data: Mapping[str, object]) -> ThingT:
+        """Return the thing in a file; raises `ValueError` with the reason if not."""
+
+    def _write(self, name: str, content: Mapping[str, object]) -> str:
+        """Write the content of a thing; return when that was, ISO 8601."""
+        now = datetime.now(UTC).isoformat(timespec="seconds")
+        self._files.write(name, {"saved_at": now, **content})
+        return now

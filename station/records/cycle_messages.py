@@ -7,12 +7,14 @@ from station.core.franka.franka_robot_state import MODE, SCALARS, array_places
 from station.records import messages
 from station.records.cdr import Layout, MessageType
 from station.records.cycle_row import Row, SampleForm
+from station.reports import Clearance
 
 JOINT_STATES = "/joint_states"
 CYCLES = "/cycles"
 CONTROLLERS = "/controllers/"
 COMMANDS = "/commands/"
 FRANKA_STATES = "/franka_state/"
+CLEARANCES = "/clearance/"
 _COLUMNS = ("desired", "actual", "error", "output")
 _JOINTS = ("position", "velocity", "effort")
 
@@ -113,6 +115,18 @@ class CycleMessages:
         """
         data = self._franka.pack(divmod(self.stamp(time), 1_000_000_000), state)
         return Message(f"{FRANKA_STATES}{arm_id}", messages.FRANKA_STATE, data)
+
+    def of_clearance(self, time: float, pair: Clearance) -> Message:
+        """Return the nearest pair of an arm in a cycle.
+
+        Args:
+            time: Station time [s].
+            pair: The pair.
+        """
+        kind = messages.CLEARANCE
+        values = {field.name: getattr(pair, field.name, None) for field in kind.fields}
+        values["header"] = messages.header(self.stamp(time))
+        return Message(f"{CLEARANCES}{pair.arm}", kind, kind.encode(values))
 
     def of_text(self, topic: str, text: str) -> Message:
         """Return a `std_msgs/String`."""

@@ -22,6 +22,7 @@ from station.core.hardware.interfaces.joint import JointCommandInterface
 from station.core.hardware.interfaces.joint_group import JointGroup
 from station.core.loop.cycle_tap import CycleTap
 from station.records.cycle_messages import CycleMessages, Message
+from station.reports import Clearance
 
 SampleT = TypeVar("SampleT")
 _INTERFACES: dict[str, type[JointCommandInterface]] = {
@@ -166,12 +167,36 @@ class ArmSource(CycleSource[PackedState]):
         yield encoder.of_arm(self._arm_id, time, sample)
 
 
-def sources_of(station: Station) -> list[CommandSource | ArmSource]:
+class ClearanceSource(CycleSource[list[Clearance]]):
+    """The nearest pair of each arm that keeps clear of something."""
+
+    def __init__(self, station: Station) -> None:
+        self._surroundings = station.surroundings
+        super().__init__(station)
+
+    @override
+    def sample(self) -> list[Clearance]:
+        return self._surroundings.clearances()
+
+    @override
+    def message(
+        self, encoder: CycleMessages, time: float, sample: list[Clearance]
+    ) -> Iterator[Message]:
+        for pair in sample:
+            yield encoder.of_clearance(time, pair)
+
+
+Source = CommandSource | ArmSource | ClearanceSource
+
+
+def sources_of(station: Station) -> list[Source]:
     """Return all sources of a station."""
     arms = station.loop.hw.get(FrankaStateInterface)
     handles = [] if arms is None else arms.handles()
-    found: list[CommandSource | ArmSource] = [CommandSource(station)]
+    found: list[Source] = [CommandSource(station)]
     found += [ArmSource(station, handle) for handle in handles]
+    if station.loop.hw.guards():
+        found.append(ClearanceSource(station))
     return found
 
 

@@ -73,6 +73,11 @@ CONTROLLER_STATE = _message_type(
     "std_msgs/Header header\nstring[] name\nfloat64[] desired\nfloat64[] actual\n"
     "float64[] error\nfloat64[] output\n",
 )
+CLEARANCE = _message_type(
+    "control_station_msgs/msg/Clearance",
+    "std_msgs/Header header\nstring link\nstring object\nfloat64 distance\n"
+    "float64 margin\nbool is_slowing\nuint64 interventions\n",
+)
 EVENT = _message_type(
     "control_station_msgs/msg/Event",
     "std_msgs/Header header\nstring kind\nstring severity\nstring text\n"
@@ -111,6 +116,7 @@ TYPES = {
         CYCLE,
         JOINT_COMMANDS,
         CONTROLLER_STATE,
+        CLEARANCE,
         EVENT,
         FRANKA_STATE,
     )

@@ -65,6 +65,7 @@ class RecordingInfo:
         duration: Station time from its first cycle to its last [s].
         size: Bytes of the file.
         causes: Why an incident was kept; empty for what a user recorded.
+        is_uploaded: Whether it was uploaded as a file instead of recorded here.
     """
 
     identifier: str
@@ -80,6 +81,7 @@ class RecordingInfo:
     duration: float = 0.0
     size: int = 0
     causes: tuple[str, ...] = ()
+    is_uploaded: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,12 +143,7 @@ class RecordStore:
             RecordingFileError: The folder cannot be written to.
             OSError: Never: it becomes a `RecordingFileError`.
         """
-        if name and not NAME.fullmatch(name):
-            raise RecordingRefusedError(
-                f"A recording cannot be called {name!r}.",
-                remedy="Use up to 80 letters, digits, `_`, `.` and `-`.",
-                details={"name": name},
-            )
+        self.check_name(name)
         now = self._now()
         thousandths = int(now % 1.0 * 1000.0)
         stamp = time.strftime("%Y%m%dT%H%M%S", time.gmtime(now)) + f"{thousandths:03d}"
@@ -289,6 +286,20 @@ class RecordStore:
     def usage(self) -> int:
         """Return the bytes of all files together."""
         return sum(_size(path) for path in self.folder.glob("*.mcap"))
+
+    @staticmethod
+    def check_name(name: str) -> None:
+        """Refuse a name that cannot be a part of a file's name.
+
+        Raises:
+            RecordingRefusedError: It cannot; an empty name is none, and allowed.
+        """
+        if name and not NAME.fullmatch(name):
+            raise RecordingRefusedError(
+                f"A recording cannot be called {name!r}.",
+                remedy="Use up to 80 letters, digits, `_`, `.` and `-`.",
+                details={"name": name},
+            )
 
     def check_room(self) -> None:
         """Refuse a new recording when the folder is full.

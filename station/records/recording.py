@@ -7,7 +7,7 @@ from station.core.facade.station import Station
 from station.records import messages
 from station.records.cycle_messages import CycleMessages, Message
 from station.records.cycle_row import Row
-from station.records.cycle_sources import ArmSource, CommandSource
+from station.records.cycle_sources import Source
 from station.records.mcap_file import McapFile
 from station.records.record_store import FAILED, STOPPED, RecordingInfo, RecordStore
 
@@ -35,7 +35,7 @@ class Recording:
         store: RecordStore,
         file: McapFile,
         encoder: CycleMessages,
-        sources: Iterable[CommandSource | ArmSource] = (),
+        sources: Iterable[Source] = (),
     ) -> None:
         self.info = info
         self._store = store

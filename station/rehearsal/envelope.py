@@ -1,33 +1,45 @@
 """The envelope of agents: how far, how fast and how hard their motions may be."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from station.reports import RehearsalCause, RehearsalFault
 
 if TYPE_CHECKING:
     from station.rehearsal.run_ahead import Forecast
 
+Hands = Mapping[str, Callable[[NDArray[np.float64]], Sequence[float]]]
+"""Give the place of an end effector in the base frame of its arm [m], shape (3,), from
+the positions of all joints [rad or m], by the arm's name."""
+
 
 @dataclass(frozen=True, slots=True)
 class Envelope:
-    """Bounds of motions beside the robot's own. A workspace is a `fence` of the scene.
+    """Bounds of motions beside the robot's own.
 
     Attributes:
         joints: Range of positions by joint [rad or m]; others have that of the robot.
+        workspace: Ranges of x, y and z of end effectors in the base frame of their arm
+            [m]; free where there is none. A `fence` of the scene holds links, too.
         speed: Highest speed of any joint [rad/s or m/s]; None for the robot's own.
         force: Highest force of a contact [N]; None for any.
     """
 
     joints: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    workspace: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     speed: float | None = None
     force: float | None = None
 
     def fault(
-        self, forecast: "Forecast", joints: Sequence[str], tube: float
+        self,
+        forecast: "Forecast",
+        joints: Sequence[str],
+        tube: float,
+        hands: Hands,
     ) -> RehearsalFault | None:
         """Return the fault of a motion that leaves the envelope; None for any other.
 
@@ -36,6 +48,7 @@ class Envelope:
             joints: Names of the joints of its columns.
             tube: How far the robot may be from what was rehearsed [rad or m]: the
                 ranges have to hold there, too.
+            hands: The end effectors, for the workspace.
         """
         report, q = forecast.rehearsal, forecast.positions
         for i, joint in enumerate(joints):
@@ -48,6 +61,11 @@ class Envelope:
                     f"less {tube:g} at both ends."
                 )
                 return _fault(report.begin_cycle + k, (k + 1), joint, text, forecast)
+        for k in range(len(q) if self.workspace else 0):
+            found = self._outside(q[k], hands)
+            if found is not None:
+                where, text = found
+                return _fault(report.begin_cycle + k, (k + 1), where, text, forecast)
         for one in report.joints:
             if self.speed is not None and (one.velocity or 0.0) > self.speed:
                 text = (
@@ -64,21 +82,53 @@ class Envelope:
                 return _fault(contact.cycle, 0, contact.bodies[0], text, forecast)
         return None
 
-    def check_range(self, joint: str, lowest: float, highest: float) -> str | None:
-        """Return a sentence if a joint may not go so far, or None.
+    def check_range(
+        self,
+        q: NDArray[np.float64],
+        joints: Sequence[str],
+        joint: str,
+        size: float,
+        hands: Hands,
+    ) -> str | None:
+        """Return a sentence if a joint may not move as far as a test wants, or None.
 
         Args:
-            joint: Name of the joint.
-            lowest: Least position that it would reach [rad or m].
-            highest: Greatest position that it would reach [rad or m].
+            q: Positions of all joints [rad or m], shape (n,).
+            joints: Their names.
+            joint: Name of the joint that is tested.
+            size: Largest offset from where it is [rad or m].
+            hands: The end effectors, for the workspace.
         """
+        index = list(joints).index(joint)
+        lowest, highest = q[index] - abs(size), q[index] + abs(size)
         low, high = self.joints.get(joint, (-np.inf, np.inf))
-        if low <= lowest and highest <= high:
+        if not (low <= lowest and highest <= high):
+            return (
+                f"{joint} would move from {lowest:.4f} to {highest:.4f}; agents have "
+                f"{low:g} to {high:g}."
+            )
+        # An arc bulges between its ends: the steps are about 1 cm of the longest arm.
+        for angle in np.linspace(lowest, highest, 2 + int(200.0 * abs(size))):
+            reached = q.copy()
+            reached[index] = angle
+            found = self._outside(reached, hands)
+            if found is not None:
+                return found[1]
+        return None
+
+    def _outside(self, q: NDArray[np.float64], hands: Hands) -> tuple[str, str] | None:
+        """Return the arm whose hand is outside of the workspace, and a sentence."""
+        if not self.workspace:
             return None
-        return (
-            f"{joint} would move from {lowest:.4f} to {highest:.4f}; agents have "
-            f"{low:g} to {high:g}."
-        )
+        for arm, place in hands.items():
+            for axis, value in zip("xyz", place(q), strict=True):
+                low, high = self.workspace.get(axis, (-np.inf, np.inf))
+                if not low <= value <= high:
+                    return arm, (
+                        f"The hand of {arm} comes to {axis} = {value:.4f} m; agents "
+                        f"have {low:g} to {high:g}."
+                    )
+        return None
 
 
 def _fault(

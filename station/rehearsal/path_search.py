@@ -7,7 +7,7 @@ Source:
 """
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,21 +44,24 @@ class PathSearch:
         self._upper = upper
         self._random = np.random.default_rng(seed)
 
-    def find(self, start: Joints, goal: Joints, deadline: float) -> list[Joints] | None:
-        """Return the corners of a path, start and goal among them.
+    def find(
+        self, start: Joints, goals: Sequence[Joints], deadline: float
+    ) -> list[Joints] | None:
+        """Return the corners of a path, start and one of the goals among them.
 
         Args:
             start: Where it begins, clear.
-            goal: Where it ends, clear.
+            goals: Where it may end, clear; the best ones first.
             deadline: When the search ends [s, `time.perf_counter`].
 
         Returns:
             The path; None when none was found in time.
         """
-        if self.is_way_clear(start, goal):
-            return [start, goal]
-        # Each tree: its poses, and the index of each one's parent.
-        trees = (([start], [0]), ([goal], [0]))
+        for goal in goals:
+            if self.is_way_clear(start, goal):
+                return [start, goal]
+        # Each tree: its poses, and the index of each one's parent; a root is its own.
+        trees = (([start], [0]), ([*goals], [*range(len(goals))]))
         side = 0
         while time.perf_counter() < deadline:
             sample = self._random.uniform(self._lower, self._upper)
@@ -139,7 +142,7 @@ def _to_root(poses: list[Joints], parents: list[int]) -> list[Joints]:
     """Return the poses from the newest of a tree to its root."""
     at = len(poses) - 1
     found = [poses[at]]
-    while at:
+    while parents[at] != at:
         at = parents[at]
         found.append(poses[at])
     return found

@@ -1,8 +1,8 @@
 """Plan motions that touch nothing, in a copy of the station."""
 
 import time
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -17,16 +17,14 @@ from station.core.errors import (
 from station.core.trajectory import PosVelAccState, peak_speeds, through_waypoints
 from station.core.trajectory.quintic_spline_segment import QuinticSplineSegment
 from station.rehearsal.path_search import Joints, PathSearch
+from station.rehearsal.pose_goals import end_effector_of, joints_at, target_pose
+from station.rehearsal.pose_judge import PoseJudge
 from station.rehearsal.process_copy import run_in_copy
 from station.reports import Plan
 
 if TYPE_CHECKING:
     from station.core.facade.station import Station
 
-MARGIN = 0.01
-"""Least distance to everything that is farther away at the beginning [m]."""
-DEPTH = 0.001
-"""How much nearer bodies may come that are near each other at the beginning [m]."""
 _SLACK = 0.004
 """The same for all bodies along the timed path [m], of which other poses are looked at
 than of the path that was searched."""
@@ -54,12 +52,16 @@ class Wish:
     Attributes:
         controller: A running trajectory controller.
         positions: Where joints are to go [rad or m], by name; others stay.
+        place: Where the end effector of a Franka arm is to go in the frame of its base:
+            its position [m], shape (3,), and a quaternion x, y, z, w, or None for the
+            present orientation; in place of `positions`.
         timeout: How long to search [s], > 0.
         seed: Of the random numbers.
     """
 
     controller: str
-    positions: Mapping[str, float]
+    positions: Mapping[str, float] = field(default_factory=dict)
+    place: tuple[Sequence[float], Sequence[float] | None] | None = None
     timeout: float = 2.0
     seed: int = 0
 
@@ -74,9 +76,11 @@ def plan(station: "Station", wish: Wish) -> Plan:
     Raises:
         ControllerNotFoundError: None of that name is loaded.
         ControllerStateError: The controller is not running.
-        InvalidCommandError: The controller takes no trajectories, or has no such joint.
+        InvalidCommandError: The controller takes no trajectories, has no such joint, or
+            moves no end effector.
         InvalidTrajectoryError: A joint would leave its range.
-        NoPathError: The pose touches something, or no path was found in time.
+        NoPathError: The pose touches something or is out of reach, or no path was found
+            in time.
         RehearsalError: The robot is no simulated one, or this machine cannot copy the
             station.
     """
@@ -85,17 +89,19 @@ def plan(station: "Station", wish: Wish) -> Plan:
     goal = _goal_of(station, wish, joints, start)
     begun = time.perf_counter()
 
-    def work(tell: Callable[[], None]) -> list[Plan | NoPathError] | None:
+    def work(
+        tell: Callable[[], None],
+    ) -> list[Plan | NoPathError | InvalidCommandError] | None:
         del tell
         if not station.loop.go_on_without_thread():
             return None
         try:
-            return [_Planner(station, wish, joints).find_plan(np.array(start), goal)]
-        except NoPathError as error:
+            return [_Planner(station, wish, joints, np.array(start)).find_plan(goal)]
+        except (NoPathError, InvalidCommandError) as error:
             return [error]
 
     (found,) = run_in_copy(work, station.loop.wait_between_cycles, wish.timeout + 2.0)
-    if isinstance(found, NoPathError):
+    if not isinstance(found, Plan):
         raise found
     return replace(found, planning_time=time.perf_counter() - begun)
 
@@ -133,16 +139,12 @@ def _goal_of(
 class _Planner:
     """Plans in a copy of the station, whose world it may put into any pose."""
 
-    def __init__(self, station: "Station", wish: Wish, joints: list[str]) -> None:
+    def __init__(
+        self, station: "Station", wish: Wish, joints: list[str], start: Joints
+    ) -> None:
+        self._station = station
         self._wish = wish
         self._joints = joints
-        world = station.loop.hw.simulated_world()
-        if world is None:
-            raise NoPathError(
-                "What is around a real robot is not known.",
-                remedy="Plan on a simulated station with its scene.",
-            )
-        self._near = world.nearness(joints, MARGIN)
         limits = {one.joint: one.limits for one in station.loop.hw.joint_limits()}
         found = [limits.get(name) for name in joints]
         self._lower = np.array([
@@ -157,45 +159,49 @@ class _Planner:
             _CALM if one is None or not one.max_velocity else _SPEED * one.max_velocity
             for one in found
         ])
-        self._allowed: dict[tuple[str, str], float] = {}
+        self._judge = PoseJudge(station, joints, start)
+        self._start = start
 
-    def find_plan(self, start: Joints, goal: Joints) -> Plan:
+    def find_plan(self, goal: Joints) -> Plan:
         """Return a path, timed and clear.
 
         Raises:
+            InvalidCommandError: The controller moves no end effector.
             NoPathError: The goal touches something, or no path was found in time.
         """
         deadline = time.perf_counter() + self._wish.timeout
-        for one, other, distance in self._near(start.tolist()):
-            before = self._allowed.get((one, other), 0.0)
-            self._allowed[one, other] = min(before, distance)
-        blocked = self._blocked(goal)
-        if blocked:
-            one, other, distance = min(blocked, key=lambda pair: pair[2])
-            raise NoPathError(
-                f"{one} and {other} would be {1e3 * distance:.0f} mm from each other "
-                f"in that pose; {1e3 * MARGIN:.0f} mm are kept free."
-                if distance > 0.0
-                else f"{one} would come {-1e3 * distance:.0f} mm into {other} in that "
-                "pose.",
-                remedy="Choose another pose, or move what is in the way.",
-                details={"cause": "goal_in_collision", "pair": [one, other]},
-            )
         inside = np.full(len(self._joints), _INSIDE)
-        search = PathSearch(
-            lambda pose: not self._blocked(pose),
-            self._lower + inside,
-            self._upper - inside,
-            self._wish.seed,
+        limits = self._lower + inside, self._upper - inside
+        goals = self._goals(goal, limits)
+        clear = [one for one in goals if self._judge.is_clear(one)]
+        if not clear:
+            raise self._in_collision(goals[0])
+        search = PathSearch(self._judge.is_clear, *limits, self._wish.seed)
+        while (path := search.find(self._start, clear, deadline)) is not None:
+            # Between the poses that were looked at it may touch something yet.
+            states = self._timed(path)
+            if states is not None:
+                return self._plan_of(path, states)
+        raise NoPathError(
+            f"No path was found within {self._wish.timeout:g} s.",
+            remedy="Allow more time, or go by way of another pose.",
+            details={"cause": "timeout"},
         )
-        path = search.find(start, goal, deadline)
-        if path is None:
-            raise NoPathError(
-                f"No path was found within {self._wish.timeout:g} s.",
-                remedy="Allow more time, or go by way of another pose.",
-                details={"cause": "timeout"},
-            )
-        states = self._timed(path)
+
+    def _in_collision(self, goal: Joints) -> NoPathError:
+        pairs = self._judge.blocked(goal)
+        one, other, distance, kept = min(pairs, key=lambda pair: pair[2] - pair[3])
+        return NoPathError(
+            f"{one} and {other} would be {1e3 * distance:.0f} mm from each other in "
+            f"that pose; {1e3 * kept:.0f} mm are kept free."
+            if distance > 0.0
+            else f"{one} would come {-1e3 * distance:.0f} mm into {other} in that "
+            "pose.",
+            remedy="Choose another pose, or move what is in the way.",
+            details={"cause": "goal_in_collision", "pair": [one, other]},
+        )
+
+    def _plan_of(self, path: list[Joints], states: list[PosVelAccState]) -> Plan:
         points = [
             {
                 "positions": list(state.position),
@@ -215,26 +221,31 @@ class _Planner:
             [pose.tolist() for pose in path],
         )
 
-    def _blocked(
-        self, pose: Joints, slack: float = DEPTH
-    ) -> list[tuple[str, str, float]]:
-        """Return the pairs that are nearer to each other than they may be.
-
-        Args:
-            pose: Positions of the joints [rad or m], shape (n,).
-            slack: By how much they may be nearer [m].
-        """
-        return [
-            (one, other, distance)
-            for one, other, distance in self._near(pose.tolist())
-            if distance < self._allowed.get((one, other), MARGIN) - slack
-        ]
-
-    def _timed(self, path: list[Joints]) -> list[PosVelAccState]:
-        """Return a path with times: in one go if that is clear, else corner by corner.
+    def _goals(self, goal: Joints, limits: tuple[Joints, Joints]) -> list[Joints]:
+        """Return positions of the joints that are what was wished for, some of many.
 
         Raises:
-            NoPathError: Neither is clear.
+            InvalidCommandError: The controller moves no end effector.
+            NoPathError: The end effector cannot get there.
+        """
+        if self._wish.place is None:
+            return [goal]
+        hand = end_effector_of(self._station, self._wish.controller, self._joints)
+        return joints_at(
+            hand,
+            target_pose(hand.pose(self._start), *self._wish.place),
+            self._start,
+            limits,
+            self._joints,
+            seed=self._wish.seed,
+            accept=self._judge.is_clear,
+        )
+
+    def _timed(self, path: list[Joints]) -> list[PosVelAccState] | None:
+        """Return a path with times: in one go if that is clear, else corner by corner.
+
+        Returns:
+            The states at its corners; None when neither is clear.
         """
         places = [pose.tolist() for pose in path]
         spans = [
@@ -266,11 +277,7 @@ class _Planner:
             ]
             if self._is_clear_in_time(places[0], slow):
                 return slow
-        raise NoPathError(
-            "The path that was found touches something once it is timed.",
-            remedy="Plan again with another seed.",
-            details={"cause": "timeout"},
-        )
+        return None
 
     def _is_clear_in_time(
         self, start: list[float], states: list[PosVelAccState]
@@ -281,7 +288,7 @@ class _Planner:
             begin, end = before.time_from_start, state.time_from_start
             segment = QuinticSplineSegment(begin, before, end, state)
             for at in np.arange(begin, end, _SAMPLE).tolist():
-                if self._blocked(np.array(segment.sample(at).position), _SLACK):
+                if self._judge.blocked(np.array(segment.sample(at).position), _SLACK):
                     return False
             before = state
         return True

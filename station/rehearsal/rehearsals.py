@@ -1,33 +1,46 @@
 """The rehearsals of a station, in a copy of it; their certificates and policies."""
 
+import math
 import threading
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from station.core.errors import (
+    InvalidCommandError,
     NoPathError,
     RehearsalError,
     RehearsalNeededError,
     StationError,
+    suggest,
 )
 from station.core.ports.receipt import Receipt
 from station.rehearsal.certificates import Certificates, Tolerances
-from station.rehearsal.envelope import Envelope
+from station.rehearsal.envelope import Envelope, Hands
 from station.rehearsal.planning import Wish, plan
+from station.rehearsal.pose_goals import EndEffector, end_effectors
 from station.rehearsal.process_copy import run_in_copy
 from station.rehearsal.run_ahead import Plans, Script, run_ahead
-from station.reports import Plan, Rehearsal, RehearsalOutcome
+from station.reports import LoopState, Plan, Rehearsal, RehearsalOutcome
 
 if TYPE_CHECKING:
     from station.core.facade.station import Station
 
 _ATTEMPTS = 4
 """Paths that are planned and rehearsed at most for one wish."""
+BURST = 5
+"""Copies of a live station that a client may have made in a row."""
+INTERVAL = 1.0
+"""Time after which a client may have one more made [s]. A copy delays the loop by 2 to
+6 ms, so that a client costs a live loop less than 1 % of its cycles."""
 _redeemed: ContextVar[bool] = ContextVar("redeemed", default=False)
 """Whether the command that is being given has the certificate of a rehearsal."""
 
@@ -36,6 +49,12 @@ class AgentEnvelopeError(StationError, ValueError):
     """A motion would leave the envelope of agents."""
 
     code = "outside_envelope"
+
+
+class TooManyRehearsalsError(StationError, RuntimeError):
+    """A client has had too many copies of a live station made in a row."""
+
+    code = "too_many_rehearsals"
 
 
 class Policy(StrEnum):
@@ -70,6 +89,46 @@ class Rules:
         return self.agent if is_agent else self.operator
 
 
+class RehearsalRate:
+    """Bounds how often the copies for one client may delay a live loop. Any thread.
+
+    Args:
+        now: Monotonic clock [s].
+    """
+
+    def __init__(self, now: Callable[[], float] = time.monotonic) -> None:
+        self._now = now
+        self._lock = threading.Lock()
+        self._paid_until: dict[str, float] = {}
+
+    def check(self, who: str | None) -> None:
+        """Refuse one more copy for a client that has had too many made in a row.
+
+        Args:
+            who: Name of the client; nobody else is bounded.
+
+        Raises:
+            TooManyRehearsalsError: It has.
+        """
+        since = self._paid_until.get(who or "", -math.inf) - self._now()
+        wait = since - (BURST - 1) * INTERVAL
+        if wait > 0.0:
+            raise TooManyRehearsalsError(
+                f"{who} has rehearsed {BURST} times in a row; each time holds the loop "
+                "of a live station up.",
+                remedy=f"The next one is possible in {wait:.1f} s.",
+                details={"retry_after": wait},
+            )
+
+    def count(self, who: str) -> None:
+        """Count a copy of a live station for a client."""
+        with self._lock:
+            now, known = self._now(), self._paid_until.items()
+            # Who has paid is forgotten: names are not kept for ever.
+            kept = {name: until for name, until in known if until > now}
+            self._paid_until = {**kept, who: max(kept.get(who, now), now) + INTERVAL}
+
+
 class Rehearsals:
     """Rehearses commands, and lets them be given as they were rehearsed. Any thread.
 
@@ -77,9 +136,11 @@ class Rehearsals:
         station: The station.
         plans: Makes inputs of further kinds of steps, by kind.
         rules: The policies.
+        now: Monotonic clock [s], for the rate of each client.
 
     Attributes:
         rules: The policies.
+        rate: Bounds the rate of each client.
     """
 
     def __init__(
@@ -87,8 +148,10 @@ class Rehearsals:
         station: "Station",
         plans: Plans | None = None,
         rules: Rules | None = None,
+        now: Callable[[], float] = time.monotonic,
     ) -> None:
         self.rules = rules or Rules()
+        self.rate = RehearsalRate(now)
         self._station = station
         self._plans = plans or {}
         self._certificates = Certificates(station, self.rules.tolerances)
@@ -106,6 +169,7 @@ class Rehearsals:
         *,
         certify: bool = False,
         is_agent: bool = False,
+        who: str | None = None,
     ) -> Rehearsal:
         """Carry steps out in a copy of the station; nothing moves.
 
@@ -116,12 +180,16 @@ class Rehearsals:
                 the joints stand still when None, 30 s at most.
             certify: Whether a certificate is wanted.
             is_agent: Whether an agent asks, whose motions have an envelope.
+            who: Name of the client; None for the program that the station runs in.
 
         Raises:
             RehearsalError: The robot is no simulated one, another rehearsal is under
                 way, or this machine cannot copy the station.
+            TooManyRehearsalsError: The client has made too many in a row.
         """
         self._refuse_real_robot()
+        self.rate.check(who)
+        self._pay(who)
         if not self._busy.acquire(timeout=1.0):
             raise RehearsalError(
                 "Another rehearsal is under way.", remedy="Try again in a moment."
@@ -138,7 +206,7 @@ class Rehearsals:
         told = replace(found.rehearsal, wall_time=time.perf_counter() - begun)
         if is_agent and told.outcome is RehearsalOutcome.COMPLETED:
             names, tube = self._station.joint_names, self.rules.tolerances.tube
-            fault = self.rules.envelope.fault(found, names, tube)
+            fault = self.rules.envelope.fault(found, names, tube, self._hands())
             if fault is not None:
                 told = replace(told, outcome=RehearsalOutcome.FAILED, error=fault)
         if certify and told.outcome is RehearsalOutcome.COMPLETED:
@@ -147,29 +215,35 @@ class Rehearsals:
             told = replace(told, certificate=certificate)
         return told
 
-    def plan(self, wish: Wish) -> Plan:
+    def plan(self, wish: Wish, who: str | None = None) -> Plan:
         """Return a path to a pose that touches nothing; nothing moves.
 
         Each path is rehearsed, and another one is searched for if it would fail.
 
         Args:
             wish: What is wanted.
+            who: Name of the client; None for the program that the station runs in.
 
         Raises:
             ControllerNotFoundError: None of that name is loaded.
             ControllerStateError: The controller is not running.
-            InvalidCommandError: The controller takes no trajectories, or has no such
-                joint.
+            InvalidCommandError: The controller takes no trajectories, has no such
+                joint, or moves no end effector.
             InvalidTrajectoryError: A joint would leave its range.
-            NoPathError: The pose touches something, or no path was found in time.
+            NoPathError: The pose touches something or is out of reach, or no path was
+                found in time.
             RehearsalError: The robot is no simulated one, or this machine cannot copy
                 the station.
+            TooManyRehearsalsError: The client has made too many in a row.
         """
         self._refuse_real_robot()
+        self.rate.check(who)
         begun, error = time.perf_counter(), ""
         for attempt in range(_ATTEMPTS):
             found = plan(self._station, replace(wish, seed=wish.seed + attempt))
             goal = {"kind": "goal", "name": wish.controller, "request": found.goal}
+            # What the search takes is paid for afterwards: it is not refused half done.
+            self._pay(who)
             told = self.rehearse([{**goal, "at": 0.0}])
             if told.outcome is RehearsalOutcome.COMPLETED:
                 return replace(found, planning_time=time.perf_counter() - begun)
@@ -180,6 +254,34 @@ class Rehearsals:
             remedy="Plan again with another seed, or go by way of another pose.",
             details={"cause": "rehearsal"},
         )
+
+    def named_pose(self, controller: str, name: str) -> dict[str, float]:
+        """Return a named pose of the robot for the joints of a controller.
+
+        Args:
+            controller: The controller.
+            name: A pose to which the simulation may be reset, such as `ready`.
+
+        Raises:
+            ControllerNotFoundError: There is no such controller.
+            InvalidCommandError: The robot has no such pose, or not of these joints.
+        """
+        world = self._station.loop.hw.simulated_world()
+        poses = {} if world is None else world.keyframes()
+        joints = self._station.manager.get_controller(controller).joint_names
+        found = {k: q for k, q in poses.get(name, {}).items() if k in joints}
+        if not found:
+            raise InvalidCommandError(
+                f"The robot has no pose '{name}' of the joints of '{controller}'.",
+                remedy=suggest(name, poses),
+            )
+        return found
+
+    def _pay(self, who: str | None) -> None:
+        """Count a copy of a live station for the client that it is made for."""
+        loop = self._station.loop
+        if who is not None and loop.state is LoopState.RUNNING and not loop.pace.paused:
+            self.rate.count(who)
 
     def _refuse_real_robot(self) -> None:
         """Refuse what needs a copy of the robot.
@@ -236,6 +338,13 @@ class Rehearsals:
                 "with the certificate of the answer.",
             )
 
+    def _hands(self) -> Hands:
+        names = self._station.joint_names
+        return {
+            arm: partial(_place, effector, [names.index(j) for j in effector.joints])
+            for arm, effector in end_effectors(self._station).items()
+        }
+
     def check_range(self, joint: str, size: float) -> None:
         """Refuse a test of a joint by an agent that would leave its envelope.
 
@@ -249,7 +358,14 @@ class Rehearsals:
         names, now = self._station.joint_names, self._station.latest()
         if joint not in names:
             return  # the bench refuses it by name
-        q = now.position[names.index(joint)]
-        text = self.rules.envelope.check_range(joint, q - abs(size), q + abs(size))
+        q = np.array(now.position)
+        check = self.rules.envelope.check_range
+        text = check(q, names, joint, size, self._hands())
         if text is not None:
             raise AgentEnvelopeError(text, remedy="Ask for less, or ask a person.")
+
+
+def _place(
+    effector: EndEffector, columns: Sequence[int], q: NDArray[np.float64]
+) -> list[float]:
+    return effector.pose(q[columns])[12:15]

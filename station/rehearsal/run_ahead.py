@@ -15,6 +15,7 @@ from station.core.franka.franka_services import FrankaServices
 from station.core.ports.goal import Goal, GoalStatus
 from station.rehearsal.certificates import Conditions
 from station.reports import (
+    ClearanceForecast,
     ContactForecast,
     JointForecast,
     Rehearsal,
@@ -37,6 +38,8 @@ _REST_CYCLES = 100
 _CLAMP_CYCLES = 20
 """Cycles between two looks at the commands that limits have cut off, which take as long
 as a cycle."""
+_NEAR_CYCLES = 20
+"""Cycles between two looks for what is near, which take as long as a cycle."""
 _BATCH = 250
 """Cycles between two looks at the ring of snapshots, and signs of progress."""
 _ROWS = 200
@@ -100,6 +103,8 @@ class _Seen:
     contacts: dict[tuple[str, str], tuple[int, float]] = field(default_factory=dict)
     clamps: dict[str, tuple[int, int]] = field(default_factory=dict)
     """Number of commands cut off and first cycle, by joint."""
+    near: dict[str, ClearanceForecast] = field(default_factory=dict)
+    """The pair that came nearest, by arm; of solid bodies under an empty name."""
 
 
 class _RunAhead:
@@ -124,6 +129,8 @@ class _RunAhead:
         self._time = self._loop.time
         self._world = self._loop.hw.simulated_world()
         self._touching = self._pairs()
+        world = self._world
+        self._nearest = (lambda: None) if world is None else world.distances()
         self._clamped = self._clamp_counts()
         self._seen = _Seen()
         self._goals: list[Goal] = []
@@ -211,6 +218,7 @@ class _RunAhead:
         """Note what this cycle has brought, the first error above all."""
         if self._world is not None:
             self._note_contacts()
+        self._note_clearances()
         if (self._loop.cycle - self._begin) % _CLAMP_CYCLES == 0:
             self._note_clamps()
         if self._error is not None:
@@ -273,6 +281,21 @@ class _RunAhead:
             )
             self._seen.contacts[contact.bodies] = (cycle, max(most, force))
 
+    def _note_clearances(self) -> None:
+        cycle, near = self._loop.cycle, self._seen.near
+        for pair in self._station.surroundings.clearances():
+            before = near.get(pair.arm)
+            gap = pair.distance - pair.margin
+            if before is None or gap < before.distance - (before.margin or 0.0):
+                near[pair.arm] = ClearanceForecast(
+                    (pair.link, pair.object), cycle, pair.distance, pair.margin
+                )
+        if (cycle - self._begin) % _NEAR_CYCLES:
+            return
+        found = self._nearest()
+        if found is not None and ("" not in near or found[2] < near[""].distance):
+            near[""] = ClearanceForecast(found[:2], cycle, found[2], None)
+
     def _clamp_counts(self) -> dict[tuple[str, str], int]:
         return {
             (one.last.joint, one.hardware_interface): one.count
@@ -320,6 +343,7 @@ class _RunAhead:
                 ContactForecast(bodies, *found)
                 for bodies, found in self._seen.contacts.items()
             ],
+            clearances=[one for _, one in sorted(self._seen.near.items())],
             times=((chosen + 1) * self._loop.period).tolist(),
             positions=states[chosen, 0].tolist(),
             digest=digest_of(states),

@@ -7,7 +7,7 @@ ever set widgets at the same time.
 import asyncio
 import contextlib
 import logging
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import viser
@@ -18,8 +18,8 @@ from station.ui.link.station_view import StationView
 from station.ui.page.page_state import BarState, bar_state
 from station.ui.page.view_routes import ShownViews
 from station.ui.scene.layers.layer import PlacedRobot, SceneFacts
-from station.ui.scene.layers.push_layer import Pusher, Pushing
-from station.ui.scene.layers.trail_layer import Trails
+from station.ui.scene.layers.push_layer import Pusher, Pushing, move_nothing
+from station.ui.scene.layers.robot_layers import Trails
 from station.ui.scene.robot_model import RobotModel, RobotModelError, base_positions
 from station.ui.scene.robot_scene import RobotScene, prepare_room
 from station.ui.scene.scene_objects import SceneObjects
@@ -70,12 +70,19 @@ class Dashboard:
         beside: Further robots of the same station.
         session_key: Returns the key of the session of a browser.
         push: Pushes a link for a session.
+        move: Moves an object for a session.
 
     Attributes:
         views: The views of all sessions.
         triangles: How many triangles the drawn robots have.
         not_drawn: Why no robot is shown; empty if no robot was requested.
         movers: Shared by everybody who commands joints.
+        link: The station.
+        reporter: Shows refusals.
+        scene: The first robot; None when none is drawn.
+        sliders: Sliders of the joints.
+        gains: Sliders of the gains.
+        arrows: Arrows at the hands.
     """
 
     def __init__(
@@ -87,32 +94,33 @@ class Dashboard:
         beside: Sequence[RobotModel] = (),
         session_key: Callable[[viser.ClientHandle], str] = lambda _: "",
         push: Pusher = _push_nothing,
+        move: Callable[[str, str, list[float]], Awaitable[None]] = move_nothing,
     ) -> None:
         self._server = server
         self._client = client
         robots = beside if robot is None else (robot, *beside)
         sliding = {name for one in robots for name in one.sliding_joints()}
-        self._link = StationLink(client, sliding=sliding)
-        self._reporter = Reporter(self._link.now)
+        self.link = StationLink(client, sliding=sliding)
+        self.reporter = Reporter(self.link.now)
         self._failures = 0
         self._objects = SceneObjects(server)
-        self._scene: RobotScene | None = None
+        self.scene: RobotScene | None = None
         self._beside: list[RobotScene] = []
         if robot is None:
             prepare_room(server)
         else:
             not_drawn = self._draw(robot, beside) or not_drawn
         self.not_drawn = not_drawn
-        placed = _placed(() if self._scene is None else (robot, *beside))
+        placed = _placed(() if self.scene is None else (robot, *beside))
         self.triangles = sum(one.model.triangles() for one in placed)
-        pushing = Pushing(push, self._reporter.refused)
+        pushing = Pushing(push, self.reporter.refused, move=move)
         self.views = SceneViews(
             placed, session_key, pushing, lambda: server.initial_camera.position
         )
         self._trails = Trails(placed)
         self.movers = Movers()
         self._teleoperation = Teleoperation(
-            client, self._link.view, self.movers, now=self._link.now
+            client, self.link.view, self.movers, now=self.link.now
         )
         _arrange(server)
         tabs = server.gui.add_tab_group()
@@ -120,14 +128,14 @@ class Dashboard:
             limits: dict[str, tuple[float, float]] = {}
             for one in robots:
                 limits |= one.joint_limits()
-            self._sliders = JointSliders(
-                server.gui, self._teleoperation, self._reporter, limits
+            self.sliders = JointSliders(
+                server.gui, self._teleoperation, self.reporter, limits
             )
         with tabs.add_tab("Gains"):
-            self._gains = GainSliders(server.gui, self._link, self._reporter)
-        nodes = [one.base for one in (self._scene, *self._beside) if one]
+            self.gains = GainSliders(server.gui, self.link, self.reporter)
+        nodes = [one.base for one in (self.scene, *self._beside) if one]
         bases = bases_of_hands([one.arm_id for one in robots], nodes)
-        self._arrows = [
+        self.arrows = [
             HandArrows(server, self._teleoperation, base, arm)
             for arm, base in bases.items()
         ]
@@ -137,7 +145,7 @@ class Dashboard:
     def _draw(self, robot: RobotModel, beside: Sequence[RobotModel]) -> str:
         """Draw the robots; return why that cannot be done, or an empty text."""
         try:
-            self._scene = RobotScene(self._server, robot, beside=beside)
+            self.scene = RobotScene(self._server, robot, beside=beside)
             self._beside = [
                 RobotScene(self._server, other, root=f"/robot_{i}", has_camera=False)
                 for i, other in enumerate(beside, start=2)
@@ -171,11 +179,11 @@ class Dashboard:
 
     def bar(self) -> BarState:
         """Return the present content of the status strip; callable by any thread."""
-        return bar_state(self._link.view(), self._reporter.message)
+        return bar_state(self.link.view(), self.reporter.message)
 
     def view(self) -> StationView:
         """Return the dashboard's knowledge of the station; callable by any thread."""
-        return self._link.view()
+        return self.link.view()
 
     def shown_views(self) -> ShownViews:
         """Return `views` as another thread than Viser's reaches them."""
@@ -190,7 +198,7 @@ class Dashboard:
             token: The operator's token; None while there is no station.
         """
         self._client.talk_to(url, token)
-        self._link.wake()
+        self.link.wake()
 
     def act_under(self, lease: str | None) -> None:
         """Act under another lease of control; in Viser's event loop.
@@ -214,8 +222,8 @@ class Dashboard:
     async def _run(self) -> None:
         self._task = asyncio.current_task()
         async with self._client, asyncio.TaskGroup() as tasks:
-            tasks.create_task(self._link.run())
-            tasks.create_task(self._gains.run())
+            tasks.create_task(self.link.run())
+            tasks.create_task(self.gains.run())
             tasks.create_task(self._send_set_points())
             # Apart from the panel: a slow update of widgets must not delay the picture.
             tasks.create_task(self._follow_robot())
@@ -223,15 +231,15 @@ class Dashboard:
             tasks.create_task(self._repeat(self._refresh_panel, PANEL_PERIOD))
 
     def _show_robot(self) -> None:
-        view = self._link.view()
+        view = self.link.view()
         self._objects.show(view.objects)
-        for scene in (self._scene, *self._beside):
+        for scene in (self.scene, *self._beside):
             if scene is not None:
                 scene.show(_drawn(view))
 
     def _refresh_views(self) -> None:
-        self._link.wants_contacts = "forces" in self.views.wanted()
-        view = self._link.view()
+        self.link.wants_contacts = "forces" in self.views.wanted()
+        view = self.link.view()
         positions = _drawn(view)
         self.views.refresh(
             SceneFacts(
@@ -241,21 +249,22 @@ class Dashboard:
                 arms=view.arms,
                 contacts=view.contacts,
                 trails=self._trails.note(positions) if positions else (),
+                objects=view.objects,
             )
         )
 
     def _refresh_panel(self) -> None:
-        view = self._link.view()
-        self._sliders.refresh(view)
-        self._gains.refresh(view)
-        for arrows in self._arrows:
+        view = self.link.view()
+        self.sliders.refresh(view)
+        self.gains.refresh(view)
+        for arrows in self.arrows:
             arrows.refresh(view)
         # A motion begins at the last set-point of its controller, which samples have.
         asked = self._teleoperation
         watched = {*asked.joints.controllers, *asked.hands.targets()}
         if "command" in self.views.wanted():
             watched |= view.commanding_positions()
-        self._link.watch(watched)
+        self.link.watch(watched)
 
     async def _send_set_points(self) -> None:
         """Send the set-points of Viser's panel, until cancelled."""
@@ -263,7 +272,7 @@ class Dashboard:
             await asyncio.sleep(SEND_PERIOD)
             for refusal in await self._teleoperation.send_set_points():
                 text = f"{refusal.detail} {refusal.remedy}".rstrip()
-                self._reporter.say(refusal.code, text, None)
+                self.reporter.say(refusal.code, text, None)
 
     async def _repeat(self, refresh: Callable[[], None], period: float) -> None:
         """Call `refresh` until cancelled."""
@@ -275,7 +284,7 @@ class Dashboard:
         """Draw the robot whenever it has moved, until cancelled."""
         while True:
             self._try(self._show_robot)
-            await self._link.wait_for_motion(SCENE_PERIOD)
+            await self.link.wait_for_motion(SCENE_PERIOD)
 
     def _try(self, refresh: Callable[[], None]) -> None:
         """Call `refresh`; a failure is logged once and shown."""
@@ -286,7 +295,7 @@ class Dashboard:
             # An update that fails is repeated ten times a second.
             if self._failures in {1, 10, 100, 1000}:
                 _logger.exception("update %d of the screen failed", self._failures)
-            self._reporter.say("The dashboard failed", repr(error), None)
+            self.reporter.say("The dashboard failed", repr(error), None)
 
 
 def _drawn(view: StationView) -> Mapping[str, float]:

@@ -16,7 +16,7 @@ from station.client import ApiError, AsyncStationClient
 from station.ui.dashboard import Dashboard
 from station.ui.gateway.api_relay import ApiRelay
 from station.ui.gateway.gateway import GatewayParts, build_gateway
-from station.ui.gateway.guard import OriginPolicy
+from station.ui.gateway.guard import origin_policy
 from station.ui.gateway.stop_button import StopButton
 from station.ui.gateway.viser_relay import ViserRelay
 from station.ui.gateway.viser_server import open_viser
@@ -169,6 +169,7 @@ async def _serve(
         robots[1:],
         guarded.session_key,
         pusher,
+        pusher.move,
     )
     forwarded = ApiRelay(sessions, api.tls)
     server = _Server(
@@ -282,7 +283,7 @@ def _gateway(
                 dashboard.movers,
             ),
             views=dashboard.shown_views(),
-            origins=OriginPolicy(config.host, config.host_names),
+            origins=origin_policy(config.host, config.host_names),
             sessions=logged_in,
         )
     )

@@ -63,6 +63,9 @@ class Phase(Enum):
 
 TIME_LIMITS = {Phase.REQUEST: 5.0, Phase.BODY: 10.0, Phase.ANSWER: 10.0}
 """How long a phase may last [s]; work may take any time."""
+LEAST_PART = 16 * 1024
+"""Bytes of a body between two looks, with which its time begins anew: a large file may
+take its time, drops may not."""
 
 
 class LimitedProtocol(H11Protocol):
@@ -73,12 +76,14 @@ class LimitedProtocol(H11Protocol):
         extra: How many more are taken when all of those are at work.
         phase: State of the connection when it was last looked at.
         since: When that phase began [s, clock of the event loop].
+        received: Bytes that have come since the last look.
     """
 
     most = MOST_CONNECTIONS
     extra = EXTRA_CONNECTIONS
     phase = Phase.REQUEST
     since = 0.0
+    received = 0
 
     @override
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]  # as uvicorn has it
@@ -88,6 +93,11 @@ class LimitedProtocol(H11Protocol):
         if len(self.connections) > self.most:
             self._make_room()
         self.loop.call_later(LOOK_PERIOD, self._look)
+
+    @override
+    def data_received(self, data: bytes) -> None:
+        self.received += len(data)
+        super().data_received(data)
 
     @override
     def on_response_complete(self) -> None:
@@ -116,7 +126,9 @@ class LimitedProtocol(H11Protocol):
             return  # it has ended, or it is a WebSocket now
         phase, now = self.present_phase(), self.loop.time()
         # The time of a phase begins when it is first seen, at most `LOOK_PERIOD` late.
-        if phase is not self.phase:
+        is_coming = phase is Phase.BODY and self.received >= LEAST_PART
+        self.received = 0
+        if phase is not self.phase or is_coming:
             self.phase, self.since = phase, now
         elif now - self.since > TIME_LIMITS.get(phase, now):
             self.transport.abort()

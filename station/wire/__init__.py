@@ -9,10 +9,13 @@ from station.reports import (
     AsyncStatistics as AsyncStatistics,
     ChainedController as ChainedController,
     Clearance as Clearance,
+    ComponentInterface as ComponentInterface,
     ControllerChains as ControllerChains,
+    DockSettings as DockSettings,
     Event as Event,
     ExportedValue as ExportedValue,
     GainsChange as GainsChange,
+    HardwareComponentReport as HardwareComponentReport,
     HardwareInterface as HardwareInterface,
     HardwareResource as HardwareResource,
     HardwareTransmission as HardwareTransmission,
@@ -23,6 +26,7 @@ from station.reports import (
     PlotLayout as PlotLayout,
     PlotSettings as PlotSettings,
     Rehearsal as Rehearsal,
+    SavedScene as SavedScene,
     Simulation as Simulation,
     Waypoint as Waypoint,
     WaypointPath as WaypointPath,
@@ -88,14 +92,24 @@ from station.wire.experiments import ExperimentRequest as ExperimentRequest
 from station.wire.hardware import (
     Clamp as Clamp,
     Hardware as Hardware,
+    HardwareComponents as HardwareComponents,
+    HardwareComponentStateRequest as HardwareComponentStateRequest,
     HardwareLimits as HardwareLimits,
     HardwareRepair as HardwareRepair,
     SoftLimits as SoftLimits,
 )
-from station.wire.plot_layouts import (
+from station.wire.library import (
+    CaptureRequest as CaptureRequest,
+    DocksRequest as DocksRequest,
+    LastPlayback as LastPlayback,
+    PlaybackPatch as PlaybackPatch,
+    PlayRequest as PlayRequest,
     PlotLayoutRequest as PlotLayoutRequest,
     PlotLayouts as PlotLayouts,
     PlotRequest as PlotRequest,
+    WaypointPathRequest as WaypointPathRequest,
+    WaypointPaths as WaypointPaths,
+    WaypointRequest as WaypointRequest,
 )
 from station.wire.protocol import (
     CLOSE_BAD_REQUEST as CLOSE_BAD_REQUEST,
@@ -156,10 +170,13 @@ from station.wire.robots import (
     UserStopRequest as UserStopRequest,
 )
 from station.wire.simulation import (
+    AttachRequest as AttachRequest,
     Contact as Contact,
+    DetachRequest as DetachRequest,
     MovingBase as MovingBase,
     ObjectKind as ObjectKind,
     ResetRequest as ResetRequest,
+    SavedScenes as SavedScenes,
     Scene as Scene,
     SceneObject as SceneObject,
     SceneObjectRequest as SceneObjectRequest,
@@ -179,13 +196,4 @@ from station.wire.station import (
     StopRequest as StopRequest,
     StopState as StopState,
     StreamTicket as StreamTicket,
-)
-from station.wire.waypoint_paths import (
-    CaptureRequest as CaptureRequest,
-    LastPlayback as LastPlayback,
-    PlaybackPatch as PlaybackPatch,
-    PlayRequest as PlayRequest,
-    WaypointPathRequest as WaypointPathRequest,
-    WaypointPaths as WaypointPaths,
-    WaypointRequest as WaypointRequest,
 )

@@ -4,8 +4,12 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from station.reports import HardwareInterface, HardwareTransmission
-from station.wire.base import FromEnum, Items, Measured, ResponseModel
+from station.reports import (
+    HardwareComponentReport,
+    HardwareInterface,
+    HardwareTransmission,
+)
+from station.wire.base import FromEnum, Items, Measured, RequestModel, ResponseModel
 
 ClampReasonName = Annotated[
     Literal["position", "velocity", "acceleration", "jerk", "effort", "soft_position"],
@@ -27,7 +31,45 @@ RepairKindName = Literal[
     "name",
     "armature",
     "gravity",
+    "ros2_control",
 ]
+
+
+ComponentStateName = Literal["unconfigured", "inactive", "active", "finalized"]
+"""A state of a hardware component, in ros2_control's words."""
+
+
+class HardwareComponentStateRequest(RequestModel):
+    """Bring a hardware component into a state.
+
+    Attributes:
+        state: The state.
+        stop_controllers: Whether the controllers that command it are stopped first;
+            else a component in use stays active.
+
+    Example:
+        {"state": "inactive", "stop_controllers": true}
+    """
+
+    state: ComponentStateName
+    stop_controllers: bool = False
+
+
+class HardwareComponents(ResponseModel):
+    """The hardware components.
+
+    Attributes:
+        components: One per part of the robot with a life cycle of its own.
+
+    Example:
+        {"components": [{"name": "left", "type": "system", "plugin":
+         "franka_hw/FrankaHW", "state": "active", "problem": "", "command_interfaces":
+         [{"hardware_interface": "hardware_interface::EffortJointInterface", "resource":
+         "left_joint1", "is_available": true, "claimed_by": ["left_arm"]}],
+         "state_interfaces": []}]}
+    """
+
+    components: Items[HardwareComponentReport]
 
 
 class SoftLimits(ResponseModel):

@@ -23,6 +23,16 @@ REPLAYED_HEADER: Final = "Idempotent-Replayed"
 MAX_BODY_BYTES: Final = 256 * 1024
 """Largest body of a request, which a dashboard may forward: parsing JSON holds the
 interpreter, and with it the control loop."""
+UPLOAD_PATH: Final = f"{PREFIX}/recordings/upload"
+"""Path of the one request whose body is a file. It goes to the disk unparsed, and then
+is looked at piece by piece."""
+MAX_UPLOAD_BYTES: Final = 500_000_000
+"""Largest file of an upload: ten minutes of a Panda at 1 kHz."""
+
+
+def largest_body(path: str) -> int:
+    """Return the largest body of a request to a path [bytes]."""
+    return MAX_UPLOAD_BYTES if path == UPLOAD_PATH else MAX_BODY_BYTES
 
 
 PROBLEM_MEDIA_TYPE = "application/problem+json"

@@ -31,6 +31,7 @@ class Recording(ResponseModel):
         duration: Station time from its first cycle to its last [s].
         size: Bytes of the file.
         causes: Why an incident was kept; empty for what a user recorded.
+        is_uploaded: Whether it was uploaded as a file instead of recorded here.
 
     Example:
         {"identifier": "20261122T091500123-pick", "name": "pick", "note": "With the
@@ -52,6 +53,7 @@ class Recording(ResponseModel):
     duration: float
     size: int
     causes: Items[str] = Field(default_factory=list)
+    is_uploaded: bool = False
 
 
 class Recordings(ResponseModel):

@@ -1,13 +1,15 @@
 """Wire models of rehearsals."""
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, field_validator, model_validator
 
 from station.wire.base import ControllerName, FileName, ParameterValues, RequestModel
-from station.wire.waypoint_paths import PlayRequest
+from station.wire.library import PlayRequest
 
 _Seconds = Annotated[float, Field(ge=0.0, le=60.0, allow_inf_nan=False)]
+_LEAST = 1e-6
+"""Largest part of a quaternion that still counts as one."""
 _Numbers = list[Annotated[float, Field(allow_inf_nan=False)]]
 
 
@@ -124,12 +126,33 @@ RehearsalStep = Annotated[
 """One step of a rehearsal."""
 
 
+class Place(RequestModel):
+    """A pose of a Franka's end effector EE in the frame of the arm's base O.
+
+    Attributes:
+        position: Of EE's origin, x, y, z [m].
+        orientation: Quaternion x, y, z, w of EE; null keeps the present one.
+    """
+
+    position: _Numbers = Field(min_length=3, max_length=3)
+    orientation: _Numbers | None = Field(default=None, min_length=4, max_length=4)
+
+    @field_validator("orientation")
+    @classmethod
+    def _is_a_rotation(cls, value: list[float] | None) -> list[float] | None:
+        if value is not None and max(map(abs, value)) < _LEAST:
+            raise ValueError("must not be 0")
+        return value
+
+
 class PlanRequest(RequestModel):
-    """Search for a path to a pose that touches nothing.
+    """Search for a path that touches nothing, to one of three kinds of target.
 
     Attributes:
         controller: A running trajectory controller.
         positions: Where joints are to go [rad or m], by name; others stay.
+        pose: Where the end effector is to go; the joints are found.
+        name: A named pose of the robot, such as `ready`.
         timeout: How long to search [s], above 0 and at most 30.
         seed: Of the random numbers; another seed finds another path.
 
@@ -139,11 +162,20 @@ class PlanRequest(RequestModel):
     """
 
     controller: ControllerName
-    positions: dict[str, Annotated[float, Field(allow_inf_nan=False)]] = Field(
-        min_length=1, max_length=64
+    positions: dict[str, Annotated[float, Field(allow_inf_nan=False)]] | None = Field(
+        default=None, min_length=1, max_length=64
     )
+    pose: Place | None = None
+    name: str | None = Field(default=None, min_length=1, max_length=128)
     timeout: float = Field(default=2.0, gt=0.0, le=30.0)
     seed: int = Field(default=0, ge=0)
+
+    @model_validator(mode="after")
+    def _has_one_target(self) -> Self:
+        given = [one for one in (self.positions, self.pose, self.name) if one]
+        if len(given) != 1:
+            raise ValueError("needs one of positions, pose and name")
+        return self
 
 
 class RehearsalRequest(RequestModel):

@@ -518,6 +518,9 @@ class FrankaState(ResponseModel):
         O_dP_EE_c: Commanded twist, shape (6,).
         O_ddP_EE_c: Its rate [m/s^2, rad/s^2], shape (6,).
         O_ddP_O: Acceleration of gravity in O [m/s^2], shape (3,).
+        least_clearance: Distance of the link and the object that are nearest to each
+            other by their margin [m]; null where the arm keeps clear of nothing.
+        nearest_pair: Names of the two; empty for none.
     """
 
     robot_mode: RobotModeName
@@ -567,6 +570,8 @@ class FrankaState(ResponseModel):
     O_dP_EE_c: Measurements
     O_ddP_EE_c: Measurements
     O_ddP_O: Measurements
+    least_clearance: float | None = None
+    nearest_pair: Items[str] = Field(default_factory=list)
 
 
 GripperActionName = Annotated[Literal["homing", "move", "grasp"], FromEnum]

@@ -108,6 +108,7 @@ class SceneObject(ResponseModel):
         links: Links for which the role counts; empty for all.
         colour: Red, green and blue, 0 to 255; empty for the one of its role.
         solid: Whether a simulated robot can touch it.
+        carried_by: Name of the arm whose hand carries it; empty for none.
 
     Example:
         {"name": "cube", "type": "box", "size": [0.05, 0.05, 0.05], "position": [0.5,
@@ -126,6 +127,47 @@ class SceneObject(ResponseModel):
     links: Items[str] = Field(default_factory=list)
     colour: Items[int] = Field(default_factory=list)
     solid: bool = True
+    carried_by: str = ""
+
+
+class AttachRequest(RequestModel):
+    """Let an arm carry an object.
+
+    Attributes:
+        arm: Name of the arm; may be left out where there is only one.
+        load: Whether the arm is told the mass of what it carries, which it refuses
+            while it moves.
+
+    Example:
+        {"arm": "panda"}
+    """
+
+    arm: str = Field(default="", max_length=128)
+    load: bool = True
+
+
+class DetachRequest(RequestModel):
+    """Let an object stay where it is.
+
+    Attributes:
+        load: Whether the arm is told the mass of what is left, which it refuses while
+            it moves.
+
+    Example:
+        {"load": true}
+    """
+
+    load: bool = True
+
+
+class SavedScenes(ResponseModel):
+    """The saved scenes.
+
+    Attributes:
+        scenes: Names of the scenes, sorted.
+    """
+
+    scenes: Items[str]
 
 
 class MovingBase(ResponseModel):

@@ -143,6 +143,25 @@ def test_a_change_waits_for_a_person_under_the_agents_lease(run):
     run(story)
 
 
+def test_nobody_is_asked_for_what_is_malformed(run):
+    async def story(world, agent):
+        await take(agent)
+        for method, path, body in [
+            ("PATCH", GAINS, {"values": {"k": "much"}}),
+            ("PATCH", GAINS, {"wert": 1.0}),
+            ("POST", "/api/v1/controllers/switch", {"start": 3}),
+            ("POST", "/api/v1/gain-sets/a%20b/apply", {}),
+            ("POST", "/api/v1/simulation/step", {"n": 0.5}),
+        ]:
+            answer = await agent.request(method, path, json=body)
+            assert answer.status_code == 422, (path, answer.text)
+            assert answer.json()["code"] == "invalid_request"
+        assert world.services.agents.requests() == []
+        assert world.results() == []
+
+    run(story)
+
+
 def test_what_is_refused_or_not_answered_changes_nothing(run):
     async def story(world, agent):
         await take(agent)

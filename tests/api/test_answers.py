@@ -32,7 +32,13 @@ from station.core.hardware.robot_report import ClampReport, JointLimitsReport
 from station.core.ports.goal import GoalStatus
 from station.core.ports.set_point import SetPoint, SetPointElement
 from station.events import EventLog
-from station.reports import HardwareInterface, HardwareResource, HardwareTransmission
+from station.reports import (
+    Clearance,
+    HardwareInterface,
+    HardwareResource,
+    HardwareTransmission,
+)
+from station.wire import FrankaState
 from tests.api.spring import make_station
 
 
@@ -115,11 +121,15 @@ def test_errors_are_reported_by_name():
     state.current_errors[ERROR_INDEX["joint_reflex"]] = True
     state.doubles("q")[0] = float("nan")
 
-    found = answers.franka_state(state)
+    pair = Clearance(
+        "panda", "link5", "wall", 0.03, 0.02, is_slowing=False, interventions=0
+    )
+    found = FrankaState.model_validate(answers.franka_state(state, pair))
 
     assert found.current_errors == ["joint_reflex"]
     assert found.robot_mode == "reflex"
     assert found.q[0] is None
+    assert (found.least_clearance, found.nearest_pair) == (0.03, ["link5", "wall"])
 
 
 def test_report_describes_its_errors():

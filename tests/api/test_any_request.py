@@ -3,6 +3,7 @@
 Requests are made up from the document itself, sound ones and broken ones.
 """
 
+import os
 from datetime import timedelta
 from functools import cache
 
@@ -35,6 +36,9 @@ PROMISED = [
 STOP = "POST /api/v1/stop"
 """It stops whatever it is told."""
 
+EXAMPLES = int(os.environ.get("MADE_UP_REQUESTS", "8"))
+"""Requests of each operation."""
+
 KNOWN = {"name": "arm", "arm_id": "panda"}
 
 
@@ -65,7 +69,7 @@ def send_made_up_requests(name, known, checks):
     """Send requests of operation `name` with `known` path parameters."""
 
     @settings(
-        max_examples=20,
+        max_examples=EXAMPLES,
         derandomize=True,
         database=None,
         deadline=None,

@@ -4,7 +4,7 @@ import httpx
 
 from station.api.app import create_app
 from station.api.auth import Authenticator
-from station.api.host_policy import HostPolicy
+from station.web.host_policy import HostPolicy
 from tests.api.conftest import AppTransport
 from tests.api.spring import make_station
 

@@ -3,8 +3,7 @@
 import pytest
 from websockets.exceptions import ConnectionClosed
 
-from station.api import websocket_protocol
-from station.api.websocket_protocol import StreamProtocol
+from station.api.server import StreamProtocol
 from tests.api.test_server import deaf_client, open_stream
 
 
@@ -40,7 +39,7 @@ def while_open(stream):
 
 
 def test_a_client_that_does_not_is_cut_off(server, protocols, monkeypatch):
-    monkeypatch.setattr(websocket_protocol, "GRACE", 0.01)
+    monkeypatch.setattr("station.api.server.GRACE", 0.01)
     raw = deaf_client(server)
     (protocol,) = protocols
     protocol.loop.call_soon_threadsafe(protocol.abort, 4408, "why")

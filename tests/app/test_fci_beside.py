@@ -98,6 +98,14 @@ def test_client_and_controllers_take_turns(station, arm):
     assert "end its motion" in no.value.remedy
     assert arm.read_once().time > before
 
+    # A cycle that begins late is not made up for while the client owes commands.
+    cycle, longest = station.loop.control_cycle, []
+    for _ in range(200):
+        arm.command_joint_positions(list(arm.state.q_d))
+        arm.read_once()
+        longest.append(cycle.longest_period)
+    assert station.loop.period in longest
+
 
 def test_arm_whose_server_was_started_anew_is_connected_again(tmp_path):
     built = station_of(CONFIG, tmp_path)

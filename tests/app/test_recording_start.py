@@ -8,7 +8,6 @@ import pytest
 
 from station.api.app import create_app
 from station.api.auth import Authenticator
-from station.api.host_policy import HostPolicy
 from station.app.composition import compose
 from station.app.recording_start import (
     describe,
@@ -18,6 +17,7 @@ from station.app.recording_start import (
 )
 from station.config import load_config
 from station.records.record_store import RecordStore
+from station.web.host_policy import HostPolicy
 
 
 @pytest.fixture
@@ -121,8 +121,8 @@ def test_a_tool_is_served_as_configured(build, tool, host, anonymous):
 
     assert found.tool.lower() == tool
     assert (found.host, found.port) == (host, 9)
-    assert found._anonymous is anonymous
-    allowed = found._guarded._policy
+    assert found.place.anonymous is anonymous
+    allowed = found.place.policy
     assert allowed.origins == {"https://mine.example", "https://tool.example"}
 
 

@@ -10,7 +10,7 @@ from station.api.named_tokens import NamedTokens
 from station.app.station_watchdog import EndedByWatchdogError, StationWatchdog
 from station.config import load_config
 from station.core.errors import LoopError
-from station.core.loop.heartbeat import Phase
+from station.core.loop.heartbeat import Heartbeat, Phase
 from tests.two_joint_station import make_station
 
 
@@ -28,6 +28,10 @@ class FakeProcess:
         self.tokens = []
         self.last_look = None
         self.kills = 0
+        self.heartbeat = Heartbeat()
+
+    def finish(self, timeout):
+        pass
 
     def start(self, settings):
         self.settings.append(settings)
@@ -58,43 +62,46 @@ def warnings():
 
 
 @pytest.fixture
-def watchdog(warnings):
+def process():
+    """Return the process of the watchdog."""
+    return FakeProcess()
+
+
+@pytest.fixture
+def watchdog(warnings, process):
     """Return the watchdog of a station, with a process of the test."""
-    made = StationWatchdog(load_config(), warnings.append)
-    made.finish()
-    made._process = FakeProcess()
-    return made
+    return StationWatchdog(load_config(), warnings.append, process)
 
 
-def test_settings_name_the_process_and_its_tokens(watchdog):
+def test_settings_name_the_process_and_its_tokens(watchdog, process):
     authenticator = Authenticator("operator-token")
     watchdog.start(authenticator)
 
-    (settings,) = watchdog._process.settings
+    (settings,) = process.settings
     assert settings.pid == os.getpid()
     assert settings.operator_token == "operator-token"
     assert settings.viewer_token == authenticator.viewer_token
     assert (settings.notice_after, settings.end_after) == (0.08, 10.0)
 
 
-def test_a_slow_loop_may_use_its_period(warnings):
+def test_a_slow_loop_may_use_its_period(warnings, process):
     config = load_config(flags={"station.rate": 5.0})
-    watchdog = StationWatchdog(config, warnings.append)
-    watchdog.finish()
-    watchdog._process = FakeProcess()
+    watchdog = StationWatchdog(config, warnings.append, process)
 
     watchdog.start(Authenticator(None))
 
-    assert watchdog._process.settings[0].notice_after == 0.4
+    assert process.settings[0].notice_after == 0.4
 
 
-def test_steps_of_the_start_are_announced(watchdog):
+def test_steps_of_the_start_are_announced(watchdog, process):
     watchdog.announce("Loading the controller 'arm'")
 
-    assert watchdog._process.statuses == [{"step": "Loading the controller 'arm'"}]
+    assert process.statuses == [{"step": "Loading the controller 'arm'"}]
 
 
-def test_guarding_begins_with_the_hold_commands_of_the_robot(watchdog, monkeypatch):
+def test_guarding_begins_with_the_hold_commands_of_the_robot(
+    watchdog, monkeypatch, process
+):
     station = make_station()
     monkeypatch.setattr(station.loop.hw, "hold_commands", lambda: [["hold", "left"]])
     station.loop.step()
@@ -103,19 +110,19 @@ def test_guarding_begins_with_the_hold_commands_of_the_robot(watchdog, monkeypat
 
     watchdog.guard(station)
 
-    assert watchdog._process.settings[-1].hold_commands == (("hold", "left"),)
+    assert process.settings[-1].hold_commands == (("hold", "left"),)
     assert watchdog.heartbeat.phase is Phase.RUNNING
-    (status,) = watchdog._process.statuses
+    (status,) = process.statuses
     assert (status["cycle"], status["running"]) == (1, "")
     assert status["positions"] == {"j1": 0.0, "j2": 0.0}
 
 
 def test_an_ended_watchdog_makes_the_station_not_ready_until_it_runs_again(
-    watchdog, warnings
+    watchdog, warnings, process
 ):
     station = make_station()
     station.loop.step()
-    watchdog._process.codes = [-9, None]
+    process.codes = [-9, None]
 
     watchdog.look(station)
     assert station.watchdog_failure == "The watchdog ended (exit code -9)."
@@ -129,11 +136,11 @@ def test_an_ended_watchdog_makes_the_station_not_ready_until_it_runs_again(
 
 
 def test_a_suspended_watchdog_makes_the_station_not_ready_and_is_replaced(
-    watchdog, warnings
+    watchdog, warnings, process
 ):
     station = make_station()
     station.loop.step()
-    clock, process = station.loop.clock, watchdog._process
+    clock = station.loop.clock
     process.last_look = clock.now()
 
     clock.advance(0.9)
@@ -156,10 +163,10 @@ def test_a_suspended_watchdog_makes_the_station_not_ready_and_is_replaced(
     assert len(warnings) == 2
 
 
-def test_a_watchdog_that_looks_again_is_left_alone(watchdog):
+def test_a_watchdog_that_looks_again_is_left_alone(watchdog, process):
     station = make_station()
     station.loop.step()
-    clock, process = station.loop.clock, watchdog._process
+    clock = station.loop.clock
     process.last_look = clock.now()
     clock.advance(2.0)
     watchdog.look(station)
@@ -196,18 +203,20 @@ def test_a_station_can_run_without_a_watchdog(warnings):
     assert (watchdog.url, warnings) == ("", [])
 
 
-def test_named_tokens_are_told_when_they_begin_and_end_and_after_a_restart(watchdog):
+def test_named_tokens_are_told_when_they_begin_and_end_and_after_a_restart(
+    watchdog, process
+):
     station = make_station()
     authenticator = Authenticator("operator-token")
     watchdog.start(authenticator)
     authenticator.named = NamedTokens()  # those of the disk are read later
     asyncio.run(authenticator.named.create("ada", "viewer", None))
-    told = watchdog._process.tokens
+    told = process.tokens
 
     watchdog.look(station)
     watchdog.look(station)
     assert told == [("viewer", None)]
-    watchdog._process.codes = [1]
+    process.codes = [1]
     watchdog.look(station)
     watchdog.look(station)
     assert told == [("viewer", None)] * 2

@@ -116,6 +116,28 @@ def test_yaml_and_fields_are_two_views_of_the_same_values(workspace, client):
     client.unload_controller("viewed")
 
 
+def test_a_chain_is_drawn_from_its_first_controller_to_its_last(workspace, client):
+    joints = [f"panda_joint{i}" for i in range(1, 8)]
+    kind = "position_controllers/JointTrajectoryController"
+    pid = {"dof_names": joints, "command_interface": "effort"}
+    measured = {"reference_and_state_interfaces": ["position", "velocity"]}
+    gains = {"gains": {j: {"p": 300.0, "d": 20.0} for j in joints}}
+    client.load_controller(
+        "below", "pid_controller/PidController", pid | measured | gains
+    )
+    client.load_controller("above", kind, {"joints": [f"below/{j}" for j in joints]})
+    running = [c.name for c in client.controllers() if c.state == "running"]
+    moving = [name for name in running if name != "joint_state_controller"]
+    dock = workspace.dock("controllers")
+    dock.get_by_text("○ above → ○ below").wait_for()
+    client.switch_controllers(start=["below", "above"], stop=moving)
+    dock.get_by_text("● above → ● below (chained)").wait_for()
+    client.switch_controllers(stop=["above", "below"])
+    client.unload_controller("above")
+    client.unload_controller("below")
+    dock.get_by_text("above →").wait_for(state="detached")
+
+
 def test_a_running_controller_is_restarted_in_its_row(workspace, enabled):
     told = []
     workspace.page.on(

@@ -217,13 +217,15 @@ def test_the_cube_is_grasped_and_lifted(person, client):
 
 def test_the_objects_are_listed_where_they_are(person, client):
     person.fold("simulation")
-    table = person.page.locator("st-simulation .objects")
+    dock = person.page.locator("st-scene-objects")
     for one in client.scene():
         place = ", ".join(f"{value + 0.0:.3f}" for value in one.position)
-        row = table.locator("tbody tr").filter(has_text=one.name)
-        assert wait_until(lambda r=row, p=place: p in r.inner_text()), row.inner_text()
-    fixed = table.locator("tbody tr").filter(has_text="table").get_by_text("fixed")
-    assert fixed.count() == 1
+        field = dock.get_by_label(f"Position of {one.name} [m]")
+        assert wait_until(lambda f=field, p=place: f.input_value() == p)
+    table = dock.get_by_role("group", name="table")
+    assert table.get_by_text("fixed").count() == 1
+    # The simulated world is built once.
+    assert table.get_by_role("button", name="Remove table").is_disabled()
 
 
 def test_hitting_the_table_is_recovered_from_and_its_alarm_acknowledged(person, client):

@@ -172,6 +172,7 @@ def test_a_click_answers_what_an_agent_asks_for(
         card = workspace.page.get_by_label("Request of tuner")
         card.get_by_text("tuner asks for").wait_for()
         assert OTHER in card.locator("pre").text_content()
+        card.get_by_text("It would be completed in").wait_for()
         assert not asked.done()
         assert enabled.controller(CONTROLLER).state == "running"
         card.get_by_role("button", name=click, exact=True).click()

@@ -378,3 +378,87 @@ def test_the_view_is_dark_while_the_page_is(page):
     keep_screenshot(page, "dark.png")
     page.emulate_media(color_scheme="light")
     page.wait_for_function(SCHEME, arg="light")
+
+
+# Where a point above the middle of a node is in the picture.
+PROJECTED = """
+([name, above]) => {
+  const {nodeRefFromName: nodes, camera, canvas} = window.__viserMutable;
+  if (!nodes[name]) return null;
+  const point = camera.position.clone().set(0, 0, above);
+  const at = nodes[name].localToWorld(point).project(camera);
+  const box = canvas.getBoundingClientRect();
+  const [x, y] = [(1 + at.x) / 2 * box.width, (1 - at.y) / 2 * box.height];
+  return [box.left + x, box.top + y];
+}
+"""
+
+
+def _drag_up(page, view, arrows, by):
+    """Drag the upper one of the arrows by some pixels."""
+    corner = page.locator("#view").bounding_box()
+    x, y = view.evaluate(PROJECTED, [arrows, 0.12])
+    x, y = x + corner["x"], y + corner["y"]
+    page.mouse.move(x, y)
+    page.wait_for_timeout(300)  # until the view knows what the pointer is at
+    page.mouse.down()
+    for step in range(1, 9):
+        page.mouse.move(x, y - by * step / 8)
+    page.mouse.up()
+
+
+def _height(client, name):
+    return next(one.position[2] for one in client.scene() if one.name == name)
+
+
+def test_a_box_dragged_into_the_way_stops_the_arm_short_of_its_margin(
+    page, view, workspace, at_rest, nodes
+):
+    dock = workspace.dock("simulation")
+    dock.get_by_label("Size of the new object [m]").fill("0.1, 0.1, 0.4")
+    dock.get_by_role("button", name="Add", exact=True).click()
+    place = dock.get_by_label("Position of box [m]")
+    place.fill("0.27, -0.27, 0.45")
+    place.press("Enter")
+
+    def arrows():
+        shown = nodes.find("/moved_object")
+        return shown and shown["pose"][14]
+
+    assert wait_until(lambda: arrows() == pytest.approx(0.45))
+    _drag_up(page, view, "/moved_object", 32)
+    assert wait_until(lambda: _height(at_rest, "box") > 0.47)
+    at_rest.switch_controllers(start=["position_group_controller"])
+    _move(workspace, "joint1", -80, speed=40)
+    assert wait_until(lambda: position(at_rest, "panda_joint1") < -0.05)
+
+    def room():
+        (nearest,) = at_rest.clearances()
+        return nearest.distance - nearest.margin
+
+    assert wait_until(lambda: room() < 5e-3)
+    panda = at_rest.robot("panda")
+    assert wait_until(lambda: max(map(abs, panda.state().dq)) < 0.02)
+    assert room() > -1e-3
+    assert position(at_rest, "panda_joint1") > -0.7
+    dock.get_by_role("button", name="Remove box", exact=True).click()
+    assert wait_until(lambda: [one.name for one in at_rest.scene()] == ["wall"])
+
+
+def test_a_motion_is_rehearsed_and_goes_around_what_is_in_the_way(
+    workspace, at_rest, nodes
+):
+    beyond = {"name": "beyond", "duration": 3.0, "positions": {"panda_joint1": 1.5}}
+    at_rest.waypoint_paths.save("poses", [beyond])
+    joints = workspace.dock("joints")
+    joints.get_by_label("Pose", exact=True).dispatch_event("pointerdown")
+    joints.get_by_role("button", name="Rehearse").click()
+    joints.get_by_text(re.compile("It would end after .* s, at ")).wait_for()
+    assert position(at_rest, "panda_joint1") == pytest.approx(0.0, abs=0.01)
+    joints.get_by_role("button", name="Go around").click()
+    joints.get_by_text(re.compile(r"A way around .* It would be completed")).wait_for()
+    nodes.wait_for("/ghost_0.*")
+    joints.get_by_role("button", name="Move as rehearsed").click()
+    assert wait_until(lambda: abs(position(at_rest, "panda_joint1") - 1.5) < 0.01, 30)
+    assert at_rest.robot("panda").errors().robot_mode != "reflex"
+    at_rest.waypoint_paths.delete("poses")

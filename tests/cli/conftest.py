@@ -12,7 +12,13 @@ from station.core.control.controller_factory import ControllerType as CoreContro
 from station.core.ports.set_point import (
     timeout_parameters,
 )
-from station.reports import AgentRequest, Verdict
+from station.reports import (
+    AgentRequest,
+    ComponentInterface,
+    HardwareComponentReport,
+    Plan,
+    Verdict,
+)
 from station.wire import (
     ArmReport,
     ChainedController,
@@ -52,27 +58,27 @@ class FakeSimulation:
         self._station = station
         self.paused = False
 
-    def _record(self, *call: object) -> Simulation:
-        self._station._record(*call)
+    def record(self, *call: object) -> Simulation:
+        self._station.record(*call)
         return Simulation(
             paused=self.paused, real_time_factor=0.5, time=1.25, steps_due=0
         )
 
     def pause(self):
         self.paused = True
-        return self._record("pause")
+        return self.record("pause")
 
     def resume(self):
         self.paused = False
-        return self._record("resume")
+        return self.record("resume")
 
     def step(self, n):
         self.paused = True
-        return self._record("step", n)
+        return self.record("step", n)
 
     def reset(self, joint_positions, keyframe):
         named = () if keyframe is None else (keyframe,)
-        return self._record("reset", joint_positions, *named)
+        return self.record("reset", joint_positions, *named)
 
 
 class FakeGainSets:
@@ -99,23 +105,23 @@ class FakeGainSets:
         return ["soft", "stiff"]
 
     def get(self, name):
-        self._station._record("get_set", name)
+        self._station.record("get_set", name)
         return self._set
 
     def save(self, name, controllers):
-        self._station._record("save", name, controllers)
+        self._station.record("save", name, controllers)
         return self._set
 
     def delete(self, name):
-        self._station._record("delete_set", name)
+        self._station.record("delete_set", name)
         return self._set
 
     def apply(self, name, controllers):
-        self._station._record("apply", name, controllers)
+        self._station.record("apply", name, controllers)
         return {"arm": self._change}
 
     def undo(self):
-        self._station._record("undo")
+        self._station.record("undo")
         return {"arm": self._change}
 
 
@@ -138,6 +144,9 @@ class _Awaited(_Source):
     async def submit_goal(self, name, goal, epoch=None, certificate=None):
         return self._fake.submit_goal(name, goal)
 
+    async def plan(self, controller, target):
+        return self._fake.plan(controller, target)
+
     async def goal(self, name, goal_id):
         return self._fake.goal(name, goal_id)
 
@@ -152,6 +161,15 @@ class FakeStation:
         self.timeout = 10.0
         self.calls: list[tuple[object, ...]] = []
         self.outcome = "committed"
+        self.component = HardwareComponentReport(
+            "left",
+            "system",
+            "franka_hw/FrankaHW",
+            "inactive",
+            "no cable",
+            (ComponentInterface("EffortJoint", "j1", is_available=False),),
+            (ComponentInterface("JointState", "j1", is_available=True),),
+        )
         self.states = {"arm": "running", "leg": "stopped"}
         self.frames: list[StreamFrame] = []
         self.faults: dict[str, str] = {}
@@ -172,13 +190,13 @@ class FakeStation:
     def __exit__(self, *_):
         return None
 
-    def _record(self, *call: object) -> None:
+    def record(self, *call: object) -> None:
         self.calls.append(call)
         if self.refusal is not None:
             raise self.refusal
 
     def controllers(self):
-        self._record("controllers")
+        self.record("controllers")
         found = [self.controller(name) for name in self.states]
         for name in self.trajectory_controllers:
             kind = f"{name.partition('_')[0]}_controllers/JointTrajectoryController"
@@ -198,6 +216,13 @@ class FakeStation:
             fallback=[],
             time=Percentiles(p50=0.0, p99=2e-5, p999=0.0, max=0.0, count=9),
         )
+
+    def hardware_components(self):
+        return [self.component]
+
+    def set_hardware_component_state(self, name, state, **options):
+        self.record("component", name, state, options)
+        return replace(self.component, state=state)
 
     def chains(self):
         reference = ExportedValue("wheel/joint/velocity", ("diff",))
@@ -224,18 +249,18 @@ class FakeStation:
         return [ControllerType.model_validate(DESCRIBED)]
 
     def parameter(self, path):
-        self._record("parameter", path)
+        self.record("parameter", path)
         return {"p": 1.0}
 
     def set_parameter(self, path, value):
-        self._record("set_parameter", path, value)
+        self.record("set_parameter", path, value)
 
     def delete_parameter(self, path):
-        self._record("delete_parameter", path)
+        self.record("delete_parameter", path)
         return 3
 
     def reload_controller_types(self, *, force_kill):
-        self._record("reload", force_kill)
+        self.record("reload", force_kill)
         return ["arm"] if force_kill else []
 
     def query_state(self, name):
@@ -259,19 +284,31 @@ class FakeStation:
         return client.start_move(*arguments, **options)
 
     def rehearse(self, steps, *, seconds=None, certificate=False):
-        self._record("rehearse", steps, seconds, certificate)
+        self.record("rehearse", steps, seconds, certificate)
         return self.rehearsal
 
+    def plan(self, controller, target):
+        self.record("plan", controller, target)
+        return Plan(
+            controller,
+            {"trajectory": {}},
+            duration=1.0,
+            direct=True,
+            planning_time=0.0,
+            joints=["j1"],
+            positions=[],
+        )
+
     def submit_goal(self, name, goal):
-        self._record("submit_goal", name, goal)
+        self.record("submit_goal", name, goal)
         return self.goals.pop(0)
 
     def goal(self, name, goal_id):
-        self._record("goal", name, goal_id)
+        self.record("goal", name, goal_id)
         return self.goals.pop(0)
 
     def cancel_goal(self, name, goal_id):
-        self._record("cancel_goal", name, goal_id)
+        self.record("cancel_goal", name, goal_id)
 
     def load_controller(
         self,
@@ -282,17 +319,17 @@ class FakeStation:
         timeout=None,
         unknown_params="refuse",
     ):
-        self._record("load", name, type, params)
+        self.record("load", name, type, params)
         self.load_timeout, self.unknown_params = timeout, unknown_params
         self.states[name] = "initialized"
         return self.controller(name)
 
     def unload_controller(self, name):
-        self._record("unload", name)
+        self.record("unload", name)
         return self.controller(name)
 
     def switch_controllers(self, **request):
-        self._record("switch", request)
+        self.record("switch", request)
         return SwitchResult(
             ok=not self.failed and self.outcome == "committed",
             failed=self.failed,
@@ -312,25 +349,25 @@ class FakeStation:
         )
 
     def set_gains(self, name, values):
-        self._record("set_gains", name, values)
+        self.record("set_gains", name, values)
         previous = dict.fromkeys(values, 600.0)
         return GainsChange(values=values, previous=previous, revision=2, cycle=9)
 
     def command(self, name, values):
-        self._record("command", name, values)
+        self.record("command", name, values)
         return CommandAccepted(epoch=3)
 
     def stop(self, reason):
-        self._record("stop", reason)
+        self.record("stop", reason)
         return self._stop_state("stopped")
 
     def release_stop(self, *, arm):
-        self._record("release", arm)
+        self.record("release", arm)
         return self._stop_state("armed" if arm else "released")
 
     def recover_all(self, restart):
         """Recover two arms."""
-        self._record("recover_all", restart)
+        self.record("recover_all", restart)
         robots = [_report("left"), _report("right")]
         return Recoveries(robots=robots, restarted=["arm"] if restart != "none" else [])
 
@@ -353,19 +390,19 @@ class FakeStation:
         return self.control_found
 
     def release(self):
-        self._record("release")
+        self.record("release")
         return ControlState()
 
     def control(self, owner, **options):
-        self._record("control", owner, options)
+        self.record("control", owner, options)
         return _FakeLease()
 
     def events(self, since, **options):
-        self._record("events", since, options)
+        self.record("events", since, options)
         return self.happened
 
     def stream(self, topic, **options):
-        self._record("stream", topic, options)
+        self.record("stream", topic, options)
         return _FakeStream(self.frames)
 
 
@@ -405,13 +442,13 @@ class FakeTokens:
         return [Token(name="ada", role="viewer", created=0.0, expires_at=None)]
 
     def create(self, name, role, expires):
-        self._station._record("create", name, role, expires)
+        self._station.record("create", name, role, expires)
         return NewToken(
             name=name, role=role, created=0.0, expires_at=expires, token="secret"
         )
 
     def revoke(self, name):
-        self._station._record("revoke", name)
+        self._station.record("revoke", name)
         return self.list()[0]
 
 
@@ -426,7 +463,7 @@ class FakeAgents:
         return [self.request]
 
     def answer(self, number, verdict):
-        self._station._record("answer", number, verdict)
+        self._station.record("answer", number, verdict)
         return replace(self.request, verdict=Verdict(verdict), decided_by="ada")
 
 

@@ -2,8 +2,9 @@
 
 import json
 import sys
+from argparse import Namespace
 
-from station.cli.output import say_json, say_model, say_models, say_table
+from station.cli.output import answer, answer_table, say_json, say_table
 from station.wire import ControllerType
 
 
@@ -33,9 +34,20 @@ def test_models_are_json_by_their_names_on_the_wire(capsys):
         "error": "",
     }
 
-    say_model(model)
-    say_models([model])
+    say_json(model)
+    say_json([model])
     say_json({"x": 1})
 
     lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     assert lines == [wire, [wire], {"x": 1}]
+
+
+def test_an_answer_is_lines_or_json(capsys):
+    for as_json in (False, True):
+        options = Namespace(json=as_json)
+        assert answer(options, {"x": 1}, "one", "two") == 0
+        assert answer_table(options, [], ["name"], [], "There are none.") == 0
+        assert answer_table(options, ["a"], ["name"], [["a"]], "There are none.") == 0
+
+    text, data = "one\ntwo\nThere are none.\nname\na\n", '{"x": 1}\n[]\n["a"]\n'
+    assert capsys.readouterr().out == text + data

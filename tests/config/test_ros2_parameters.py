@@ -3,6 +3,7 @@
 import pytest
 import yaml
 
+from station.config.loading import load_config
 from station.config.ros_parameters import join_ros2, split_ros_parameters
 from station.core.errors import ConfigError
 from station.core.yaml_reader import parse_yaml
@@ -174,3 +175,68 @@ base:
 def test_what_does_not_fit_is_refused(text, words):
     with pytest.raises(ConfigError, match=words):
         read(text)
+
+
+def test_variables_are_those_of_the_configuration(tmp_path):
+    path = tmp_path / "ur.yaml"
+    path.write_text("""
+controller_manager:
+  ros__parameters:
+    arm: {type: ur_controllers/ScaledJointTrajectoryController}
+arm:
+  ros__parameters:
+    joints: [$(var tf_prefix)elbow]
+    command_interfaces: [position]
+""")
+    found = load_config(
+        None, controller_files=[path], flags={"arguments.tf_prefix": "left_"}
+    ).controller_parameters()["arm"]
+    assert found["joints"] == ["left_elbow"]
+    assert found["type"] == "position_controllers/JointTrajectoryController"
+    bare = load_config({"arguments": {"tf_prefix": ""}}, controller_files=[path])
+    assert bare.controller_parameters()["arm"]["joints"] == ["elbow"]
+    with pytest.raises(ConfigError, match=r"\$\(var tf_prefix\)"):
+        load_config(None, controller_files=[path])
+
+
+def test_types_may_be_those_of_the_stations_own_file(tmp_path):
+    path = tmp_path / "base.yaml"
+    path.write_text("""
+base:
+  ros__parameters:
+    left_wheel_names: [l]
+    right_wheel_names: [r]
+    left_wheel_radius_multiplier: 1.1
+    right_wheel_radius_multiplier: 1.1
+""")
+    kind = "diff_drive_controller/DiffDriveController"
+    found = load_config(
+        {"controllers": {"base": {"type": kind}}}, controller_files=[path]
+    ).controller_parameters()["base"]
+    assert found == {
+        "type": kind,
+        "left_wheel": ["l"],
+        "right_wheel": ["r"],
+        "wheel_radius_multiplier": 1.1,
+    }
+
+
+def test_examples_of_franka_get_the_arm_of_the_robot(tmp_path):
+    path = tmp_path / "franka.yaml"
+    kinds = ("JointPosition", "CartesianPose", "JointImpedance")
+    path.write_text(
+        "controller_manager:\n  ros__parameters:\n"
+        + "".join(
+            f"    e{n}: {{type: franka_example_controllers/{kind}ExampleController}}\n"
+            for n, kind in enumerate(kinds)
+        )
+    )
+    robot = {"type": "franka_hw/FrankaHW", "arm_id": "fr3"}
+    found = load_config({"robot": robot}, controller_files=[path])
+    position, pose, impedance = (
+        found.controller_parameters()[f"e{n}"] for n in range(3)
+    )
+    assert "arm_id" not in position
+    assert position["joint_names"][6] == "fr3_joint7"
+    assert (pose["arm_id"], "joint_names" in pose) == ("fr3", False)
+    assert impedance.keys() == {"type", "arm_id", "joint_names"}

@@ -14,7 +14,13 @@ POSE = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]
 OTHER_JOINTS = [f"other_joint{number}" for number in range(1, 8)]
 """Those of the second arm of two."""
 
-MOCK = {"joints": JOINTS, "initial_positions": POSE}
+SENSORS = ("range", "magnetometer", "gps", "battery")
+MOCK = {
+    "joints": JOINTS,
+    "initial_positions": POSE,
+    "sensors": {f"mock_{kind}": {"type": kind} for kind in SENSORS},
+    "gpios": {"io": {"command_interfaces": ["out"], "state_interfaces": ["out"]}},
+}
 FRANKA = {
     "arm_id": "panda",
     "joint_names": JOINTS,
@@ -114,6 +120,29 @@ CONTROLLER_PARAMETERS: Mapping[str, object] = {
 """Everything a controller of the table may ask for."""
 
 
+MEAN = {"type": "filters/MeanFilterDouble", "params": {"number_of_observations": 2}}
+PARAMETERS_OF_TYPES: Mapping[str, Mapping[str, object]] = {
+    "range_sensor_broadcaster/RangeSensorBroadcaster": {"sensor_name": "mock_range"},
+    "magnetometer_broadcaster/MagnetometerBroadcaster": {
+        "sensor_name": "mock_magnetometer"
+    },
+    "gps_sensor_broadcaster/GPSSensorBroadcaster": {"sensor_name": "mock_gps"},
+    "battery_state_broadcaster/BatteryStateBroadcaster": {
+        "batteries": ["mock_battery"]
+    },
+    "gpio_controllers/GpioCommandController": {
+        "gpios": ["io"],
+        "command_interfaces": {"io": {"interfaces": ["out"]}},
+    },
+    "chained_filter_controller/ChainedFilter": {
+        "input_interfaces": ["mock_range/range"],
+        "output_interfaces": ["range"],
+        "filter_chain": {"filter1": MEAN},
+    },
+}
+"""What controllers of one type ask for instead."""
+
+
 @cache
 def panda() -> RobotFiles:
     """Return the description of the Panda, read once."""
@@ -142,7 +171,8 @@ def bench_for(controller_type: str, **more: object) -> Bench:
         controller_type: A key of `CONTROLLERS`.
         more: More parameters of the controller.
     """
-    parameters = {**CONTROLLER_PARAMETERS, **more}
+    special = PARAMETERS_OF_TYPES.get(controller_type, {})
+    parameters = {**CONTROLLER_PARAMETERS, **special, **more}
     if controller_type in TWO_ARMED:
         bench = robot_bench("franka_hw/FrankaCombinedHW")
         bench.load_controller("it", controller_type, **parameters)

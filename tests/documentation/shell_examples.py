@@ -41,6 +41,7 @@ class Request:
     url: str = ""
     headers: dict[str, str] = field(default_factory=dict)
     body: str | None = None
+    output: str = ""
 
 
 def blocks(page: Path) -> list[str]:
@@ -94,10 +95,10 @@ def curl_request(words: list[str]) -> Request:
         elif word in {"-H", "--header"}:
             name, _, value = next(rest).partition(":")
             request.headers[name.strip()] = value.strip()
-        elif word in {"-d", "--data"}:
+        elif word in {"-d", "--data", "--data-binary"}:
             request.body = next(rest)
         elif word in {"-o", "--output"}:
-            next(rest)  # where the answer goes
+            request.output = next(rest)
         elif word in {"-s", "-i"}:
             continue
         else:

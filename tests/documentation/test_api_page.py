@@ -2,7 +2,7 @@
 
 import re
 
-from station.api.routes.problems import MEANINGS
+from station.api.routes.routing import MEANINGS
 from station.api.streams import broadcaster
 from station.api.streams.topics import (
     ControllerStateTopic,

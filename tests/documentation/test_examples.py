@@ -37,6 +37,8 @@ ENDLESS = {"run", "ui", "doctor"}
 """Verbs that are not tried: they last, or look at the machine."""
 LASTING = {"--follow", "take"}
 """Words that let other verbs last until Ctrl-C."""
+FILES: dict[str, bytes] = {}
+"""The files that examples have made, and later ones send."""
 VERBS = [
     command
     for page in PAGES
@@ -146,13 +148,19 @@ def is_lasting(words: list[str]) -> bool:
 
 def send(words: list[str]) -> httpx.Response:
     request = curl_request(words)
-    return httpx.request(
+    body = request.body
+    if body is not None and body.startswith("@"):
+        body = FILES[body[1:]]
+    answer = httpx.request(
         request.method,
         request.url,
         headers=request.headers,
-        content=request.body,
+        content=body,
         timeout=30.0,
     )
+    if request.output:
+        FILES[request.output] = answer.content
+    return answer
 
 
 @for_each("command", VERBS, ids=lambda command: command.text)

@@ -117,12 +117,12 @@ def test_names_never_lead_out_of_the_folder(sets, name):
 @pytest.mark.parametrize(
     ("text", "why"),
     [
-        ("", "no mapping 'gains'"),
-        ("gains: 5", "no mapping 'gains'"),
-        ("gains: {one: 5}", "gains of 'one'"),
-        ("gains: {one: {k: high}}", "'high', which is no finite number"),
-        ("gains: {one: {k: .nan}}", "no finite number"),
-        ("gains: {one: {k: true}}", "no finite number"),
+        ("", "valid dictionary"),
+        ("gains: 5", "valid dictionary"),
+        ("gains: {one: 5}", "one: Input should be a valid dictionary"),
+        ("gains: {one: {k: high}}", "one/k: Input should be a valid number"),
+        ("gains: {one: {k: .nan}}", "one/k: Input should be a finite number"),
+        ("gains: {one: {k: true}}", "one/k: Input should be a valid number"),
         ("{", "not valid YAML"),
         ("gains: !!python/object/apply:os.getcwd []", "unknown"),
         ("#" * 1_000_001, "larger than"),

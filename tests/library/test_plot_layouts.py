@@ -4,7 +4,7 @@ import pytest
 
 from station.core.errors import PlotLayoutError, PlotLayoutNotFoundError
 from station.library.plot_layouts import PlotLayouts
-from station.reports import PlotSettings
+from station.reports import DockSettings, PlotSettings
 
 PLOTS = (
     PlotSettings(["position/a", "d/dt position/a"], span=30.0),
@@ -22,7 +22,10 @@ def test_a_layout_is_saved_read_and_deleted(layouts):
     assert layouts.names() == ["torques"]
     assert layouts.get("torques") == saved
     assert tuple(saved.plots) == PLOTS
-    layouts.save("torques", PLOTS[:1])
+    docks = DockSettings(["plots"], 468.0, 236.0, {"joints": 300.0})
+    layouts.save("torques", PLOTS, docks)
+    layouts.save("torques", PLOTS[:1])  # without docks, which stay
+    assert layouts.get("torques").docks == docks
     assert tuple(layouts.delete("torques").plots) == PLOTS[:1]
     with pytest.raises(PlotLayoutNotFoundError, match="no plot layout 'torques'"):
         layouts.get("torques")
@@ -31,8 +34,9 @@ def test_a_layout_is_saved_read_and_deleted(layouts):
 @pytest.mark.parametrize(
     ("text", "why"),
     [
-        ("plots: 3", "no list 'plots'"),
-        ("plots: [{keys: [a], span: 1}]", "its plot 1 is malformed"),
+        ("plots: 3", "valid tuple"),
+        ("plots: []\ndocks: {side: 3}", "folded: "),
+        ("plots: [{span: 1}]", "0/keys: Field required"),
         ("plots: [{keys: [a], span: -1, xy: false, transform: ''}]", "shows -1.0 s"),
     ],
 )

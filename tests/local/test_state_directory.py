@@ -4,7 +4,7 @@ import stat
 
 import pytest
 
-from station.local.state_directory import (
+from station.local.private_files import (
     StateDirectory,
     StateDirectoryError,
     state_directory,

@@ -24,6 +24,7 @@ from station.records.recording_reader import (
     read_trajectory,
 )
 from tests.api.spring import make_station
+from tests.franka_station import make_franka_station
 
 
 def _run(station, recorder, cycles, every=200):
@@ -63,6 +64,29 @@ def test_what_controllers_ask_for_and_what_is_sent_is_recorded(
     assert (asked[0]["name"], asked[0]["desired"], asked[0]["actual"]) == (
         ["j"], [0.5], [0.25],
     )  # fmt: skip
+
+
+def test_the_nearest_pair_of_an_arm_is_recorded_in_every_cycle(store, incidents):
+    ball = {"type": "sphere", "size": [0.1], "position": [0.8, 0, 0.5]}
+    places = [{"name": "ball", "role": "keep_out", **ball}]
+    station = make_franka_station(objects=places)
+    recorder = Recorder(station, store, incidents, wall_time=lambda: 10**18)
+    recorder.start()
+    told = []
+    for _ in range(20):
+        station.loop.step()
+        told.append(station.surroundings.clearance("panda"))
+    recorder.drain()
+    path = store.file(recorder.stop().identifier)
+    recorder.close()
+
+    found = [m for _, m in read_messages(path, ["/clearance/panda"])]
+    assert [m["distance"] for m in found] == [one.distance for one in told]
+    assert {(m["link"], m["object"], m["margin"]) for m in found} == {
+        (told[0].link, "ball", 0.02)
+    }
+    # The ball begins 0.7 m in front of the base, the hand ends at 0.36 m.
+    assert 0.33 < told[0].distance < 0.37
 
 
 def test_an_independent_reader_reads_the_file(station, recorder, store):

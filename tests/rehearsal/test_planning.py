@@ -6,10 +6,16 @@ import numpy as np
 import pytest
 
 import station
-from station.core.errors import InvalidTrajectoryError, NoPathError
+from station.core.errors import (
+    InvalidCommandError,
+    InvalidTrajectoryError,
+    NoPathError,
+)
+from station.core.franka.arms import Arms
 from station.rehearsal.path_search import PathSearch
 from station.rehearsal.planning import Wish
 from station.rehearsal.rehearsals import Rehearsals
+from tests.rehearsal.cluttered_scenes import Scene
 
 ARM = "position_joint_trajectory_controller"
 JOINTS = [f"panda_joint{i}" for i in range(1, 8)]
@@ -68,12 +74,73 @@ def test_refusal_says_which_bodies_or_which_joint():
         rehearsals.plan(Wish(ARM, BEHIND, timeout=0.001))
 
 
+def end_effector(robot):
+    arms = Arms(robot.facade.robots)
+    return np.array(arms.state("panda").O_T_EE)
+
+
+def test_planned_pose_is_reached_around_a_post():
+    robot = at_begin(SCENES["post"])
+    pose = end_effector(robot)
+    # The mirror image on the other side of the post.
+    place = ([pose[12], -pose[13], pose[14]], None)
+    found = Rehearsals(robot.facade).plan(Wish(ARM, place=place))
+    goal = robot.facade.motion.submit_goal(ARM, found.goal)
+    robot.run(found.duration + 0.5)
+    assert goal.status.value == "succeeded"
+    reached = end_effector(robot)
+    assert reached[12:15] == pytest.approx(place[0], abs=2e-3)
+    assert reached[:11] == pytest.approx(pose[:11], abs=5e-3)
+
+
+def test_refusal_of_a_pose_says_how_far_or_which_bodies():
+    robot = at_begin(SCENES["post"])
+    rehearsals = Rehearsals(robot.facade)
+    with pytest.raises(NoPathError, match="cannot get there") as far:
+        rehearsals.plan(Wish(ARM, place=([1.5, 0.0, 0.5], None)))
+    assert far.value.details["cause"] == "unreachable"
+    # 0.855 m from the shoulder at a height of 0.333 m to the wrist, and the hand.
+    assert 0.3 < far.value.details["distance"] < 0.9
+    with pytest.raises(NoPathError, match="post") as touching:
+        rehearsals.plan(Wish(ARM, place=([0.42, 0.0, 0.6], None)))
+    assert "post" in touching.value.details["pair"]
+    with pytest.raises(InvalidCommandError, match="no pose 'reddy'"):
+        rehearsals.named_pose(ARM, "reddy")
+    assert rehearsals.named_pose(ARM, "ready")["panda_joint4"] == pytest.approx(
+        -2.356, abs=1e-3
+    )
+
+
+def test_planned_path_keeps_clear_of_a_place_that_nothing_touches():
+    robot = at_begin([])
+    place = {**SCENES["post"][0], "role": "keep_out", "margin": 0.02}
+    robot.facade.surroundings.put("post", {k: place[k] for k in place if k != "name"})
+    found = Rehearsals(robot.facade).plan(Wish(ARM, BEHIND))
+    goal = robot.facade.motion.submit_goal(ARM, found.goal)
+    least = 1.0
+    for _ in range(int(1000 * found.duration) + 300):
+        robot.step()
+        least = min(least, robot.facade.surroundings.clearance("panda").distance)
+    assert not found.direct
+    assert goal.status.value == "succeeded"
+    assert least >= 0.02
+    with pytest.raises(NoPathError, match="post") as touching:
+        Rehearsals(robot.facade).plan(Wish(ARM, {"panda_joint1": 0.0}))
+    assert "post" in touching.value.details["pair"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, 15, 42])
+def test_ways_through_clutter_are_found_and_clear(seed):
+    assert Scene.of(seed).follow() == (True, set())
+
+
 def test_search_finds_the_gap_of_a_wall():
     def is_clear(pose):
         return not (0.4 < pose[0] < 0.6 and abs(pose[1] - 0.8) > 0.1)
 
     search = PathSearch(is_clear, np.zeros(2), np.ones(2), seed=1)
-    path = search.find(np.array([0.1, 0.1]), np.array([0.9, 0.1]), np.inf)
+    path = search.find(np.array([0.1, 0.1]), [np.array([0.9, 0.1])], np.inf)
     for one, other in pairwise(path):
         for share in np.linspace(0.0, 1.0, 200):
             x, y = one + share * (other - one)
@@ -83,4 +150,4 @@ def test_search_finds_the_gap_of_a_wall():
 def test_free_way_is_straight():
     search = PathSearch(lambda _: True, np.zeros(2), np.ones(2), seed=1)
     start, goal = np.array([0.1, 0.1]), np.array([0.9, 0.4])
-    assert search.find(start, goal, np.inf) == [start, goal]
+    assert search.find(start, [goal], np.inf) == [start, goal]

@@ -4,15 +4,31 @@ import numpy as np
 import pytest
 
 import station
+from station.core.clock import ManualClock
 from station.core.control.controller import ControllerState
-from station.core.errors import CertificateVoidError, RehearsalNeededError
+from station.core.errors import (
+    CertificateVoidError,
+    RehearsalError,
+    RehearsalNeededError,
+)
 from station.core.franka.arms import Arms
+from station.core.franka.franka_services import FrankaServices
 from station.core.loop.stop_latch import StopState
 from station.core.ports.goal import GoalStatus
 from station.rehearsal.envelope import Envelope
+from station.rehearsal.planning import Wish
 from station.rehearsal.process_copy import run_in_copy
-from station.rehearsal.rehearsals import AgentEnvelopeError, Policy, Rehearsals, Rules
+from station.rehearsal.rehearsals import (
+    BURST,
+    INTERVAL,
+    AgentEnvelopeError,
+    Policy,
+    Rehearsals,
+    Rules,
+    TooManyRehearsalsError,
+)
 from station.rehearsal.run_ahead import Script, digest_of, run_ahead
+from tests.two_joint_station import make_station
 
 READY = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]
 JOINTS = [f"panda_joint{i}" for i in range(1, 8)]
@@ -214,6 +230,31 @@ def test_contact_names_bodies_force_and_link(ready):
     assert touched.cycle <= told.error.cycle
     assert touched.force > 10.0
     assert any("wall" in pair for pair in told.error.touching)
+    (near,) = told.clearances
+    assert "wall" in near.bodies
+    # Looked at every 20 cycles: between two looks the arm moves some millimetres.
+    assert near.distance < 0.03
+    assert near.margin is None
+
+
+def test_least_clearances_are_those_of_the_motion_that_follows(ready):
+    robot = ready(EFFORT)
+    place = {"type": "sphere", "size": [0.05], "position": [0.4, 0.4, 0.6]}
+    robot.facade.surroundings.put("ball", {**place, "role": "keep_out"})
+    told = Rehearsals(robot.facade).rehearse(STEPS)
+    solid, kept = told.clearances
+    assert solid.bodies[1] in {"wall", "world"}
+    assert solid.distance > 0.1
+    robot.facade.motion.submit_goal(EFFORT, STEPS[0]["request"])
+    pairs = []
+    for _ in range(told.cycles):
+        robot.step()
+        pairs.append(robot.facade.surroundings.clearance("panda"))
+    robot.facade.surroundings.remove("ball")
+    least = min(pairs, key=lambda pair: pair.distance)
+    assert (kept.bodies, kept.distance) == ((least.link, "ball"), least.distance)
+    assert kept.cycle == told.begin_cycle + pairs.index(least)
+    assert kept.margin == 0.02
 
 
 def test_rehearsal_changes_nothing(ready):
@@ -365,6 +406,30 @@ def test_a_motion_out_of_the_envelope_gets_no_certificate(ready):
         assert persons.certificate is not None
 
 
+def test_a_hand_keeps_to_the_workspace_of_agents(ready):
+    robot = ready(EFFORT)
+    state = robot.facade.robots.get("panda", FrankaServices).get_robot_state()
+    x, _, z = state.O_T_EE[12:15]  # joint 1 at 0 turns the hand about the base's z
+
+    def rehearsals(**workspace):
+        envelope = Envelope(workspace=workspace)
+        return Rehearsals(robot.facade, rules=Rules(envelope=envelope))
+
+    told = rehearsals(y=(-0.1, 0.1)).rehearse(STEPS, certify=True, is_agent=True)
+    assert (told.error.code, told.error.where) == ("outside_envelope", "panda")
+    assert "The hand of panda comes to y = 0.1" in told.error.text
+    first = np.interp(told.error.time, told.times, np.array(told.positions)[:, 0])
+    assert x * np.sin(first) == pytest.approx(0.1, abs=2e-3)
+    assert told.certificate is None
+    free = rehearsals(x=(0.0, 1.0), z=(z - 0.02, z + 0.02))
+    assert free.rehearse(STEPS, certify=True, is_agent=True).certificate is not None
+
+    joint = robot.facade.joint_names[0]
+    rehearsals(y=(-0.1, 0.1)).check_range(joint, 0.99 * np.arcsin(0.1 / x))
+    with pytest.raises(AgentEnvelopeError, match="hand of panda comes to y"):
+        rehearsals(y=(-0.1, 0.1)).check_range(joint, 1.01 * np.arcsin(0.1 / x))
+
+
 def test_a_test_of_an_agent_keeps_to_the_ranges(ready):
     robot = ready(EFFORT)
     name = robot.facade.joint_names[0]
@@ -374,3 +439,35 @@ def test_a_test_of_an_agent_keeps_to_the_ranges(ready):
     rehearsals.check_range(name, 0.09)
     with pytest.raises(AgentEnvelopeError, match=f"{name} would move from"):
         rehearsals.check_range(name, 0.11)
+
+
+def test_each_client_gets_copies_of_a_live_station_at_a_bounded_rate(monkeypatch):
+    def refuse(*_):
+        raise RehearsalError("It is not copied here.")
+
+    def ask(who):
+        with pytest.raises(RehearsalError, match="not copied"):
+            rehearsals.rehearse([], who=who)
+
+    monkeypatch.setattr("station.rehearsal.rehearsals.run_in_copy", refuse)
+    clock, own = ManualClock(), make_station()
+    rehearsals = Rehearsals(own, now=clock.now)
+    for _ in range(BURST + 1):
+        ask("ada")  # nothing runs that a copy could delay
+    own.loop.start()
+    try:
+        for _ in range(BURST):
+            ask("ada")
+            ask(None)
+        clock.advance(0.25 * INTERVAL)
+        with pytest.raises(TooManyRehearsalsError, match="ada") as refused:
+            rehearsals.rehearse([], who="ada")
+        assert refused.value.details == {"retry_after": 0.75 * INTERVAL}
+        ask("bob")
+        ask(None)
+        clock.advance(0.75 * INTERVAL)
+        ask("ada")
+        with pytest.raises(TooManyRehearsalsError):
+            rehearsals.plan(Wish("arm", {}), "ada")
+    finally:
+        own.loop.stop()

@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[2]
     ("command", "told"),
     [
         ("bench_arms.py --arms 1 2 --switches 5", "5 switches: nothing wrong"),
-        ("pick_and_place.py --poses 1 --seed 1", "1 of 1 succeed"),
+        ("pick_and_place.py --poses 1 --seed 1 --factor 4", "1 of 1 succeed"),
         ("robots.py ur3", "1 of 1 start; not good: none"),
     ],
 )

@@ -17,8 +17,8 @@ pytestmark = [
     pytest.mark.skipif(find_misfit() is not None, reason=str(find_misfit())),
 ]
 
-SECONDS = 20
-"""Of station time: four periods of the set-points, seven goals."""
+SECONDS = 10
+"""Of station time: two periods of the set-points, four goals."""
 
 
 @pytest.fixture(scope="module")

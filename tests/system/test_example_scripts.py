@@ -1,5 +1,9 @@
-"""The scripts and the notebook of `examples/` run against a station, and are short."""
+"""The scripts of `examples/` run against a station, and are short.
 
+Most of them run as the cells of the notebook, which is made of them word by word.
+"""
+
+import json
 import re
 import runpy
 import subprocess
@@ -8,18 +12,25 @@ from pathlib import Path
 
 import pytest
 
+from tests.for_each import for_each
 from tests.system.station_process import StationProcess
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples"
 SCRIPTS = ["tune_by_step_responses", "pick_a_cube", "record_and_analyse"]
 EXECUTE = """
+import json, sys
 import nbclient, nbformat
 notebook = nbformat.read({path!r}, as_version=4)
 nbclient.NotebookClient(notebook, timeout=300).execute()
+shown = {{}}
 for cell in notebook.cells:
-    for output in cell.get("outputs", ()):
-        print(output.get("text", ""), output.get("data", {{}}).get("text/html", ""))
+    outputs = cell.get("outputs", ())
+    shown[cell.id] = "".join(
+        one.get("text", "") + one.get("data", {{}}).get("text/html", "")
+        for one in outputs
+    )
+json.dump(shown, sys.stdout)
 """
 
 
@@ -47,7 +58,7 @@ def run(station, folder, *arguments):
     return done.stdout
 
 
-@pytest.mark.parametrize("script", SCRIPTS)
+@for_each("script", SCRIPTS)
 def test_script_has_at_most_25_lines(script):
     assert len((EXAMPLES / f"{script}.py").read_text().splitlines()) <= 25
 
@@ -58,17 +69,28 @@ def test_notebook_is_made_of_the_scripts():
     assert (EXAMPLES / "station.ipynb").read_text() == generator["text"]()
 
 
-@pytest.mark.slow
-def test_step_responses_are_plotted(station, tmp_path):
-    out = run(station, tmp_path, EXAMPLES / "tune_by_step_responses.py")
+@pytest.fixture(scope="module")
+def notebook(station, tmp_path_factory):
+    """Run the notebook, whose cells are the scripts; return its folder and outputs."""
+    folder = tmp_path_factory.mktemp("notebook")
+    code = EXECUTE.format(path=str(EXAMPLES / "station.ipynb"))
+    return folder, json.loads(run(station, folder, "-c", code))
 
-    assert re.findall(r"p = (\d+): overshoot \d", out) == ["100", "300", "600"]
-    assert (tmp_path / "step_responses.png").stat().st_size > 10_000
+
+def test_the_notebook_shows_the_station(notebook):
+    assert "<b>Station</b>" in notebook[1]["connect"]
 
 
-@pytest.mark.slow
-def test_cube_is_picked_in_spite_of_a_reflex(station, tmp_path):
-    out = run(station, tmp_path, EXAMPLES / "pick_a_cube.py")
+def test_step_responses_are_plotted(notebook):
+    folder, shown = notebook
+
+    found = re.findall(r"p = (\d+): overshoot \d", shown["tune_by_step_responses"])
+    assert found == ["100", "300", "600"]
+    assert (folder / "step_responses.png").stat().st_size > 10_000
+
+
+def test_cube_is_picked_in_spite_of_a_reflex(notebook):
+    out = notebook[1]["pick_a_cube"]
 
     assert "width of what is held: 40 mm" in out
     assert "reflex" in out
@@ -77,34 +99,29 @@ def test_cube_is_picked_in_spite_of_a_reflex(station, tmp_path):
     assert z == pytest.approx(0.02, abs=0.01)
 
 
-@pytest.mark.slow
-def test_motion_is_recorded_and_analysed(station, tmp_path):
-    out = run(station, tmp_path, EXAMPLES / "record_and_analyse.py")
+def test_motion_is_recorded_and_analysed(notebook):
+    folder, shown = notebook
+    out = shown["record_and_analyse"]
 
     cycles = int(re.match(r"(\d+) cycles, \d+ lost", out)[1])
     assert 500 < cycles <= 2501
-    rows = (tmp_path / "motion.csv").read_text().splitlines()
+    assert "tracking error: rms" in out
+    rows = (folder / "motion.csv").read_text().splitlines()
     assert len(rows) == cycles + 1
     assert rows[0].startswith("stamp,cycle,desired/panda_joint1")
 
 
-@pytest.mark.slow
+def test_a_joint_is_tuned(notebook):
+    percent = re.match(r"error (\d+)% of the first", notebook[1]["tune_a_joint"])[1]
+
+    assert 0 < int(percent) <= 100
+
+
 def test_controllers_are_compared(station, tmp_path):
+    """It needs no running station, and is no cell of the notebook."""
     out = run(station, tmp_path, EXAMPLES / "compare_two_controllers.py")
 
     found = re.findall(r"(\w+) +(\S+) +(\S+) +p = (\S+)", out)
     means = {name: (float(one), float(other)) for name, one, other, _ in found}
     assert means["rms_error"][0] < means["rms_error"][1]
     assert all(0.0 < float(p) <= 1.0 for *_, p in found)
-
-
-@pytest.mark.slow
-def test_notebook_runs(station, tmp_path):
-    run(station, tmp_path, "-m", "station", "reset")
-
-    code = EXECUTE.format(path=str(EXAMPLES / "station.ipynb"))
-    out = run(station, tmp_path, "-c", code)
-
-    assert "<b>Station</b>" in out
-    assert "width of what is held: 40 mm" in out
-    assert "tracking error: rms" in out

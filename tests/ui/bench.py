@@ -49,7 +49,7 @@ class Bench:
         self.seen = []
         self._reader = threading.Thread(target=self._read)
         self._reader.start()
-        self._send(CAMERA)
+        self.send(CAMERA)
         assert self.wait(lambda: self.guarded.server.get_clients())
         return self
 
@@ -63,11 +63,11 @@ class Bench:
     @property
     def link(self):
         """The dashboard's link to the station."""
-        return self.dashboard._link
+        return self.dashboard.link
 
     def enter(self, widget, value):
         """Set a widget as a person in a browser does."""
-        self._send({
+        self.send({
             "type": "GuiUpdateMessage",
             "uuid": widget._impl.uuid,
             "updates": {"value": value},
@@ -77,7 +77,7 @@ class Bench:
         """Poll until `holds` is true; return its last answer."""
         return wait_until(holds, seconds)
 
-    def _send(self, message):
+    def send(self, message):
         self._socket.send(msgspec.msgpack.encode(message))
 
     def _read(self):

@@ -39,9 +39,9 @@ def _is_empty(bench):
     """Return whether the panel shows that nothing is loaded and all may move."""
     view = bench.link.view()
     shown = [
-        bench.dashboard._sliders._teleoperation.joints.controllers,
-        bench.dashboard._gains._chosen.value != NONE,
-        bench.dashboard._gains._sliders,
+        bench.dashboard.sliders.teleoperation.joints.controllers,
+        bench.dashboard.gains.chosen.value != NONE,
+        bench.dashboard.gains.sliders,
     ]
     return not view.controllers and not view.blocked() and not any(shown)
 

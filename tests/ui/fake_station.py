@@ -94,7 +94,7 @@ class FakeStation:
             ("GET", "/hardware"): self._hardware,
             ("POST", "/robots/error_recovery"): self._recover,
             ("POST", "/robots/{name}/user_stop"): self._user_stop,
-            ("POST", "/stop"): self._stop,
+            ("POST", "/stop"): self.stop,
             ("POST", "/stop/release"): self._release,
         }
         return Starlette(
@@ -273,7 +273,7 @@ class FakeStation:
     def _hardware(self, *_):
         return JSONResponse(HARDWARE)
 
-    def _stop(self, *_):
+    def stop(self, *_):
         self.stop_state = "stopped"
         self.epoch += 1
         for controller in self.controllers.values():

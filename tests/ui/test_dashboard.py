@@ -10,14 +10,14 @@ def test_the_bar_is_live(bench):
 
 def test_the_robot_on_screen_follows_the_station(bench):
     bench.station.positions = [0.33, *bench.station.positions[1:]]
-    shown = bench.dashboard._scene._moving.shown
+    shown = bench.dashboard.scene._moving.shown
     assert bench.wait(lambda: abs(shown.get("panda_joint1", 0.0) - 0.33) < 1e-9)
 
 
 def test_a_failing_panel_is_logged_and_shown_and_the_others_live(
     bench, monkeypatch, caplog
 ):
-    panel = bench.dashboard._sliders
+    panel = bench.dashboard.sliders
 
     def fail(_view):
         raise RuntimeError("broken panel")

@@ -11,8 +11,7 @@ from typing_extensions import override
 from station.api.foxglove.foxglove_changes import FoxgloveChanges
 from station.api.foxglove.foxglove_session import SUBPROTOCOLS, FoxgloveSession
 from station.api.foxglove.live_channels import LiveChannels
-from station.api.host_policy import HostPolicy
-from station.api.tool_port import ToolClient, ToolPort
+from station.api.tool_port import Place, ToolClient, ToolPort
 
 _PARAMETERS_EVERY = 25
 """Ticks between two looks whether gains have changed."""
@@ -24,10 +23,7 @@ class FoxglovePort(ToolPort[FoxgloveSession]):
     Args:
         app: The application of the API, whose station, tokens and lease it shares.
         channels: Channels that a client can subscribe to.
-        host: Address to listen at.
-        port: TCP port; 0 for any free one.
-        policy: Which hosts and origins are allowed.
-        anonymous: Whether a client without a token is a viewer.
+        place: Where it is served, and for whom.
     """
 
     tool: ClassVar[str] = "Foxglove"
@@ -35,17 +31,8 @@ class FoxglovePort(ToolPort[FoxgloveSession]):
     rate: ClassVar[float] = 50.0
     most_clients: ClassVar[int] = 16
 
-    def __init__(
-        self,
-        app: FastAPI,
-        channels: LiveChannels,
-        *,
-        host: str,
-        port: int,
-        policy: HostPolicy,
-        anonymous: bool,
-    ) -> None:
-        super().__init__(app, host=host, port=port, policy=policy, anonymous=anonymous)
+    def __init__(self, app: FastAPI, channels: LiveChannels, place: Place) -> None:
+        super().__init__(app, place)
         self._channels = channels
         self._numbers: dict[str, int] = {}
         self._ticks = 0

@@ -26,7 +26,9 @@ _SEPARATOR = "=" * 80 + "\n"
 # Codes of the seconds and the nanoseconds in a message of ROS 1.
 _TIMES = {"time": "I", "duration": "i"}
 _RANGES = {
+    "int8": (-(2**7), 2**7 - 1),
     "uint8": (0, 2**8 - 1),
+    "uint16": (0, 2**16 - 1),
     "int32": (-(2**31), 2**31 - 1),
     "uint32": (0, 2**32 - 1),
     "uint64": (0, 2**64 - 1),

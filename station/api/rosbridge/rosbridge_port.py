@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING, ClassVar
 from fastapi import FastAPI
 from typing_extensions import override
 
-from station.api.host_policy import HostPolicy
 from station.api.rosbridge.publication import Publication
 from station.api.rosbridge.ros_graph import RosGraph
 from station.api.rosbridge.session import RosbridgeSession
 from station.api.rosbridge.topics import LATCHED
-from station.api.tool_port import ToolClient, ToolPort
+from station.api.tool_port import Place, ToolClient, ToolPort
 from station.core.description.urdf import Urdf
 from station.records.cdr import Values
 
@@ -30,10 +29,7 @@ class RosbridgePort(ToolPort[RosbridgeSession]):
         app: The application of the API, whose station, tokens and lease it shares.
         urdf: The robot for transforms; None sends none.
         texts: Text by topic, such as `/robot_description`.
-        host: Address to listen at.
-        port: TCP port; 0 for any free one.
-        policy: Which hosts and origins are allowed.
-        anonymous: Whether a client without a token is a viewer.
+        place: Where it is served, and for whom.
     """
 
     tool: ClassVar[str] = "rosbridge"
@@ -45,13 +41,9 @@ class RosbridgePort(ToolPort[RosbridgeSession]):
         app: FastAPI,
         urdf: Urdf | None,
         texts: Mapping[str, str],
-        *,
-        host: str,
-        port: int,
-        policy: HostPolicy,
-        anonymous: bool,
+        place: Place,
     ) -> None:
-        super().__init__(app, host=host, port=port, policy=policy, anonymous=anonymous)
+        super().__init__(app, place)
         services: Services = app.state.services
         self._graph = RosGraph(services.station, urdf, texts, self._publish)
         self._ticks = 0

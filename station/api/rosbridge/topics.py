@@ -43,6 +43,10 @@ _PUBLISHED = {
     "F_ext": "geometry_msgs/WrenchStamped",
     "odom": "nav_msgs/Odometry",
     "cmd_vel_out": "geometry_msgs/TwistStamped",
+    "range": "sensor_msgs/Range",
+    "magnetic_field": "sensor_msgs/MagneticField",
+    "gps/fix": "sensor_msgs/NavSatFix",
+    "battery_state": "sensor_msgs/BatteryState",
 }
 # Where controllers of poses listen that are not the station's own.
 _POSE_TOPICS = {

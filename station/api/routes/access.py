@@ -15,7 +15,7 @@ from station.api.auth import (
 from station.api.dependencies import AccessDep, ServicesDep
 from station.api.errors import ProblemError
 from station.api.json_route import JsonRoute
-from station.api.routes.problems import problems
+from station.api.routes.routing import problems
 from station.api.services import Services
 from station.wire import LoginRequest, Session, StreamTicket
 

@@ -4,19 +4,16 @@ from functools import partial
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
-from fastapi import APIRouter, Path
+from fastapi import Path
 
 from station.api.auth import Role
 from station.api.dependencies import (
     AccessDep,
     LeaseKey,
-    Operator,
     ServicesDep,
-    Viewer,
 )
-from station.api.json_route import JsonRoute
-from station.api.routes.problems import problems
-from station.api.routes.recordings import Id, IncidentsDep, RecorderDep, ended
+from station.api.routes.recordings import Id, StoreDep, both, ended
+from station.api.routes.routing import change, problems, routes_of
 from station.api.services import Services
 from station.core.errors import RecordingRefusedError, suggest
 from station.trials.bench_analysis import excitation_of_part, joint_test
@@ -30,15 +27,11 @@ if TYPE_CHECKING:
 _LONGEST_PART = 120_000
 """Most cycles of a part of a recording that is read as a test."""
 _STATES = ("position", "velocity", "effort")
-router = APIRouter(tags=["bench"], dependencies=[Viewer], route_class=JsonRoute)
+router = routes_of("bench")
 RunName = Annotated[FileName, Path(description="Name of the run.", examples=["soft"])]
 
 
-@router.post(
-    "/controllers/{name}/bench",
-    dependencies=[Operator],
-    responses=problems(404, 409, 413, 422, 423),
-)
+@router.post("/controllers/{name}/bench", **change(404, 409, 413, 422, 423))
 def measure_response(
     name: str,
     request: BenchRequest,
@@ -73,44 +66,17 @@ def get_bench_run(name: RunName, services: ServicesDep) -> BenchResponse:
     return services.bench_runs.get(name)
 
 
-@router.delete(
-    "/bench-runs/{name}", dependencies=[Operator], responses=problems(404, 422)
-)
+@router.delete("/bench-runs/{name}", **change(404, 422))
 def delete_bench_run(name: RunName, services: ServicesDep) -> BenchResponse:
     """Delete a run; return its last content."""
     return services.bench_runs.delete(name)
 
 
-@router.post(
-    "/recordings/{identifier}/bench",
-    dependencies=[Operator],
-    responses=problems(404, 409, 413, 422),
-)
-def measure_recording(
-    identifier: Id,
-    request: PartRequest,
-    recorder: RecorderDep,
-    services: ServicesDep,
+@both(router, "POST", "bench", "measure_{}", **change(404, 409, 413, 422))
+def measure_part(
+    identifier: Id, part: PartRequest, store: StoreDep, services: ServicesDep
 ) -> BenchResponse:
-    """Read a part of a recording that has ended as a test of a joint; keep the run."""
-    return _measured(recorder.store, identifier, request, services)
-
-
-@router.post(
-    "/incidents/{identifier}/bench",
-    dependencies=[Operator],
-    responses=problems(404, 409, 413, 422),
-)
-def measure_incident(
-    identifier: Id, request: PartRequest, store: IncidentsDep, services: ServicesDep
-) -> BenchResponse:
-    """Read a part of an incident as a test of a joint; keep the run."""
-    return _measured(store, identifier, request, services)
-
-
-def _measured(
-    store: "RecordStore", identifier: str, part: PartRequest, services: Services
-) -> BenchResponse:
+    """Read a part of a recording or an incident as a test of a joint; keep the run."""
     trace = _trace(store, identifier, part, services)
     excitation, script, trace = excitation_of_part(part, trace)
     # Gains are not among the channels of a recording.

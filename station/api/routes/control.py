@@ -1,8 +1,8 @@
-"""Routes of the lease of control: take, keep by heartbeats, hand over, give back."""
+"""Routes of control: the lease of an operator, and what agents ask a person for."""
 
 import time
 
-from fastapi import APIRouter, Request
+from fastapi import Request
 
 from station.api.audit import origin_of
 from station.api.auth import Access
@@ -12,13 +12,18 @@ from station.api.dependencies import (
     LeaseKey,
     OperatorAnyway,
     ServicesDep,
-    Viewer,
 )
-from station.api.json_route import JsonRoute
-from station.api.routes.problems import problems
-from station.wire import ControlPatch, ControlRequest, ControlState
+from station.api.routes.routing import problems, routes_of
+from station.reports import AgentRequest, Verdict
+from station.wire import (
+    AgentAnswer,
+    AgentRequests,
+    ControlPatch,
+    ControlRequest,
+    ControlState,
+)
 
-router = APIRouter(tags=["control"], dependencies=[Viewer], route_class=JsonRoute)
+router = routes_of("control")
 
 
 @router.get("/control", responses=problems())
@@ -107,4 +112,31 @@ def control_state(
         hand_over_to=lease.heir,
         mine=mine,
         lease=lease.key if mine else None,
+    )
+
+
+@router.get("/agents/requests", responses=problems())
+async def list_agent_requests(services: ServicesDep) -> AgentRequests:
+    """List the latest requests of agents, oldest first.
+
+    Those that wait for an answer have no `verdict`.
+    """
+    return AgentRequests(requests=services.agents.requests())
+
+
+@router.post(
+    "/agents/requests/{number}",
+    dependencies=[OperatorAnyway],
+    responses=problems(404, 409, 413, 422),
+)
+async def answer_agent(
+    number: str, answer: AgentAnswer, services: ServicesDep, connection: Request
+) -> AgentRequest:
+    """Allow or refuse what an agent asks for; only a person can.
+
+    The answer takes no control from the agent. A request that nobody answers in time is
+    refused.
+    """
+    return services.agents.decide(
+        number, Verdict(answer.verdict), origin_of(connection)
     )

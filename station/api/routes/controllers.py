@@ -1,54 +1,42 @@
-"""Controllers: list, load, unload, switch."""
+"""Controllers: list, load, unload, switch; and the parameters they are loaded with."""
 
 import logging
 
 from fastapi import APIRouter, Request, Response
 
+from station import wire
 from station.api import answers
 from station.api.audit import note_preview
-from station.api.by_rehearsal import ByRehearsalDep
-from station.api.dependencies import Operator, ServicesDep, StationDep, Viewer
+from station.api.dependencies import Operator, ServicesDep, StationDep
 from station.api.idempotency import Idempotent, IdempotentRoute
-from station.api.routes.problems import problems
+from station.api.routes.rehearsals import ByRehearsalDep
+from station.api.routes.routing import change, problems, routes_of
 from station.core.control import switching
 from station.core.facade.station import Station
-from station.wire import (
-    ControllerChains,
-    Controllers,
-    ControllerState,
-    ControllerType,
-    ControllerTypes,
-    LoadRequest,
-    Reloaded,
-    ReloadRequest,
-    SwitchRequest,
-    SwitchResult,
-)
+from station.wire import Parameter, ParameterRequest
 
 _LOGGER = logging.getLogger(__name__)
-router = APIRouter(
-    tags=["controllers"], dependencies=[Viewer], route_class=IdempotentRoute
-)
+_controllers = routes_of("controllers", kind=IdempotentRoute)
 
 
-@router.get("/controllers", responses=problems())
-def list_controllers(station: StationDep) -> Controllers:
+@_controllers.get("/controllers", responses=problems())
+def list_controllers(station: StationDep) -> wire.Controllers:
     """List the loaded controllers, in the order in which they are updated."""
     return answers.controllers(station)
 
 
-@router.post(
+@_controllers.post(
     "/controllers",
     status_code=201,
     dependencies=[Operator, Idempotent],
     responses={
-        200: {"model": ControllerState, "description": "It is loaded already."},
+        200: {"model": wire.ControllerState, "description": "It is loaded already."},
         **problems(404, 409, 413, 422),
     },
 )
 def load_controller(
-    request: LoadRequest, response: Response, station: StationDep
-) -> ControllerState:
+    request: wire.LoadRequest, response: Response, station: StationDep
+) -> wire.ControllerState:
     """Load a controller; loading the same one again changes nothing and answers 200."""
     if _is_loaded(station, request.name):
         response.status_code = 200
@@ -61,25 +49,25 @@ def load_controller(
     )
     for note in status.notes:
         _LOGGER.warning("Controller '%s': %s", status.name, note)
-    return ControllerState.model_validate(status)
+    return wire.ControllerState.model_validate(status)
 
 
 def _is_loaded(station: Station, name: str) -> bool:
     return any(status.name == name for status in station.controllers())
 
 
-@router.post(
+@_controllers.post(
     "/controllers/switch",
     dependencies=[Operator, Idempotent],
     responses=problems(404, 409, 413, 422, 423, 503, 504),
 )
 def switch_controllers(
-    request: SwitchRequest,
+    request: wire.SwitchRequest,
     connection: Request,
     station: StationDep,
     services: ServicesDep,
     by_rehearsal: ByRehearsalDep,
-) -> SwitchResult:
+) -> wire.SwitchResult:
     """Start and stop controllers, all of them in one cycle.
 
     The answer says what was started and stopped, and by how much the command of each
@@ -107,53 +95,49 @@ def switch_controllers(
     return answers.switch_result(result)
 
 
-@router.get("/controllers/chains", responses=problems())
-def list_chains(station: StationDep) -> ControllerChains:
+@_controllers.get("/controllers/chains", responses=problems())
+def list_chains(station: StationDep) -> wire.ControllerChains:
     """Return the loaded controllers with who commands whose references."""
     return station.manager.chains()
 
 
-@router.get("/controllers/{name}", responses=problems(404))
-def get_controller(name: str, station: StationDep) -> ControllerState:
+@_controllers.get("/controllers/{name}", responses=problems(404))
+def get_controller(name: str, station: StationDep) -> wire.ControllerState:
     """Return one controller."""
-    return ControllerState.model_validate(station.controller(name))
+    return wire.ControllerState.model_validate(station.controller(name))
 
 
-@router.delete(
+@_controllers.delete(
     "/controllers/{name}",
     dependencies=[Operator, Idempotent],
     responses=problems(404, 409, 422),
 )
-def unload_controller(name: str, station: StationDep) -> ControllerState:
+def unload_controller(name: str, station: StationDep) -> wire.ControllerState:
     """Unload a controller that does not run; return its last state.
 
     The loading of a controller that is still `loading` is cancelled, and the request
     that loads the controller is refused.
     """
-    before = ControllerState.model_validate(station.controller(name))
+    before = wire.ControllerState.model_validate(station.controller(name))
     station.unload_controller(name)
     return before
 
 
-@router.get("/controller-types", responses=problems())
-def list_controller_types(station: StationDep) -> ControllerTypes:
+@_controllers.get("/controller-types", responses=problems())
+def list_controller_types(station: StationDep) -> wire.ControllerTypes:
     """List the types of controllers that can be loaded, each with its parameters."""
-    return ControllerTypes(
+    return wire.ControllerTypes(
         controller_types=[
-            ControllerType.model_validate(each)
+            wire.ControllerType.model_validate(each)
             for each in station.manager.describe_controller_types()
         ]
     )
 
 
-@router.post(
-    "/controller-types/reload",
-    dependencies=[Operator],
-    responses=problems(409, 413, 422, 504),
-)
+@_controllers.post("/controller-types/reload", **change(409, 413, 422, 504))
 def reload_controller_types(
-    station: StationDep, request: ReloadRequest | None = None
-) -> Reloaded:
+    station: StationDep, request: wire.ReloadRequest | None = None
+) -> wire.Reloaded:
     """Let the next load of each type read its Python module anew.
 
     This is the service `reload_controller_libraries` of ros_control: controllers that
@@ -161,4 +145,47 @@ def reload_controller_types(
     """
     force_kill = request is not None and request.force_kill
     unloaded = station.manager.reload_controller_libraries(force_kill=force_kill)
-    return Reloaded(unloaded=unloaded)
+    return wire.Reloaded(unloaded=unloaded)
+
+
+_parameters = routes_of("parameters", "/parameters")
+
+
+@_parameters.get("", responses=problems())
+def get_parameters(station: StationDep) -> Parameter:
+    """Return the whole tree of parameters."""
+    return _parameter("", station.parameter_server.get())
+
+
+@_parameters.get("/{path:path}", responses=problems(404))
+def get_parameter(path: str, station: StationDep) -> Parameter:
+    """Return a parameter, or a namespace with all that is below it."""
+    return _parameter(path, station.parameter_server.get(path))
+
+
+@_parameters.put("/{path:path}", **change(409, 413, 422))
+def set_parameter(
+    path: str, request: ParameterRequest, station: StationDep
+) -> Parameter:
+    """Set a parameter; controllers that are loaded afterwards read it.
+
+    Missing namespaces are made. A controller that is loaded already keeps what it has
+    read; its gains are changed by PATCH of its gains.
+    """
+    station.parameter_server.set(path, request.value)
+    return _parameter(path, request.value)
+
+
+@_parameters.delete("/{path:path}", **change(404, 409, 422))
+def delete_parameter(path: str, station: StationDep) -> Parameter:
+    """Delete a parameter or a namespace; return its last value."""
+    return _parameter(path, station.parameter_server.delete(path))
+
+
+def _parameter(path: str, value: object) -> Parameter:
+    return Parameter.model_validate({"path": path.strip("/"), "value": value})
+
+
+router = APIRouter()
+router.include_router(_controllers)
+router.include_router(_parameters)

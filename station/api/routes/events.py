@@ -1,28 +1,23 @@
 """Events, whose answers are pages or endless, and alarms: what asks for a person."""
 
-import asyncio
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
-from fastapi import APIRouter, Header, Path, Query, Request
+from fastapi import Header, Path, Query, Request
 from fastapi.responses import StreamingResponse
 
 from station.api import answers
 from station.api.audit import origin_of
-from station.api.dependencies import AccessDep, Operator, ServicesDep, Viewer
+from station.api.auth import until_first
+from station.api.dependencies import AccessDep, ServicesDep
 from station.api.event_feed import MEDIA_TYPE
-from station.api.json_route import JsonRoute
-from station.api.routes.problems import problems
+from station.api.routes.routing import change, problems, routes_of
 from station.events import EventKind, Severity
 from station.wire import Alarm, Alarms, EventKindName, Events, SeverityName
-
-if TYPE_CHECKING:
-    from station.api.auth import Access
-    from station.api.streams import Broadcaster
 
 MAX_PAGE = 1000
 """Most events of one answer."""
 
-router = APIRouter(tags=["events"], dependencies=[Viewer], route_class=JsonRoute)
+router = routes_of("events")
 
 Since = Annotated[
     int | None,
@@ -82,13 +77,13 @@ async def get_events(
     happens, as server-sent events with `id`, `event` (the kind) and `data`. A client
     that connects again with `Last-Event-ID` misses none.
     """
-    feed = services.event_feed
+    feed, closing = services.event_feed, services.broadcaster.wait_closing
     kinds = [EventKind(each) for each in kind or []]
     least = Severity(severity)
     if MEDIA_TYPE in request.headers.get("accept", ""):
         after = since if last_event_id is None else int(last_event_id)
         lines = feed.follow(
-            after, kinds, least, lambda: _first_end(access, services.broadcaster)
+            after, kinds, least, lambda: until_first(access.wait_for_end(), closing())
         )
         return StreamingResponse(lines, media_type=MEDIA_TYPE)
     found = await feed.page(since, limit, kinds, least)
@@ -96,19 +91,6 @@ async def get_events(
         events=found,
         newest_id=services.event_recorder.log.newest_id,
     )
-
-
-async def _first_end(access: "Access", broadcaster: "Broadcaster") -> None:
-    """Wait until the caller's access ends or the station shuts down."""
-    ends = [
-        asyncio.ensure_future(access.wait_for_end()),
-        asyncio.ensure_future(broadcaster.wait_closing()),
-    ]
-    try:
-        await asyncio.wait(ends, return_when=asyncio.FIRST_COMPLETED)
-    finally:
-        for each in ends:
-            each.cancel()
 
 
 Number = Annotated[
@@ -128,11 +110,7 @@ def list_alarms(services: ServicesDep) -> Alarms:
     return Alarms(alarms=found, unacknowledged=unseen)
 
 
-@router.post(
-    "/alarms/{number}/acknowledge",
-    dependencies=[Operator],
-    responses=problems(404, 422),
-)
+@router.post("/alarms/{number}/acknowledge", **change(404, 422))
 def acknowledge_alarm(number: Number, request: Request, services: ServicesDep) -> Alarm:
     """Say that the alarm was seen, under the name of the caller's token.
 

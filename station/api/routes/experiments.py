@@ -2,11 +2,10 @@
 
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Path, Query
+from fastapi import Depends, Path, Query
 
-from station.api.dependencies import Operator, ServicesDep, StationDep, Viewer
-from station.api.json_route import JsonRoute
-from station.api.routes.problems import problems
+from station.api.dependencies import ServicesDep, StationDep
+from station.api.routes.routing import change, problems, routes_of
 from station.core.facade.station import Station
 from station.trials import reports
 from station.trials.analysis import gains_of, ranked
@@ -65,12 +64,7 @@ Metric = Annotated[
 Count = Annotated[
     int, Query(ge=1, le=500, description="How many trials at most.", examples=[5])
 ]
-router = APIRouter(
-    prefix="/experiments",
-    tags=["experiments"],
-    dependencies=[Viewer],
-    route_class=JsonRoute,
-)
+router = routes_of("experiments", "/experiments")
 
 
 @router.get("", responses=problems(409))
@@ -83,12 +77,7 @@ def list_experiments(background: BackgroundDep) -> Experiments:
     return Experiments(experiments=found, metrics=dict(UNITS))
 
 
-@router.post(
-    "",
-    status_code=201,
-    dependencies=[Operator],
-    responses=problems(404, 409, 413, 422),
-)
+@router.post("", status_code=201, **change(404, 409, 413, 422))
 def start_experiment(
     request: ExperimentRequest, background: BackgroundDep, station: StationDep
 ) -> Experiment:
@@ -113,7 +102,7 @@ def get_experiment(name: Name, background: BackgroundDep) -> Experiment:
     return _experiment(name, background)
 
 
-@router.delete("/{name}", dependencies=[Operator], responses=problems(404, 409, 422))
+@router.delete("/{name}", **change(404, 409, 422))
 def delete_experiment(name: Name, background: BackgroundDep) -> Experiment:
     """Delete an experiment that does not run; return its last state."""
     found = _experiment(name, background)
@@ -121,9 +110,7 @@ def delete_experiment(name: Name, background: BackgroundDep) -> Experiment:
     return found
 
 
-@router.post(
-    "/{name}/cancel", dependencies=[Operator], responses=problems(404, 409, 422)
-)
+@router.post("/{name}/cancel", **change(404, 409, 422))
 def cancel_experiment(name: Name, background: BackgroundDep) -> Experiment:
     """End the experiment that runs; trials that run may end, and all are kept."""
     background.cancel(name)
@@ -191,11 +178,7 @@ def preview_experiment(
     })
 
 
-@router.post(
-    "/{name}/apply",
-    dependencies=[Operator],
-    responses=problems(404, 409, 412, 413, 422, 503),
-)
+@router.post("/{name}/apply", **change(404, 409, 412, 413, 422, 503))
 def apply_experiment(
     name: Name,
     _: BackgroundDep,

@@ -3,29 +3,21 @@
 from collections.abc import Mapping
 from typing import Annotated
 
-from fastapi import APIRouter, Header, Path, Response
+from fastapi import Header, Path, Response
 
+from station import wire
 from station.api import answers
-from station.api.dependencies import Operator, ServicesDep, StationDep, Viewer
+from station.api.dependencies import ServicesDep, StationDep
 from station.api.errors import ProblemError
-from station.api.json_route import JsonRoute
-from station.api.routes.problems import problems
+from station.api.routes.routing import change, problems, routes_of
 from station.api.services import Services
 from station.core.facade.station import Station
 from station.library import gain_sets
 from station.reports import GainsChange
-from station.wire import (
-    Gains,
-    GainsChanges,
-    GainSet,
-    GainSetRequest,
-    GainSets,
-    GainsPatch,
-)
 from station.wire.base import FileName
 from station.wire.controllers import GainsOfControllersPatch
 
-router = APIRouter(tags=["gains"], dependencies=[Viewer], route_class=JsonRoute)
+router = routes_of("gains")
 
 
 def etag_of(station: Station, revision: int) -> str:
@@ -34,7 +26,7 @@ def etag_of(station: Station, revision: int) -> str:
 
 
 @router.get("/controllers/{name}/gains", responses=problems(404))
-def get_gains(name: str, response: Response, station: StationDep) -> Gains:
+def get_gains(name: str, response: Response, station: StationDep) -> wire.Gains:
     """Return the gains, the unit and range of each, and their ETag."""
     found = station.tuning.gains(name)
     etag = etag_of(station, found.revision)
@@ -42,14 +34,10 @@ def get_gains(name: str, response: Response, station: StationDep) -> Gains:
     return answers.gains(found, etag)
 
 
-@router.patch(
-    "/controllers/{name}/gains",
-    dependencies=[Operator],
-    responses=problems(404, 412, 413, 422, 503),
-)
+@router.patch("/controllers/{name}/gains", **change(404, 412, 413, 422, 503))
 def patch_gains(
     name: str,
-    request: GainsPatch,
+    request: wire.GainsPatch,
     response: Response,
     station: StationDep,
     if_match: Annotated[str | None, Header()] = None,
@@ -67,20 +55,16 @@ def patch_gains(
     return change
 
 
-@router.patch(
-    "/gains",
-    dependencies=[Operator],
-    responses=problems(404, 412, 413, 422, 503),
-)
+@router.patch("/gains", **change(404, 412, 413, 422, 503))
 def patch_gains_of_controllers(
     request: GainsOfControllersPatch, station: StationDep
-) -> GainsChanges:
+) -> wire.GainsChanges:
     """Change gains of several controllers; all of them take effect in the same cycle.
 
     The change is checked as a whole, and taken back as a whole.
     """
     changes = station.tuning.set_many(request.changes, request.revisions)
-    return GainsChanges.model_validate({"changes": changes})
+    return wire.GainsChanges.model_validate({"changes": changes})
 
 
 def _matching_revision(station: Station, name: str, if_match: str) -> int:
@@ -105,13 +89,13 @@ Name = Annotated[FileName, Path(description="Name of the set.", examples=["stiff
 
 
 @router.get("/gain-sets", responses=problems())
-def list_gain_sets(services: ServicesDep) -> GainSets:
+def list_gain_sets(services: ServicesDep) -> wire.GainSets:
     """List the saved sets of gains."""
-    return GainSets(gain_sets=services.gain_sets.names())
+    return wire.GainSets(gain_sets=services.gain_sets.names())
 
 
-@router.post("/gain-sets/undo", dependencies=[Operator], responses=problems(409, 503))
-def undo_gains(services: ServicesDep) -> GainsChanges:
+@router.post("/gain-sets/undo", **change(409, 503))
+def undo_gains(services: ServicesDep) -> wire.GainsChanges:
     """Take the last change of gains back, whether it set gains or applied a set.
 
     A hundred changes are remembered, and each call takes one more back.
@@ -120,40 +104,32 @@ def undo_gains(services: ServicesDep) -> GainsChanges:
 
 
 @router.get("/gain-sets/{name}", responses=problems(404, 422))
-def get_gain_set(name: Name, services: ServicesDep) -> GainSet:
+def get_gain_set(name: Name, services: ServicesDep) -> wire.GainSet:
     """Return a set, and where it differs from the gains in force."""
     return _gain_set(services, services.gain_sets.get(name))
 
 
-@router.put(
-    "/gain-sets/{name}", dependencies=[Operator], responses=problems(404, 413, 422)
-)
+@router.put("/gain-sets/{name}", **change(404, 413, 422))
 def save_gain_set(
-    name: Name, services: ServicesDep, request: GainSetRequest | None = None
-) -> GainSet:
+    name: Name, services: ServicesDep, request: wire.GainSetRequest | None = None
+) -> wire.GainSet:
     """Save the gains in force under a name; a set of that name is replaced."""
     saved = services.gain_sets.save(name, _chosen(request))
     return _gain_set(services, saved)
 
 
-@router.delete(
-    "/gain-sets/{name}", dependencies=[Operator], responses=problems(404, 422)
-)
-def delete_gain_set(name: Name, services: ServicesDep) -> GainSet:
+@router.delete("/gain-sets/{name}", **change(404, 422))
+def delete_gain_set(name: Name, services: ServicesDep) -> wire.GainSet:
     """Delete a set; return its last content."""
     found = _gain_set(services, services.gain_sets.get(name))
     services.gain_sets.delete(name)
     return found
 
 
-@router.post(
-    "/gain-sets/{name}/apply",
-    dependencies=[Operator],
-    responses=problems(404, 413, 422, 503),
-)
+@router.post("/gain-sets/{name}/apply", **change(404, 413, 422, 503))
 def apply_gain_set(
-    name: Name, services: ServicesDep, request: GainSetRequest | None = None
-) -> GainsChanges:
+    name: Name, services: ServicesDep, request: wire.GainSetRequest | None = None
+) -> wire.GainsChanges:
     """Put a set into force: all gains of all its controllers in the same cycle.
 
     When one value is not allowed, or a controller is not loaded, nothing changes.
@@ -161,12 +137,12 @@ def apply_gain_set(
     return _changes(services.gain_sets.apply(name, _chosen(request)))
 
 
-def _chosen(request: GainSetRequest | None) -> list[str] | None:
+def _chosen(request: wire.GainSetRequest | None) -> list[str] | None:
     return None if request is None else request.controllers
 
 
-def _gain_set(services: Services, found: gain_sets.GainSet) -> GainSet:
-    return GainSet.model_validate({
+def _gain_set(services: Services, found: gain_sets.GainSet) -> wire.GainSet:
+    return wire.GainSet.model_validate({
         "name": found.name,
         "saved_at": found.saved_at,
         "gains": found.gains,
@@ -174,5 +150,5 @@ def _gain_set(services: Services, found: gain_sets.GainSet) -> GainSet:
     })
 
 
-def _changes(changes: Mapping[str, GainsChange]) -> GainsChanges:
-    return GainsChanges.model_validate({"changes": changes})
+def _changes(changes: Mapping[str, GainsChange]) -> wire.GainsChanges:
+    return wire.GainsChanges.model_validate({"changes": changes})

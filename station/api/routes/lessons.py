@@ -2,11 +2,10 @@
 
 from typing import Annotated
 
-from fastapi import APIRouter, Path, Query
+from fastapi import Path, Query
 
-from station.api.dependencies import AccessDep, Operator, ServicesDep, Viewer
-from station.api.json_route import JsonRoute
-from station.api.routes.problems import problems
+from station.api.dependencies import AccessDep, ServicesDep
+from station.api.routes.routing import change, problems, routes_of
 from station.wire.base import FileName
 from station.wire.lessons import (
     Lesson,
@@ -16,9 +15,7 @@ from station.wire.lessons import (
     Lessons,
 )
 
-router = APIRouter(
-    prefix="/lessons", tags=["lessons"], dependencies=[Viewer], route_class=JsonRoute
-)
+router = routes_of("lessons", "/lessons")
 Name = Annotated[
     FileName, Path(description="Name of the lesson.", examples=["damping"])
 ]
@@ -40,9 +37,7 @@ def list_lessons(
     return services.lessons.lessons(person or access.name)
 
 
-@router.post(
-    "/{name}/begin", dependencies=[Operator], responses=problems(404, 413, 422)
-)
+@router.post("/{name}/begin", **change(404, 413, 422))
 def begin_lesson(
     name: Name, request: LessonBeginRequest, services: ServicesDep, access: AccessDep
 ) -> Lesson:
@@ -50,9 +45,7 @@ def begin_lesson(
     return services.lessons.begin(name, request.person or access.name)
 
 
-@router.post(
-    "/{name}/check", dependencies=[Operator], responses=problems(404, 409, 413, 422)
-)
+@router.post("/{name}/check", **change(404, 409, 413, 422))
 def check_lesson(
     name: Name, request: LessonCheckRequest, services: ServicesDep, access: AccessDep
 ) -> LessonResult:

@@ -1,32 +1,27 @@
 """Recordings of every cycle, and the incidents that the station keeps by itself."""
 
-from typing import TYPE_CHECKING, Annotated, Any
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
+from anyio import to_thread
 from fastapi import APIRouter, Depends, Path, Query
-from starlette.requests import Request
+from starlette.requests import ClientDisconnect, Request
 from starlette.responses import FileResponse, StreamingResponse
 
+from station import wire
 from station.api.audit import origin_of
-from station.api.dependencies import Operator, ServicesDep, StationDep, Viewer
-from station.api.json_route import JsonRoute
-from station.api.routes.problems import problems
+from station.api.dependencies import ServicesDep, StationDep, Viewer
+from station.api.routes.routing import change, problems, routes_of
 from station.core.errors import RecordingRefusedError
-from station.core.facade.station import Station
 from station.records.record_store import RECORDING, RecordingInfo, RecordStore
-from station.wire import (
-    NoteRequest,
-    RecordedEvent,
-    RecordedEvents,
-    Recording,
-    RecordingRequest,
-    Recordings,
-    Trajectory,
-)
+from station.wire.protocol import PREFIX
 from station.wire.recordings import RecordingId
 
 if TYPE_CHECKING:
     from station.records.recorder import Recorder
+    from station.records.upload import Upload
 
+EndpointT = TypeVar("EndpointT", bound=Callable[..., object])
 MEDIA_TYPE = "application/octet-stream"
 """MCAP has no registered type; generated clients know this one."""
 Id = Annotated[
@@ -93,13 +88,14 @@ async def get_recorder(services: ServicesDep) -> "Recorder":
 RecorderDep = Annotated[Any, Depends(get_recorder)]
 
 
-async def get_incident_store(recorder: RecorderDep) -> RecordStore:
-    """Return the store of incidents.
+async def get_store(request: Request, recorder: RecorderDep) -> RecordStore:
+    """Return the store that the path of a request names.
 
     Raises:
         RecordingRefusedError: This station keeps no incidents.
     """
-    store: RecordStore | None = recorder.incidents
+    is_incident = request.url.path.startswith(f"{PREFIX}/incidents")
+    store: RecordStore | None = recorder.incidents if is_incident else recorder.store
     if store is None:
         raise RecordingRefusedError(
             "This station keeps no incidents.",
@@ -108,7 +104,7 @@ async def get_incident_store(recorder: RecorderDep) -> RecordStore:
     return store
 
 
-IncidentsDep = Annotated[RecordStore, Depends(get_incident_store)]
+StoreDep = Annotated[RecordStore, Depends(get_store)]
 _FILE: dict[int | str, dict[str, Any]] = {
     200: {
         "description": "The MCAP file.",
@@ -121,189 +117,144 @@ _TABLE: dict[int | str, dict[str, Any]] = {
         "content": {"text/csv": {"schema": {"type": "string"}}},
     }
 }
-router = APIRouter(tags=["recordings"], dependencies=[Viewer], route_class=JsonRoute)
+router = routes_of("recordings")
+uploads = APIRouter(tags=["recordings"], dependencies=[Viewer])
+"""Of a body that is no JSON: it is a file, read as it comes."""
 
 
 @router.get("/recordings", responses=problems(409))
-def list_recordings(recorder: RecorderDep) -> Recordings:
+def list_recordings(recorder: RecorderDep) -> wire.Recordings:
     """List the recordings, the oldest first."""
-    return Recordings.model_validate({"recordings": recorder.infos()})
+    return wire.Recordings.model_validate({"recordings": recorder.infos()})
 
 
-@router.post(
-    "/recordings",
-    status_code=201,
-    dependencies=[Operator],
-    responses=problems(409, 413, 422),
-)
+@router.post("/recordings", status_code=201, **change(409, 413, 422))
 def start_recording(
-    recorder: RecorderDep, request: RecordingRequest | None = None
-) -> Recording:
+    recorder: RecorderDep, request: wire.RecordingRequest | None = None
+) -> wire.Recording:
     """Begin to record every cycle; one recording runs at a time."""
-    asked = request or RecordingRequest()
-    return Recording.model_validate(recorder.start(asked.name, asked.note))
+    asked = request or wire.RecordingRequest()
+    return wire.Recording.model_validate(recorder.start(asked.name, asked.note))
+
+
+@uploads.post(
+    "/recordings/upload",
+    status_code=201,
+    **change(409, 413, 422),
+    openapi_extra={
+        "requestBody": {
+            "required": True,
+            "description": "The MCAP file.",
+            "content": {MEDIA_TYPE: {"schema": {"type": "string", "format": "binary"}}},
+        }
+    },
+)
+async def upload_recording(
+    request: Request,
+    recorder: RecorderDep,
+    station: StationDep,
+    name: Annotated[
+        str,
+        Query(
+            max_length=80,
+            pattern=r"^([A-Za-z0-9_][A-Za-z0-9_.-]*)?$",
+            description="Name of the recording; may be empty.",
+            examples=["tuesday"],
+        ),
+    ] = "",
+) -> wire.Recording:
+    """Keep the MCAP file of a station, this one or another, among the recordings.
+
+    The body is the file, 500 MB at most. One that is no whole recording is refused.
+    """
+    # Imported late, as in `_trajectory`.
+    from station.records.upload import Upload
+
+    upload = await to_thread.run_sync(Upload, recorder.store, name)
+    try:
+        await _receive(request, upload)
+        pause = station.loop.right_of_way.give
+        info = await to_thread.run_sync(upload.finish, pause)
+    finally:
+        upload.close()
+    return wire.Recording.model_validate(info)
 
 
 @router.get("/recordings/{identifier}", responses=problems(404, 409, 422))
-def get_recording(identifier: Id, recorder: RecorderDep) -> Recording:
+def get_recording(identifier: Id, recorder: RecorderDep) -> wire.Recording:
     """Return the description of a recording, finished or running."""
-    return Recording.model_validate(recorder.info(identifier))
+    return wire.Recording.model_validate(recorder.info(identifier))
 
 
-@router.post(
-    "/recordings/{identifier}/stop",
-    dependencies=[Operator],
-    responses=problems(404, 409, 422),
-)
-def stop_recording(identifier: Id, recorder: RecorderDep) -> Recording:
+@router.post("/recordings/{identifier}/stop", **change(404, 409, 422))
+def stop_recording(identifier: Id, recorder: RecorderDep) -> wire.Recording:
     """End a recording; its file is whole when the answer comes."""
-    return Recording.model_validate(recorder.stop(identifier))
+    return wire.Recording.model_validate(recorder.stop(identifier))
 
 
-@router.delete(
-    "/recordings/{identifier}",
-    dependencies=[Operator],
-    responses=problems(404, 409, 422),
-)
-def delete_recording(identifier: Id, recorder: RecorderDep) -> Recording:
+@router.delete("/recordings/{identifier}", **change(404, 409, 422))
+def delete_recording(identifier: Id, recorder: RecorderDep) -> wire.Recording:
     """Delete a recording that does not run; return its description."""
-    return Recording.model_validate(recorder.store.delete(identifier))
-
-
-@router.get(
-    "/recordings/{identifier}/file",
-    responses={**_FILE, **problems(404, 409, 422)},
-    response_class=FileResponse,
-)
-def get_recording_file(identifier: Id, recorder: RecorderDep) -> FileResponse:
-    """Return the MCAP file of a recording that has ended."""
-    return _file(recorder.store, identifier)
-
-
-@router.get(
-    "/recordings/{identifier}/table",
-    responses={**_TABLE, **problems(404, 409, 422)},
-    response_class=StreamingResponse,
-)
-def get_recording_table(
-    identifier: Id,
-    recorder: RecorderDep,
-    station: StationDep,
-    channels: Channels = [],  # noqa: B006 - FastAPI copies it
-    joints: Joints = [],  # noqa: B006
-    rate: RowRate = None,
-) -> StreamingResponse:
-    """Return a recording that has ended as CSV, a row per cycle.
-
-    A column is called after its channel, its field and what the number belongs to, e.g.
-    `joint_states/position/panda_joint1`; `cycle`, `time`, `period` and `epoch` come
-    first. Where a channel has no message in a cycle, it has `nan`.
-    """
-    return _table(recorder.store, identifier, station, channels, joints, rate)
-
-
-@router.get("/recordings/{identifier}/trajectory", responses=problems(404, 409, 422))
-def get_recording_trajectory(
-    identifier: Id, recorder: RecorderDep, rate: Rate = 30.0
-) -> Trajectory:
-    """Return the joint positions of a recording that has ended, some per second."""
-    return _trajectory(recorder.store, identifier, rate)
-
-
-@router.get("/recordings/{identifier}/events", responses=problems(404, 409, 422))
-def get_recording_events(identifier: Id, recorder: RecorderDep) -> RecordedEvents:
-    """Return the events of a recording that has ended, with the notes on it."""
-    return _events(recorder.store, identifier)
-
-
-@router.post(
-    "/recordings/{identifier}/notes",
-    status_code=201,
-    dependencies=[Operator],
-    responses=problems(404, 409, 413, 422),
-)
-def add_note_to_recording(
-    identifier: Id, note: NoteRequest, request: Request, recorder: RecorderDep
-) -> RecordedEvent:
-    """Write a note into a recording that has ended; it becomes an event of the file."""
-    return _add_note(recorder, recorder.store, identifier, note, request)
+    return wire.Recording.model_validate(recorder.store.delete(identifier))
 
 
 @router.get("/incidents", responses=problems(409))
-def list_incidents(store: IncidentsDep) -> Recordings:
+def list_incidents(store: StoreDep) -> wire.Recordings:
     """List the incidents, the oldest first.
 
     The ten seconds before and the two after every stop, reflex, burst of overruns and
     fault of a controller; the oldest incidents make room for new ones.
     """
-    return Recordings.model_validate({"recordings": store.infos()})
+    return wire.Recordings.model_validate({"recordings": store.infos()})
 
 
 @router.get("/incidents/{identifier}", responses=problems(404, 409, 422))
-def get_incident(identifier: Id, store: IncidentsDep) -> Recording:
+def get_incident(identifier: Id, store: StoreDep) -> wire.Recording:
     """Return the description of an incident."""
-    return Recording.model_validate(store.info(identifier))
+    return wire.Recording.model_validate(store.info(identifier))
 
 
-@router.get(
-    "/incidents/{identifier}/file",
+def both(
+    routes: APIRouter,
+    method: str,
+    path: str,
+    name: str,
+    **options: Any,  # noqa: ANN401 - those of the framework
+) -> Callable[[EndpointT], EndpointT]:
+    """Return a decorator that makes a route of a recording and one of an incident.
+
+    Args:
+        routes: Where the routes go.
+        method: HTTP method.
+        path: Path below that of the recording or the incident.
+        name: Name of the operation, with `{}` for the noun.
+        options: Those of the framework.
+    """
+
+    def add(endpoint: EndpointT) -> EndpointT:
+        for noun in ("recording", "incident"):
+            routes.add_api_route(
+                f"/{noun}s/{{identifier}}/{path}",
+                endpoint,
+                methods=[method],
+                name=name.format(noun),
+                **options,
+            )
+        return endpoint
+
+    return add
+
+
+@both(
+    router,
+    "GET",
+    "file",
+    "get_{}_file",
     responses={**_FILE, **problems(404, 409, 422)},
     response_class=FileResponse,
 )
-def get_incident_file(identifier: Id, store: IncidentsDep) -> FileResponse:
-    """Return the MCAP file of an incident."""
-    return _file(store, identifier)
-
-
-@router.get(
-    "/incidents/{identifier}/table",
-    responses={**_TABLE, **problems(404, 409, 422)},
-    response_class=StreamingResponse,
-)
-def get_incident_table(
-    identifier: Id,
-    store: IncidentsDep,
-    station: StationDep,
-    channels: Channels = [],  # noqa: B006 - FastAPI copies it
-    joints: Joints = [],  # noqa: B006
-    rate: RowRate = None,
-) -> StreamingResponse:
-    """Return an incident as CSV, as that of a recording."""
-    return _table(store, identifier, station, channels, joints, rate)
-
-
-@router.get("/incidents/{identifier}/trajectory", responses=problems(404, 409, 422))
-def get_incident_trajectory(
-    identifier: Id, store: IncidentsDep, rate: Rate = 30.0
-) -> Trajectory:
-    """Return the joint positions of an incident, some per second."""
-    return _trajectory(store, identifier, rate)
-
-
-@router.get("/incidents/{identifier}/events", responses=problems(404, 409, 422))
-def get_incident_events(identifier: Id, store: IncidentsDep) -> RecordedEvents:
-    """Return the events of an incident that has ended, with the notes on it."""
-    return _events(store, identifier)
-
-
-@router.post(
-    "/incidents/{identifier}/notes",
-    status_code=201,
-    dependencies=[Operator],
-    responses=problems(404, 409, 413, 422),
-)
-def add_note_to_incident(
-    identifier: Id,
-    note: NoteRequest,
-    request: Request,
-    recorder: RecorderDep,
-    store: IncidentsDep,
-) -> RecordedEvent:
-    """Write a note into an incident that has ended; it becomes an event of the file."""
-    return _add_note(recorder, store, identifier, note, request)
-
-
-def _file(store: RecordStore, identifier: str) -> FileResponse:
+def get_file(identifier: Id, store: StoreDep) -> FileResponse:
+    """Return the MCAP file of a recording or an incident that has ended."""
     info = ended(store, identifier)
     return FileResponse(
         store.file(info.identifier),
@@ -312,15 +263,29 @@ def _file(store: RecordStore, identifier: str) -> FileResponse:
     )
 
 
-def _table(
-    store: RecordStore,
-    identifier: str,
-    station: Station,
-    channels: list[str],
-    joints: list[str],
-    rate: float | None,
+@both(
+    router,
+    "GET",
+    "table",
+    "get_{}_table",
+    responses={**_TABLE, **problems(404, 409, 422)},
+    response_class=StreamingResponse,
+)
+def get_table(
+    identifier: Id,
+    store: StoreDep,
+    station: StationDep,
+    channels: Channels = [],  # noqa: B006 - FastAPI copies it
+    joints: Joints = [],  # noqa: B006
+    rate: RowRate = None,
 ) -> StreamingResponse:
-    # Imported late, as in `_trajectory`.
+    """Return a recording or an incident that has ended as CSV, a row per cycle.
+
+    A column is called after its channel, its field and what the number belongs to, e.g.
+    `joint_states/position/panda_joint1`; `cycle`, `time`, `period` and `epoch` come
+    first. Where a channel has no message in a cycle, it has `nan`.
+    """
+    # Imported late, as in `get_trajectory`.
     from station.records.export import csv_pieces
     from station.records.recording_table import Choice
 
@@ -334,13 +299,19 @@ def _table(
     return StreamingResponse(pieces, media_type="text/csv", headers=headers)
 
 
-def _trajectory(store: RecordStore, identifier: str, rate: float) -> Trajectory:
+@both(
+    router, "GET", "trajectory", "get_{}_trajectory", responses=problems(404, 409, 422)
+)
+def get_trajectory(
+    identifier: Id, store: StoreDep, rate: Rate = 30.0
+) -> wire.Trajectory:
+    """Return the joint positions of a recording or an incident that has ended."""
     # Imported late: an application without a recorder needs no reader of MCAP.
     from station.records.recording_reader import read_trajectory
 
     info = ended(store, identifier)
     found = read_trajectory(store.file(info.identifier)).decimated(rate)
-    return Trajectory.model_validate({
+    return wire.Trajectory.model_validate({
         "name": list(found.names),
         "cycle": found.cycle.tolist(),
         "time": found.time.tolist(),
@@ -348,21 +319,32 @@ def _trajectory(store: RecordStore, identifier: str, rate: float) -> Trajectory:
     })
 
 
-def _events(store: RecordStore, identifier: str) -> RecordedEvents:
-    # Imported late, as in `_trajectory`.
+@both(router, "GET", "events", "get_{}_events", responses=problems(404, 409, 422))
+def get_events(identifier: Id, store: StoreDep) -> wire.RecordedEvents:
+    """Return the events of a recording or an incident that has ended, with notes."""
+    # Imported late, as in `get_trajectory`.
     from station.records.recording_events import read_events
 
     found = read_events(store.file(ended(store, identifier).identifier))
-    return RecordedEvents.model_validate({"events": found})
+    return wire.RecordedEvents.model_validate({"events": found})
 
 
-def _add_note(
-    recorder: "Recorder",
-    store: RecordStore,
-    identifier: str,
-    note: NoteRequest,
+@both(
+    router,
+    "POST",
+    "notes",
+    "add_note_to_{}",
+    status_code=201,
+    **change(404, 409, 413, 422),
+)
+def add_note(
+    identifier: Id,
+    note: wire.NoteRequest,
     request: Request,
-) -> RecordedEvent:
+    recorder: RecorderDep,
+    store: StoreDep,
+) -> wire.RecordedEvent:
+    """Write a note into a recording or an incident; it becomes an event."""
     found = recorder.add_note(
         store,
         ended(store, identifier).identifier,
@@ -371,7 +353,7 @@ def _add_note(
         until=note.until,
         who=origin_of(request).who,
     )
-    return RecordedEvent.model_validate(found)
+    return wire.RecordedEvent.model_validate(found)
 
 
 def ended(store: RecordStore, identifier: str) -> RecordingInfo:
@@ -394,3 +376,18 @@ def ended(store: RecordStore, identifier: str) -> RecordingInfo:
             details={"id": info.identifier},
         )
     return info
+
+
+async def _receive(request: Request, upload: "Upload") -> None:
+    """Write the body of a request to the disk as it comes.
+
+    Raises:
+        RecordingRefusedError: It ended early.
+    """
+    try:
+        async for part in request.stream():
+            await to_thread.run_sync(upload.write, part)
+    except ClientDisconnect as error:
+        raise RecordingRefusedError(
+            "The upload ended before the end of the file.", remedy="Upload it again."
+        ) from error

@@ -1,25 +1,27 @@
-"""Rehearsals: what a command would do, tried in a copy of the station."""
+"""Rehearsals: what a command would do, and commands as they were rehearsed."""
 
-from fastapi import APIRouter
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Annotated
+
+from fastapi import Depends, Query, Response
 
 from station.api.auth import Role
-from station.api.dependencies import Operator, RoleDep, ServicesDep, Viewer
-from station.api.json_route import JsonRoute
-from station.api.routes.problems import problems
+from station.api.dependencies import AccessDep, ServicesDep
+from station.api.routes.routing import change, routes_of
+from station.core.ports.receipt import Receipt
 from station.rehearsal.planning import Wish
+from station.rehearsal.rehearsals import Policy
 from station.reports import Plan, Rehearsal
+from station.wire.protocol import REHEARSAL_HEADER
 from station.wire.rehearsal import PlanRequest, RehearsalRequest
 
-router = APIRouter(tags=["rehearsals"], dependencies=[Viewer], route_class=JsonRoute)
+router = routes_of("rehearsals")
 
 
-@router.post(
-    "/rehearse",
-    dependencies=[Operator],
-    responses=problems(413, 422, 503),
-)
+@router.post("/rehearse", **change(413, 422, 429, 503))
 def rehearse(
-    request: RehearsalRequest, services: ServicesDep, role: RoleDep
+    request: RehearsalRequest, services: ServicesDep, access: AccessDep
 ) -> Rehearsal:
     """Forecast the end of commands without moving anything.
 
@@ -33,22 +35,73 @@ def rehearse(
         steps,
         request.seconds,
         certify=request.certificate,
-        is_agent=role is Role.AGENT,
+        is_agent=access.role is Role.AGENT,
+        who=access.name,
     )
 
 
-@router.post(
-    "/plan",
-    dependencies=[Operator],
-    responses=problems(404, 409, 413, 422, 503),
-)
-def plan(request: PlanRequest, services: ServicesDep) -> Plan:
-    """Return a goal that leads to a pose and touches nothing; nothing moves.
+@router.post("/plan", **change(404, 409, 413, 422, 429, 503))
+def plan(request: PlanRequest, services: ServicesDep, access: AccessDep) -> Plan:
+    """Return a goal that leads to a target and touches nothing; nothing moves.
 
-    The path keeps 5 mm from everything, is timed within the limits, and was rehearsed.
+    The target is a pose of joints, of the end effector, or one that has a name. The
+    path keeps 5 mm from everything, is timed within the limits, and was rehearsed.
     Without a path the answer says why: which bodies would touch in the pose, which
-    joint would leave its range, or that the time was over.
+    joint would leave its range or is at its end, or that the time was over.
     """
-    return services.rehearsals.plan(
-        Wish(request.controller, request.positions, request.timeout, request.seed)
+    rehearsals, positions, place = services.rehearsals, request.positions, request.pose
+    if request.name is not None:
+        positions = rehearsals.named_pose(request.controller, request.name)
+    wish = Wish(
+        request.controller,
+        positions or {},
+        None if place is None else (place.position, place.orientation),
+        request.timeout,
+        request.seed,
     )
+    return rehearsals.plan(wish, access.name)
+
+
+class ByRehearsal:
+    """Gives commands as the caller's policy and certificate want it. One request."""
+
+    def __init__(
+        self,
+        response: Response,
+        services: ServicesDep,
+        access: AccessDep,
+        certificate: Annotated[
+            str | None,
+            Query(
+                max_length=64,
+                examples=["9E5_mt3oyZPBL6Vy"],
+                description="The certificate of a rehearsal of this command: it is "
+                "refused if something that matters has changed since, and stopped if "
+                "the robot leaves the rehearsed motion.",
+            ),
+        ] = None,
+    ) -> None:
+        self._response = response
+        self._rehearsals = services.rehearsals
+        self._is_agent = access.role is Role.AGENT
+        self._certificate = certificate
+
+    @contextmanager
+    def giving(self, kind: str, **command: object) -> Iterator[Receipt | None]:
+        """Give a command in the body of a `with`, which must not wait for the robot.
+
+        Args:
+            kind: Its kind, as a step of a rehearsal.
+            command: Its arguments, as those of the step.
+        """
+        rehearsals, step = self._rehearsals, {"kind": kind, **command}
+        with rehearsals.redeemed(self._certificate, step) as receipt:
+            if kind != "switch":
+                rehearsals.check(is_agent=self._is_agent)
+            policy = rehearsals.rules.policy_of(is_agent=self._is_agent)
+            if policy is Policy.ADVISE and self._certificate is None:
+                self._response.headers[REHEARSAL_HEADER] = "advised"
+            yield receipt
+
+
+ByRehearsalDep = Annotated[ByRehearsal, Depends()]

@@ -6,9 +6,8 @@ from fastapi import APIRouter
 
 from station import wire
 from station.api import answers
-from station.api.dependencies import ArmsDep, GrippersDep, Operator, StationDep, Viewer
-from station.api.json_route import JsonRoute
-from station.api.routes.problems import problems
+from station.api.dependencies import ArmsDep, GrippersDep, StationDep
+from station.api.routes.routing import change, problems, routes_of
 from station.api.service_routes import add_service, describe, services_of
 from station.core.facade.station import Station
 from station.core.franka import (
@@ -22,11 +21,9 @@ from station.core.franka import (
 )
 from station.core.franka.arms import Arms
 
-router = APIRouter(
-    prefix="/robots", tags=["robots"], dependencies=[Viewer], route_class=JsonRoute
-)
+router = routes_of("robots", "/robots")
 _READ = problems(404, 503)
-_WRITE = problems(404, 409, 413, 422, 503)
+_WRITE = change(404, 409, 413, 422, 503)
 
 
 def _report(arms: Arms, arm_id: str) -> wire.ArmReport:
@@ -39,11 +36,7 @@ def list_robots(station: StationDep) -> wire.Arms:
     return wire.Arms(robots=answers.arms(station))
 
 
-@router.post(
-    "/error_recovery",
-    dependencies=[Operator],
-    responses=problems(409, 413, 422, 423, 503, 504),
-)
+@router.post("/error_recovery", **change(409, 413, 422, 423, 503, 504))
 def recover_all(
     station: StationDep, request: wire.RecoveryRequest | None = None
 ) -> wire.Recoveries:
@@ -66,9 +59,11 @@ def list_services(arm_id: str, station: StationDep) -> wire.Services:
 
 
 @router.get("/{arm_id}/state", responses=_READ)
-def get_arm_state(arm_id: str, arms: ArmsDep) -> wire.FrankaState:
+def get_arm_state(arm_id: str, arms: ArmsDep, station: StationDep) -> wire.FrankaState:
     """Return the arm's whole state."""
-    return answers.franka_state(arms.state(arm_id))
+    nearest = station.surroundings.clearance(arm_id)
+    values = answers.franka_state(arms.state(arm_id), nearest)
+    return wire.FrankaState.model_validate(values)
 
 
 @router.get("/{arm_id}/model", responses=problems(404, 422, 503))
@@ -128,11 +123,7 @@ add_service(
 )
 
 
-@router.put(
-    "/{arm_id}/force_torque_collision_behavior",
-    dependencies=[Operator],
-    responses=_WRITE,
-)
+@router.put("/{arm_id}/force_torque_collision_behavior", **_WRITE)
 def set_force_torque_collision_behavior(
     arm_id: str, request: wire.ForceTorqueCollisionBehavior, arms: ArmsDep
 ) -> wire.ArmReport:
@@ -141,9 +132,7 @@ def set_force_torque_collision_behavior(
     return _report(arms, arm_id)
 
 
-@router.put(
-    "/{arm_id}/full_collision_behavior", dependencies=[Operator], responses=_WRITE
-)
+@router.put("/{arm_id}/full_collision_behavior", **_WRITE)
 def set_full_collision_behavior(
     arm_id: str, request: wire.FullCollisionBehavior, arms: ArmsDep
 ) -> wire.ArmReport:
@@ -152,11 +141,7 @@ def set_full_collision_behavior(
     return _report(arms, arm_id)
 
 
-@router.post(
-    "/{arm_id}/error_recovery",
-    dependencies=[Operator],
-    responses=problems(404, 409, 413, 422, 423, 503, 504),
-)
+@router.post("/{arm_id}/error_recovery", **change(404, 409, 413, 422, 423, 503, 504))
 def error_recovery(
     arm_id: str, station: StationDep, request: wire.RecoveryRequest | None = None
 ) -> wire.Recovery:
@@ -170,7 +155,7 @@ def error_recovery(
     return wire.Recovery(**dict(report), restarted=list(restarted))
 
 
-@router.post("/{arm_id}/user_stop", dependencies=[Operator], responses=_WRITE)
+@router.post("/{arm_id}/user_stop", **_WRITE)
 def user_stop(
     arm_id: str, request: wire.UserStopRequest, arms: ArmsDep
 ) -> wire.ArmReport:
@@ -179,14 +164,14 @@ def user_stop(
     return _report(arms, arm_id)
 
 
-@router.post("/{arm_id}/guiding", dependencies=[Operator], responses=_WRITE)
+@router.post("/{arm_id}/guiding", **_WRITE)
 def guiding(arm_id: str, request: wire.GuidingRequest, arms: ArmsDep) -> wire.ArmReport:
     """Press or release the guiding buttons of a simulated arm that is idle."""
     arms.set_guiding(arm_id, pressed=request.pressed)
     return _report(arms, arm_id)
 
 
-@router.post("/{arm_id}/external_force", dependencies=[Operator], responses=_WRITE)
+@router.post("/{arm_id}/external_force", **_WRITE)
 def external_force(
     arm_id: str, request: wire.ExternalForce, arms: ArmsDep
 ) -> wire.ArmReport:
@@ -203,7 +188,7 @@ def external_force(
     return _report(arms, arm_id)
 
 
-@router.post("/{arm_id}/faults", dependencies=[Operator], responses=_WRITE)
+@router.post("/{arm_id}/faults", **_WRITE)
 def inject_fault(arm_id: str, request: wire.Fault, arms: ArmsDep) -> wire.ArmReport:
     """Inject a fault; in simulation only."""
     arms.inject(arm_id, fault_of(request))
@@ -216,9 +201,7 @@ def get_faults(arm_id: str, arms: ArmsDep) -> wire.Faults:
     return _faults(arms, arm_id)
 
 
-@router.delete(
-    "/{arm_id}/faults", dependencies=[Operator], responses=problems(404, 409, 503)
-)
+@router.delete("/{arm_id}/faults", **change(404, 409, 503))
 def clear_faults(arm_id: str, arms: ArmsDep) -> wire.Faults:
     """End all faults and all pushes; in simulation only."""
     arms.clear_faults(arm_id)
@@ -235,20 +218,13 @@ def get_gripper(arm_id: str, grippers: GrippersDep) -> wire.Gripper:
     return answers.gripper(arm_id, grippers.state(arm_id))
 
 
-@router.post(
-    "/{arm_id}/gripper/homing",
-    status_code=202,
-    dependencies=[Operator],
-    responses=_WRITE,
-)
+@router.post("/{arm_id}/gripper/homing", status_code=202, **_WRITE)
 def home_gripper(arm_id: str, grippers: GrippersDep) -> wire.Gripper:
     """Begin to close and to open the gripper all the way; answers at once."""
     return answers.gripper(arm_id, grippers.homing(arm_id))
 
 
-@router.post(
-    "/{arm_id}/gripper/move", status_code=202, dependencies=[Operator], responses=_WRITE
-)
+@router.post("/{arm_id}/gripper/move", status_code=202, **_WRITE)
 def move_gripper(
     arm_id: str, request: wire.GripperMoveRequest, grippers: GrippersDep
 ) -> wire.Gripper:
@@ -260,12 +236,7 @@ def move_gripper(
     return answers.gripper(arm_id, found)
 
 
-@router.post(
-    "/{arm_id}/gripper/grasp",
-    status_code=202,
-    dependencies=[Operator],
-    responses=_WRITE,
-)
+@router.post("/{arm_id}/gripper/grasp", status_code=202, **_WRITE)
 def grasp(
     arm_id: str, request: wire.GripperGraspRequest, grippers: GrippersDep
 ) -> wire.Gripper:
@@ -278,11 +249,7 @@ def grasp(
     return answers.gripper(arm_id, found)
 
 
-@router.post(
-    "/{arm_id}/gripper/stop",
-    dependencies=[Operator],
-    responses=problems(404, 413, 422, 503),
-)
+@router.post("/{arm_id}/gripper/stop", **change(404, 413, 422, 503))
 def stop_gripper(arm_id: str, grippers: GrippersDep) -> wire.Gripper:
     """Hold the fingers still without force: a grasped object can fall.
 

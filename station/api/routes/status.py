@@ -10,7 +10,7 @@ import station as package
 from station.api import answers
 from station.api.dependencies import Operator, ServicesDep, StationDep, Viewer
 from station.api.errors import ProblemError
-from station.api.routes.problems import problems
+from station.api.routes.routing import problems
 from station.reports import LoopReport
 from station.wire import Hardware, Health, JointStates, Ready, Recording, Status
 

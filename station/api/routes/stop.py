@@ -12,9 +12,9 @@ from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
 
 from station.api import answers
-from station.api.dependencies import Operator, RoleDep, StationDep, Viewer
+from station.api.dependencies import RoleDep, StationDep, Viewer
 from station.api.json_route import JsonRoute
-from station.api.routes.problems import problems
+from station.api.routes.routing import change, problems
 from station.core.loop.stop_latch import StopLatch
 from station.wire import ReleaseRequest, StopRequest, StopState
 
@@ -68,9 +68,7 @@ async def _carried_out(latch: StopLatch) -> None:
         await asyncio.sleep(0.002)
 
 
-@_release.post(
-    "/stop/release", dependencies=[Operator], responses=problems(413, 422, 423)
-)
+@_release.post("/stop/release", **change(413, 422, 423))
 def release_stop(
     station: StationDep, request: ReleaseRequest | None = None
 ) -> StopState:

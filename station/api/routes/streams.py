@@ -4,26 +4,19 @@ from typing import NoReturn
 
 from fastapi import APIRouter, WebSocket
 
+from station import wire
 from station.api.audit import note_access, origin_of
 from station.api.auth import Access, Role
 from station.api.control import ControlHeldError
 from station.api.dependencies import Viewer
 from station.api.errors import ProblemError
-from station.api.routes.problems import problems
+from station.api.routes.routing import problems
 from station.api.services import services_of
 from station.api.streams import StreamRequestError
 from station.api.streams.command_stream import CommandStream, parse_command_request
 from station.api.streams.request import parse_request
 from station.core.errors import ControllerNotFoundError, StationError
 from station.events import EventKind
-from station.wire import (
-    CLOSE_BAD_REQUEST,
-    CLOSE_CONTROL_HELD,
-    CLOSE_FORBIDDEN,
-    CLOSE_TRY_LATER,
-    CLOSE_UNAUTHORIZED,
-    CLOSE_UNKNOWN_TOPIC,
-)
 from station.wire.protocol import LEASE_HEADER
 
 MOST_COMMAND_STREAMS = 16
@@ -54,14 +47,14 @@ async def command_stream(websocket: WebSocket, controller: str) -> None:
     services = services_of(websocket)
     try:
         if not access.role.includes(Role.OPERATOR):
-            raise StreamRequestError("Only operators command.", CLOSE_FORBIDDEN)
+            raise StreamRequestError("Only operators command.", wire.CLOSE_FORBIDDEN)
         lease = websocket.headers.get(LEASE_HEADER)
         services.control.check(access, lease)
         services.station.motion.set_point(controller)
         request = parse_command_request(controller, websocket.query_params, lease)
         if services.command_streams >= MOST_COMMAND_STREAMS:
             reason = f"there are {MOST_COMMAND_STREAMS} command streams already"
-            raise StreamRequestError(reason, CLOSE_TRY_LATER)
+            raise StreamRequestError(reason, wire.CLOSE_TRY_LATER)
     except StreamRequestError as error:
         await websocket.close(error.close_code, error.reason)
         return
@@ -96,10 +89,10 @@ async def command_stream(websocket: WebSocket, controller: str) -> None:
 
 def _close_code(error: StationError) -> int:
     if isinstance(error, ControlHeldError):
-        return CLOSE_CONTROL_HELD
+        return wire.CLOSE_CONTROL_HELD
     if isinstance(error, ControllerNotFoundError):
-        return CLOSE_UNKNOWN_TOPIC
-    return CLOSE_BAD_REQUEST
+        return wire.CLOSE_UNKNOWN_TOPIC
+    return wire.CLOSE_BAD_REQUEST
 
 
 def _short(reason: str) -> str:
@@ -117,7 +110,7 @@ async def accepted_access(websocket: WebSocket) -> Access | None:
             services.event_recorder.failed_login(websocket)
             await services.failed_logins.slow_down(websocket)
         reason = "The token, session or ticket is missing, unknown or too old."
-        await websocket.close(CLOSE_UNAUTHORIZED, reason)
+        await websocket.close(wire.CLOSE_UNAUTHORIZED, reason)
         return None
     note_access(websocket, access)
     return access

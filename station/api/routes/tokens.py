@@ -10,7 +10,7 @@ from station.api.dependencies import AccessDep, OperatorAnyway, ServicesDep
 from station.api.errors import ProblemError
 from station.api.json_route import JsonRoute
 from station.api.named_tokens import NamedToken
-from station.api.routes.problems import problems
+from station.api.routes.routing import problems
 from station.events import EventKind
 from station.wire import NewToken, Token, TokenRequest, Tokens
 from station.wire.access import TokenName

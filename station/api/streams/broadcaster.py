@@ -7,6 +7,7 @@ from collections.abc import Coroutine, Sequence
 import anyio.to_thread
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from station import wire
 from station.api import answers
 from station.api.auth import Access, Role
 from station.api.streams.channel import Channel, open_channel
@@ -17,12 +18,6 @@ from station.api.streams.stream_client import StreamClient, StreamPort
 from station.api.streams.topics import Topic
 from station.core.errors import StationError
 from station.core.facade.station import Station
-from station.wire import (
-    CLOSE_GOING_AWAY,
-    CLOSE_TOO_SLOW,
-    CLOSE_TRY_LATER,
-    CLOSE_UNAUTHORIZED,
-)
 
 CLOSE_INTERNAL_ERROR = 1011
 PORT = "station.port"
@@ -73,7 +68,7 @@ class Broadcaster:
         """Send frames to an accepted client until either side, or its session, ends."""
         refused = self._refusal(access)
         if refused is not None:
-            await websocket.close(CLOSE_TRY_LATER, refused)
+            await websocket.close(wire.CLOSE_TRY_LATER, refused)
             return
         task = asyncio.create_task(self._serve(websocket, request, topic, access))
         self._clients[task] = access
@@ -136,9 +131,9 @@ class Broadcaster:
         """Return the closing code and reason: (0, "") if the client is gone already."""
         ends: list[tuple[Coroutine[object, object, None], int, str]] = [
             (_drain(websocket), 0, ""),
-            (self._feed(channel, client), CLOSE_TOO_SLOW, "took no frame in time"),
-            (self.wait_closing(), CLOSE_GOING_AWAY, "the station shuts down"),
-            (access.wait_for_end(), CLOSE_UNAUTHORIZED, "the session has ended"),
+            (self._feed(channel, client), wire.CLOSE_TOO_SLOW, "took no frame in time"),
+            (self.wait_closing(), wire.CLOSE_GOING_AWAY, "the station shuts down"),
+            (access.wait_for_end(), wire.CLOSE_UNAUTHORIZED, "the session has ended"),
         ]
         what = f"stream {channel.request}"
         return await first_end(ends, what)

@@ -16,20 +16,13 @@ import orjson
 from pydantic import ValidationError
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from station import wire
 from station.api.auth import Access
 from station.api.control import Control, ControlHeldError
 from station.api.streams.request import StreamRequestError, read_format
 from station.api.validation_words import explain
 from station.core.errors import StationError
 from station.core.facade.station import Station
-from station.wire import (
-    CLOSE_BAD_REQUEST,
-    CLOSE_CONTROL_HELD,
-    CLOSE_GOING_AWAY,
-    CLOSE_UNAUTHORIZED,
-    CommandRequest,
-    StreamFormat,
-)
 
 if TYPE_CHECKING:
     from station.core.ports.receipt import Receipt
@@ -55,7 +48,7 @@ class CommandStreamRequest:
 
     controller: str
     timeout: float
-    format: StreamFormat
+    format: wire.StreamFormat
     lease: str | None
 
 
@@ -155,15 +148,15 @@ class CommandStream:
             asyncio.create_task(self._report(websocket)): (0, ""),
             asyncio.create_task(self._apply_newest()): (0, ""),
             asyncio.create_task(self._wait_for_loss(changed)): (
-                CLOSE_CONTROL_HELD,
+                wire.CLOSE_CONTROL_HELD,
                 "somebody else holds control",
             ),
             asyncio.create_task(self._access.wait_for_end()): (
-                CLOSE_UNAUTHORIZED,
+                wire.CLOSE_UNAUTHORIZED,
                 "the token or session has ended",
             ),
             asyncio.create_task(closing()): (
-                CLOSE_GOING_AWAY,
+                wire.CLOSE_GOING_AWAY,
                 "the station shuts down",
             ),
         }
@@ -184,9 +177,9 @@ class CommandStream:
             if isinstance(error, WebSocketDisconnect):
                 return 0, ""
             if isinstance(error, ControlHeldError):
-                return CLOSE_CONTROL_HELD, error.message[:120]
+                return wire.CLOSE_CONTROL_HELD, error.message[:120]
             if error is not None:
-                return CLOSE_BAD_REQUEST, str(error)[:120]
+                return wire.CLOSE_BAD_REQUEST, str(error)[:120]
         return usual
 
     async def _receive(self, websocket: WebSocket) -> None:
@@ -280,7 +273,7 @@ def _set_from_anywhere(loop: asyncio.AbstractEventLoop, event: asyncio.Event) ->
 
 
 async def _send(
-    websocket: WebSocket, form: StreamFormat, message: dict[str, object]
+    websocket: WebSocket, form: wire.StreamFormat, message: dict[str, object]
 ) -> None:
     if form == "json":
         await websocket.send_text(orjson.dumps(message).decode())
@@ -288,7 +281,7 @@ async def _send(
         await websocket.send_bytes(msgspec.msgpack.encode(message))
 
 
-def _read(message: bytes | str, form: StreamFormat) -> CommandRequest:
+def _read(message: bytes | str, form: wire.StreamFormat) -> wire.CommandRequest:
     """Return the set-point in a message.
 
     Raises:
@@ -305,7 +298,7 @@ def _read(message: bytes | str, form: StreamFormat) -> CommandRequest:
             raise ValueError(f"The message is no msgpack: {error}.") from error
     if isinstance(values, list):
         values = {"command": values}
-    return CommandRequest.model_validate(values)
+    return wire.CommandRequest.model_validate(values)
 
 
 def _told(error: StationError | ValueError) -> dict[str, object]:

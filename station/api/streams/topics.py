@@ -19,8 +19,6 @@ from station.core.control.controller import ControllerSample
 from station.core.errors import ArmNotFoundError, ControllerNotFoundError, StationError
 from station.core.facade.station import Station
 from station.core.franka.arms import Arms
-from station.core.franka.franka_errors import error_names
-from station.core.franka.franka_robot_state import RobotState
 from station.core.hardware.robot_report import (
     ContactReport,
     MovingBaseReport,
@@ -205,16 +203,21 @@ class RobotStateTopic(ReportTopic):
 
     @override
     def report(self) -> Data:
-        state = answers.franka_state(self._arms.state(self._arm_id))
-        return {"arm_id": self._arm_id, **state.model_dump()}
+        state, arm_id = self._arms.state(self._arm_id), self._arm_id
+        values = answers.franka_state(
+            state, self._station.surroundings.clearance(arm_id)
+        )
+        return {"arm_id": arm_id, **FrankaState.model_validate(values).model_dump()}
 
     @override
     def every_cycle(self) -> CycleSamples:
+        state, arm_id = self._arms.reader(self._arm_id), self._arm_id
+        nearest = self._station.surroundings.clearance
         return TapSamples(
             self._station,
-            self._arms.reader(self._arm_id),
-            _arm_sample,
-            lambda: {"arm_id": self._arm_id},
+            lambda: (state(), nearest(arm_id)),
+            lambda taken: answers.franka_state(*taken),
+            lambda: {"arm_id": arm_id},
             _ARM_BATCH,
         )
 
@@ -346,15 +349,6 @@ def _scene_sample(report: _SceneReport) -> Data:
         "clearances": clearances,
     }
     return Scene.model_validate(found).model_dump()
-
-
-def _arm_sample(state: RobotState) -> Data:
-    """Return the fields of `FrankaState`, without computing a model every cycle."""
-    data: Data = {name: getattr(state, name) for name in FrankaState.model_fields}
-    data["robot_mode"] = state.robot_mode.name.lower()
-    for flags in ("current_errors", "last_motion_errors"):
-        data[flags] = error_names(getattr(state, flags))
-    return data
 
 
 def _loop_sample(snapshot: Snapshot) -> Data:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from station.cli.connection import LEASE_VARIABLE, open_client
 from station.cli.errors import UsageError
-from station.cli.output import say, say_model, say_models, say_table
+from station.cli.output import answer, answer_table, say
 
 if TYPE_CHECKING:
     from station.cli.parser import Parser
@@ -20,28 +20,20 @@ LOOK_PERIOD = 0.2
 
 def add_control(parser: "Parser") -> None:
     """Add the arguments of `control`."""
-    parser.add_argument(
-        "action", nargs="?", choices=("show", "take", "release"), default="show"
-    )
-    parser.add_argument("--owner", metavar="NAME", help="name that others are told")
-    parser.add_argument(
-        "--ttl", type=float, default=10.0, metavar="S", help="longest silence [s]"
-    )
-    parser.add_argument(
-        "--force", action="store_true", help="take it from whoever holds it"
-    )
+    add = parser.add_argument
+    add("action", nargs="?", choices=("show", "take", "release"), default="show")
+    add("--owner", metavar="NAME", help="name that others are told")
+    add("--ttl", type=float, default=10.0, metavar="S", help="longest silence [s]")
+    add("--force", action="store_true", help="take it from whoever holds it")
 
 
 def add_token(parser: "Parser") -> None:
     """Add the arguments of `token`."""
-    parser.add_argument("action", choices=("create", "list", "revoke"))
-    parser.add_argument("name", nargs="?", metavar="NAME", help="whose token")
-    parser.add_argument(
-        "--role", choices=("operator", "viewer", "agent"), default="operator"
-    )
-    parser.add_argument(
-        "--expires", type=float, metavar="S", help="how long it is valid [s]"
-    )
+    add = parser.add_argument
+    add("action", choices=("create", "list", "revoke"))
+    add("name", nargs="?", metavar="NAME", help="whose token")
+    add("--role", choices=("operator", "viewer", "agent"), default="operator")
+    add("--expires", type=float, metavar="S", help="how long it is valid [s]")
 
 
 def control(options: Namespace) -> int:
@@ -53,14 +45,14 @@ def control(options: Namespace) -> int:
             client.lease.release()
             say("Control is given back.")
         else:
-            _show(client.lease.state(), as_json=options.json)
+            _show(client.lease.state(), options)
     return 0
 
 
 def _take(client: "StationClient", options: Namespace) -> None:
     with client.control(options.owner, ttl=options.ttl, force=options.force) as lease:
         state = lease.renew()
-        _show(state, as_json=options.json)
+        _show(state, options)
         if not options.json:
             say("Ctrl-C gives it back. Other shells act under this lease with")
             say(f"export {LEASE_VARIABLE}={state.lease}")
@@ -70,15 +62,12 @@ def _take(client: "StationClient", options: Namespace) -> None:
         raise lease.lost
 
 
-def _show(state: "ControlState", *, as_json: bool) -> None:
-    if as_json:
-        say_model(state)
-    elif state.owner is None or state.since is None:
-        say("Nobody holds control; every operator may change things.")
-    else:
-        since = _time(state.since)
+def _show(state: "ControlState", options: Namespace) -> None:
+    line = "Nobody holds control; every operator may change things."
+    if state.owner is not None:
         offer = f" It is offered to {state.hand_over_to}." if state.hand_over_to else ""
-        say(f"{state.owner} holds control since {since}.{offer}")
+        line = f"{state.owner} holds control since {_time(state.since)}.{offer}"
+    answer(options, state, line)
 
 
 def token(options: Namespace) -> int:
@@ -95,20 +84,15 @@ def token(options: Namespace) -> int:
     with open_client(options) as client:
         if options.action == "list":
             found = client.tokens.list()
-            if options.json:
-                say_models(found)
-            else:
-                rows = [(t.name, t.role, _time(t.expires_at)) for t in found]
-                say_table(("name", "role", "expires"), rows)
-        elif options.action == "create":
+            rows = [(t.name, t.role, _time(t.expires_at)) for t in found]
+            return answer_table(options, found, ("name", "role", "expires"), rows)
+        if options.action == "create":
             made = client.tokens.create(
                 options.name, options.role, expires=options.expires
             )
-            say_model(made) if options.json else say(made.token)
-        else:
-            gone = client.tokens.revoke(options.name)
-            say_model(gone) if options.json else say(f"{gone.name} has no token now.")
-    return 0
+            return answer(options, made, made.token)
+        gone = client.tokens.revoke(options.name)
+    return answer(options, gone, f"{gone.name} has no token now.")
 
 
 def _time(stamp: float | None) -> str:

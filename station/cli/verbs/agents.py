@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Literal
 
 from station.cli.connection import locate, open_client
 from station.cli.errors import UsageError
-from station.cli.output import say, say_model, say_models, say_table
+from station.cli.output import answer, answer_table, say
 from station.core.installation import MissingExtraError
 
 if TYPE_CHECKING:
@@ -30,10 +30,9 @@ VERDICTS: "Mapping[str, Verdict]" = {
 
 def add_agents(parser: "Parser") -> None:
     """Add the arguments of `agents`."""
-    parser.add_argument(
-        "action", nargs="?", choices=("list", *VERDICTS), default="list"
-    )
-    parser.add_argument("number", nargs="?", metavar="NUMBER", help="which request")
+    add = parser.add_argument
+    add("action", nargs="?", choices=("list", *VERDICTS), default="list")
+    add("number", nargs="?", metavar="NUMBER", help="which request")
 
 
 def agents(options: Namespace) -> int:
@@ -49,29 +48,21 @@ def agents(options: Namespace) -> int:
     with open_client(options) as client:
         if options.action != "list":
             answered = client.agents.answer(options.number, VERDICTS[options.action])
-            say_model(answered) if options.json else say(f"It is {answered.verdict}.")
-            return 0
+            return answer(options, answered, f"It is {answered.verdict}.")
         found = client.agents.requests()
-        if options.json:
-            say_models(found)
-        else:
-            rows = [
-                (r.number, r.agent, r.operation, r.target, r.verdict or "waits")
-                for r in found
-            ]
-            say_table(("number", "agent", "operation", "target", "verdict"), rows)
-    return 0
+    rows = [
+        (r.number, r.agent, r.operation, r.target, r.verdict or "waits") for r in found
+    ]
+    headers = ("number", "agent", "operation", "target", "verdict")
+    return answer_table(options, found, headers, rows)
 
 
 def add_mcp(parser: "Parser") -> None:
     """Add the arguments of `mcp`."""
-    parser.add_argument(
-        "--name", metavar="NAME", help="name of the agent, for people and events"
-    )
-    parser.add_argument(
-        "--journal", metavar="FILE", type=Path, help="write every call to this file"
-    )
-    parser.add_argument(
+    add = parser.add_argument
+    add("--name", metavar="NAME", help="name of the agent, for people and events")
+    add("--journal", metavar="FILE", type=Path, help="write every call to this file")
+    add(
         "--replay",
         metavar="FILE",
         type=Path,
@@ -100,11 +91,9 @@ async def _replay(url: str, token: str, options: Namespace) -> int:
     from station.mcp.server import replay
 
     refused = 0
-    async for tool, is_refused, answer in replay(
-        url, token, options.ca, options.replay
-    ):
+    async for tool, is_refused, told in replay(url, token, options.ca, options.replay):
         refused += is_refused
-        say(f"{tool}: {answer}")
+        say(f"{tool}: {told}")
     return 1 if refused else 0
 
 

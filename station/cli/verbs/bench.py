@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING
 
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
-from station.cli.output import say, say_model, say_models, say_table
+from station.cli.output import answer_table, say, say_json, say_table
+from station.cli.verbs.gains import answer_change
 
 if TYPE_CHECKING:
     from station.cli.parser import Parser
@@ -20,43 +21,42 @@ _FREQUENCIES = (0.5, 0.9, 1.5, 2.3, 3.7, 5.9)
 
 def add_bench(parser: "Parser") -> None:
     """Add the arguments of `bench`."""
-    parser.add_argument("action", choices=(*_KINDS, *_RUNS))
-    parser.add_argument(
+    add = parser.add_argument
+    add("action", choices=(*_KINDS, *_RUNS))
+    add(
         "name",
         nargs="?",
         metavar="NAME",
         help="the joint of a test; the run to show, delete or apply",
     )
-    parser.add_argument(
+    add(
         "--controller",
         default="effort_group_position_controller",
         help="what moves the joint, and runs",
     )
-    parser.add_argument("--amplitude", type=float, metavar="A", help="[rad or m]")
-    parser.add_argument("--duration", type=float, default=4.0, metavar="S")
-    parser.add_argument(
+    add("--amplitude", type=float, metavar="A", help="[rad or m]")
+    add("--duration", type=float, default=4.0, metavar="S")
+    add(
         "--frequency",
         nargs="+",
         type=float,
         metavar="HZ",
         help="of a sine; of all sines of a multisine; first and last of a chirp",
     )
-    parser.add_argument("--hysteresis", type=float, default=0.0005, help="of a relay")
-    parser.add_argument(
+    add("--hysteresis", type=float, default=0.0005, help="of a relay")
+    add(
         "--relay-gain",
         type=float,
         metavar="P",
         help="p of the joint during a relay test, with i and d 0, so that gains can be "
         "proposed; without it the gains in force stay",
     )
-    parser.add_argument("--keep-as", metavar="RUN", help="name of the run")
-    parser.add_argument("--rule", help="apply: the rule, e.g. tyreus_luyben_pid")
-    parser.add_argument(
-        "--recording", metavar="ID", help="read a part of it; the robot does not move"
-    )
-    parser.add_argument("--incident", metavar="ID", help="likewise")
-    parser.add_argument("--begin", type=float, metavar="S", help="of the part")
-    parser.add_argument("--end", type=float, metavar="S", help="of the part")
+    add("--keep-as", metavar="RUN", help="name of the run")
+    add("--rule", help="apply: the rule, e.g. tyreus_luyben_pid")
+    add("--recording", metavar="ID", help="read a part of it; the robot does not move")
+    add("--incident", metavar="ID", help="likewise")
+    add("--begin", type=float, metavar="S", help="of the part")
+    add("--end", type=float, metavar="S", help="of the part")
 
 
 def bench(options: Namespace) -> int:
@@ -84,7 +84,7 @@ def bench(options: Namespace) -> int:
         if options.action == "apply":
             return _apply(client, found, options)
     if options.json:
-        say_model(found)
+        say_json(found)
     else:
         _tell(found)
     return 0
@@ -153,14 +153,9 @@ def _measure(client: "StationClient", options: Namespace) -> "BenchResponse":
 
 def _list(client: "StationClient", options: Namespace) -> int:
     runs = client.bench_runs.list()
-    if options.json:
-        say_models(runs)
-    elif runs:
-        rows = [[r.name, r.kind, r.joint, r.controller, r.created_at] for r in runs]
-        say_table(["run", "kind", "joint", "controller", "measured"], rows)
-    else:
-        say("No run is kept.")
-    return 0
+    rows = [[r.name, r.kind, r.joint, r.controller, r.created_at] for r in runs]
+    headers = ["run", "kind", "joint", "controller", "measured"]
+    return answer_table(options, runs, headers, rows, "No run is kept.")
 
 
 def _tell(run: "BenchResponse") -> None:
@@ -192,17 +187,7 @@ def _apply(client: "StationClient", run: "BenchResponse", options: Namespace) ->
             if rules
             else "Only a relay test with --relay-gain proposes gains.",
         )
-    change = client.set_gains(run.controller, rules[options.rule].gains)
-    if options.json:
-        say_model(change)
-        return 0
-    say_table(
-        ["gain", "before", "now"],
-        [
-            [name, f"{change.previous[name]:g}", f"{change.values[name]:g}"]
-            for name in rules[options.rule].gains
-        ],
-    )
-    for note in filter(None, (rules[options.rule].note, *change.notes)):
-        say(f"Note: {note}")
-    return 0
+    rule = rules[options.rule]
+    change = client.set_gains(run.controller, rule.gains)
+    notes = filter(None, (rule.note, *change.notes))
+    return answer_change(options, change, rule.gains, notes)

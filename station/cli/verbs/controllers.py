@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
-from station.cli.output import say, say_json, say_model, say_models, say_table
+from station.cli.output import answer, answer_table, number, say, say_table
 from station.core.errors import suggest
 
 if TYPE_CHECKING:
@@ -24,15 +24,13 @@ if TYPE_CHECKING:
 
 def add_load_controller(parser: "Parser") -> None:
     """Add the arguments of `load_controller`."""
-    parser.add_argument("name")
+    add = parser.add_argument
+    add("name")
     source = "ROS parameter file with its parameters; else the station's configuration"
-    parser.add_argument(
-        "param_file", nargs="?", type=Path, metavar="PARAM_FILE", help=source
-    )
-    parser.add_argument("--type", help="its type, when no parameters say it")
-    parser.add_argument(
-        "--load-timeout", type=float, metavar="S", help="longest init [s]"
-    )
+    add("param_file", nargs="?", type=Path, metavar="PARAM_FILE", help=source)
+    add("--type", help="its type, when no parameters say it")
+    add("--load-timeout", type=float, metavar="S", help="longest init [s]")
+    add("--set-state", choices=("inactive", "active"), help="active: start it, too")
 
 
 def add_unload_controller(parser: "Parser") -> None:
@@ -49,12 +47,20 @@ def add_reload_controller_libraries(parser: "Parser") -> None:
 
 def add_list_controllers(parser: "Parser") -> None:
     """Add the arguments of `list_controllers`."""
-    parser.add_argument(
-        "--claimed-interfaces", action="store_true", help="what each claims"
+    add = parser.add_argument
+    add(
+        "--claimed-interfaces",
+        "--required-command-interfaces",
+        action="store_true",
+        help="what each claims",
     )
-    parser.add_argument(
-        "-v", "--verbose", action="store_true", help="claims, loop time and faults"
+    add(
+        "--chained-interfaces",
+        "--exported-interfaces",
+        action="store_true",
+        help="references and states of other controllers: as view_controller_chains",
     )
+    add("-v", "--verbose", action="store_true", help="claims, loop time and faults")
 
 
 def add_list_controller_types(parser: "Parser") -> None:
@@ -71,6 +77,61 @@ def add_list_hardware_interfaces(parser: "Parser") -> None:
     )
 
 
+def add_list_hardware_components(parser: "Parser") -> None:
+    """Add the arguments of `list_hardware_components`."""
+    parser.add_argument(
+        "-v", "--verbose", action="store_true", help="interfaces that can be read, too"
+    )
+
+
+def add_set_hardware_component_state(parser: "Parser") -> None:
+    """Add the arguments of `set_hardware_component_state`."""
+    states = ("unconfigured", "inactive", "active", "finalized")
+    parser.add_argument("name", help="the component")
+    parser.add_argument("state", choices=states)
+    stops = "stop the controllers that command it; else it stays active"
+    parser.add_argument("--stop-controllers", action="store_true", help=stops)
+
+
+def list_hardware_components(options: Namespace) -> int:
+    """Print the hardware components with their states and interfaces."""
+    with open_client(options) as client:
+        components = client.hardware_components()
+    if options.json:
+        return answer(options, components)
+    for one in components:
+        problem = f" ({one.problem})" if one.problem else ""
+        say(f"{one.name}: {one.state}{problem}, {one.type}, {one.plugin}")
+        kinds = [("commanded", one.command_interfaces)]
+        if options.verbose:
+            kinds.append(("read", one.state_interfaces))
+        rows = [
+            [
+                each.resource,
+                each.hardware_interface,
+                what,
+                "available" if each.is_available else "unavailable",
+                ", ".join(each.claimed_by) or "-",
+            ]
+            for what, interfaces in kinds
+            for each in interfaces
+        ]
+        if rows:
+            say_table(
+                ["resource", "hardware interface", "is", "state", "claimed by"], rows
+            )
+    return 0
+
+
+def set_hardware_component_state(options: Namespace) -> int:
+    """Bring a hardware component into a state of its life cycle."""
+    with open_client(options) as client:
+        component = client.set_hardware_component_state(
+            options.name, options.state, stop_controllers=options.stop_controllers
+        )
+    return answer(options, component, f"{component.name} is {component.state}.")
+
+
 def add_view_controller_chains(parser: "Parser") -> None:
     """Add the arguments of `view_controller_chains`."""
     parser.add_argument(
@@ -82,14 +143,10 @@ def view_controller_chains(options: Namespace) -> int:
     """Print the controllers in the order of their updates, with what they command."""
     with open_client(options) as client:
         chains = client.chains()
-    if options.json:
-        say_model(chains)
-    elif options.dot:
-        say(_graph(chains))
-    else:
-        headers = ["update", "name", "state", "mode", "commands", "exports"]
-        say_table(headers, _chain_rows(chains))
-    return 0
+    if options.dot:
+        return answer(options, chains, _graph(chains))
+    headers = ["update", "name", "state", "mode", "commands", "exports"]
+    return answer_table(options, chains, headers, _chain_rows(chains))
 
 
 def _chain_rows(chains: "ControllerChains") -> list[list[str]]:
@@ -130,14 +187,11 @@ def _graph(chains: "ControllerChains") -> str:
 
 def list_controllers(options: Namespace) -> int:
     """Print the loaded controllers."""
+    if options.chained_interfaces:
+        options.dot = False
+        return view_controller_chains(options)
     with open_client(options) as client:
         controllers = client.controllers()
-    if options.json:
-        say_models(controllers)
-        return 0
-    if not controllers:
-        say("No controllers are loaded.")
-        return 0
     headers = ["name", "type", "state"]
     if options.claimed_interfaces or options.verbose:
         headers.append("claimed interfaces")
@@ -146,8 +200,9 @@ def list_controllers(options: Namespace) -> int:
     if options.verbose or any(controller.fault for controller in controllers):
         headers.append("fault")
     rows = [_row(c, headers) for c in controllers]
-    say_table(headers, rows)
-    for controller in controllers:
+    nothing = "No controllers are loaded."
+    answer_table(options, controllers, headers, rows, nothing)
+    for controller in () if options.json else controllers:
         for note in controller.notes:
             say(f"{controller.name}: {note}")
     return 0
@@ -177,15 +232,13 @@ def list_controller_types(options: Namespace) -> int:
         types = client.controller_types()
     if options.type is not None:
         types = [_find_type(types, options.type)]
-    if options.json:
-        say_models(types)
-    elif options.type is None:
-        say_table(["type", "description"], [[t.type, _about(t)] for t in types])
-    else:
-        say(f"{types[0].type}: {_about(types[0])}")
+    headers, rows = ["type", "description"], [[t.type, _about(t)] for t in types]
+    if options.type is not None:
         headers = ["parameter", "type", "unit", "default", "allowed", "description"]
-        say_table(headers, [_parameter_row(each) for each in types[0].parameters])
-    return 0
+        rows = [_parameter_row(each) for each in types[0].parameters]
+        if not options.json:
+            say(f"{types[0].type}: {_about(types[0])}")
+    return answer_table(options, types, headers, rows)
 
 
 def _find_type(types: "list[ControllerType]", name: str) -> "ControllerType":
@@ -237,7 +290,7 @@ def load_controller(options: Namespace) -> int:
     """Load a controller, with the parameters of a file or of the station."""
     params = None
     if options.param_file is not None:
-        params = _parameters_of(options.name, options.param_file)
+        params = _parameters_of(options.name, options.param_file, options.type)
     with open_client(options) as client:
         state = client.load_controller(
             options.name,
@@ -246,16 +299,14 @@ def load_controller(options: Namespace) -> int:
             timeout=options.load_timeout,
             unknown_params="tell",
         )
-    if options.json:
-        say_model(state)
-    else:
-        say(f"Loaded {state.name} ({state.type}); it is {state.state}.")
-        for note in state.notes:
-            say(f"Note: {note}")
-    return 0
+        if options.set_state == "active":
+            client.switch_controllers(start=[options.name])
+            state = client.controller(options.name)
+    line = f"Loaded {state.name} ({state.type}); it is {state.state}."
+    return answer(options, state, line, *(f"Note: {note}" for note in state.notes))
 
 
-def _parameters_of(name: str, path: Path) -> dict[str, Any]:
+def _parameters_of(name: str, path: Path, kind: str | None) -> dict[str, Any]:
     """Return the parameters that a file written for ROS has for a controller.
 
     Raises:
@@ -265,7 +316,8 @@ def _parameters_of(name: str, path: Path) -> dict[str, Any]:
     from station.config.ros_parameters import split_ros_parameters
     from station.core.yaml_reader import read_yaml
 
-    found = split_ros_parameters(read_yaml(path).values, str(path))
+    types = {} if kind is None else {name: kind}
+    found = split_ros_parameters(read_yaml(path).values, str(path), types)
     params = found.controllers.get(name) or found.others.get(name)
     if not isinstance(params, dict):
         known = ", ".join(found.controllers) or "none"
@@ -280,79 +332,64 @@ def unload_controller(options: Namespace) -> int:
     """Unload a controller."""
     with open_client(options) as client:
         state = client.unload_controller(options.name)
-    if options.json:
-        say_model(state)
-    else:
-        say(f"Unloaded {state.name}.")
-    return 0
+    return answer(options, state, f"Unloaded {state.name}.")
 
 
 def reload_controller_libraries(options: Namespace) -> int:
     """Let the next load of each type read its Python module anew."""
     with open_client(options) as client:
         unloaded = client.reload_controller_types(force_kill=options.force_kill)
-    if options.json:
-        say_json(unloaded)
-    else:
-        say(f"Unloaded: {', '.join(unloaded) or 'no controller'}.")
-    return 0
+    line = f"Unloaded: {', '.join(unloaded) or 'no controller'}."
+    return answer(options, unloaded, line)
 
 
 def list_hardware_interfaces(options: Namespace) -> int:
     """Print the resources that controllers can claim, and their owners."""
     with open_client(options) as client:
         hardware = client.hardware()
-    if options.json:
-        say_model(hardware)
-        return 0
     rows = [
         [resource.name, interface.name, ", ".join(resource.claimed_by) or "-"]
         for interface in hardware.interfaces
         for resource in interface.resources
     ]
-    say_table(["resource", "hardware interface", "claimed by"], rows)
-    if options.verbose:
+    headers = ["resource", "hardware interface", "claimed by"]
+    answer_table(options, hardware, headers, rows)
+    if options.verbose and not options.json:
         _say_details(hardware)
     return 0
 
 
 def _say_details(hardware: "Hardware") -> None:
     say("")
-    say_table(
-        ["joint", "position", "velocity", "effort", "soft", "from"],
-        [_limits_row(limits) for limits in hardware.limits],
-    )
-    if hardware.transmissions:
-        say("")
-        say_table(
-            ["transmission", "type", "actuators", "joints"],
-            [
-                [t.name, t.type, ", ".join(t.actuators), ", ".join(t.joints)]
-                for t in hardware.transmissions
-            ],
-        )
-    if hardware.repairs:
-        say("")
-        say_table(
-            ["repaired", "problem", "was", "is"],
-            [[r.element, r.problem, r.old or "-", r.new] for r in hardware.repairs],
-        )
-    if hardware.clamps:
-        say("")
-        say_table(
+    headers = ["joint", "position", "velocity", "effort", "soft", "from"]
+    say_table(headers, [_limits_row(limits) for limits in hardware.limits])
+    transmissions = [
+        [t.name, t.type, ", ".join(t.actuators), ", ".join(t.joints)]
+        for t in hardware.transmissions
+    ]
+    repairs = [[r.element, r.problem, r.old or "-", r.new] for r in hardware.repairs]
+    clamps = [
+        [
+            c.joint,
+            c.hardware_interface,
+            f"{c.count}",
+            number(c.asked),
+            number(c.given),
+            c.reason,
+        ]
+        for c in hardware.clamps
+    ]
+    for headers, rows in (
+        (["transmission", "type", "actuators", "joints"], transmissions),
+        (["repaired", "problem", "was", "is"], repairs),
+        (
             ["clamped joint", "hardware interface", "count", "asked", "given", "why"],
-            [
-                [
-                    clamp.joint,
-                    clamp.hardware_interface,
-                    str(clamp.count),
-                    _number(clamp.asked),
-                    _number(clamp.given),
-                    clamp.reason,
-                ]
-                for clamp in hardware.clamps
-            ],
-        )
+            clamps,
+        ),
+    ):
+        if rows:
+            say("")
+            say_table(headers, rows)
 
 
 def _limits_row(limits: "HardwareLimits") -> list[str]:
@@ -364,8 +401,8 @@ def _limits_row(limits: "HardwareLimits") -> list[str]:
     return [
         limits.joint,
         _range(limits.min_position, limits.max_position),
-        _number(limits.max_velocity),
-        _number(limits.max_effort),
+        number(limits.max_velocity),
+        number(limits.max_effort),
         "-" if soft is None else _range(soft.min_position, soft.max_position),
         ", ".join(sources) or "-",
     ]
@@ -373,7 +410,3 @@ def _limits_row(limits: "HardwareLimits") -> list[str]:
 
 def _range(low: float | None, high: float | None) -> str:
     return "-" if low is None or high is None else f"{low:g} to {high:g}"
-
-
-def _number(value: float | None) -> str:
-    return "-" if value is None else f"{value:g}"

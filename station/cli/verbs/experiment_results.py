@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING
 
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
-from station.cli.output import say, say_json, say_progress, say_table
+from station.cli.output import (
+    answer,
+    answer_table,
+    say,
+    say_json,
+    say_progress,
+    say_table,
+)
 
 if TYPE_CHECKING:
     from station.cli.parser import Parser
@@ -22,26 +29,21 @@ _MOST_REASONS = 5
 
 def add_experiments(parser: "Parser") -> None:
     """Add the arguments of `experiments`."""
-    parser.add_argument("action", choices=tuple(_ACTIONS))
-    parser.add_argument("name", nargs="?", metavar="NAME", help="the experiment")
-    parser.add_argument(
+    add = parser.add_argument
+    add("action", choices=tuple(_ACTIONS))
+    add("name", nargs="?", metavar="NAME", help="the experiment")
+    add(
         "words",
         nargs="*",
         metavar="WORD",
         help="plot, export: a file; apply: a trial's hash, the best when left out; "
         "replay: one likewise, the worst when left out; compare: another experiment",
     )
-    parser.add_argument("--metric", nargs="+", action="extend", default=[], help=METRIC)
-    parser.add_argument(
-        "--kind", choices=("parallel", "pareto", "responses"), default="pareto"
-    )
-    parser.add_argument(
-        "--yes", action="store_true", help="apply: do it; without it: only show it"
-    )
-    parser.add_argument(
-        "--yaml", type=Path, metavar="FILE", help="apply: write the gains to a file"
-    )
-    parser.add_argument("--count", type=int, default=5, help="best: how many trials")
+    add("--metric", nargs="+", action="extend", default=[], help=METRIC)
+    add("--kind", choices=("parallel", "pareto", "responses"), default="pareto")
+    add("--yes", action="store_true", help="apply: do it; without it: only show it")
+    add("--yaml", type=Path, metavar="FILE", help="apply: write the gains to a file")
+    add("--count", type=int, default=5, help="best: how many trials")
 
 
 def experiments(options: Namespace) -> int:
@@ -68,19 +70,12 @@ def _list(options: Namespace) -> int:
     rows, found = [], []
     for name in names():
         with _opened(name) as results:
-            rows.append([name, results.kind, str(results.count())])
-            found.append({
-                "name": name,
-                "kind": results.kind,
-                "trials": results.count(),
-            })
-    if options.json:
-        say_json(found)
-    elif rows:
-        say_table(["experiment", "kind", "trials"], rows)
-    else:
-        say(f"There are no experiments in {default_folder()}.")
-    return 0
+            count = results.count()
+            rows.append([name, results.kind, str(count)])
+            found.append({"name": name, "kind": results.kind, "trials": count})
+    headers = ["experiment", "kind", "trials"]
+    nothing = f"There are no experiments in {default_folder()}."
+    return answer_table(options, found, headers, rows, nothing)
 
 
 def _show(options: Namespace) -> int:
@@ -125,29 +120,24 @@ def _best(options: Namespace) -> int:
 
     with _opened(options.name) as results:
         rows = ranked(results, _metric(options))[: options.count]
-    if options.json:
-        say_json([
-            {
-                "hash": row.result.hash,
-                "parameters": dict(row.parameters),
-                "metrics": dict(row.result.metrics),
-            }
-            for row in rows
-        ])
-        return 0
+    found = [
+        {
+            "hash": row.result.hash,
+            "parameters": dict(row.parameters),
+            "metrics": dict(row.result.metrics),
+        }
+        for row in rows
+    ]
     metrics = options.metric or ["rms_error", "effort_rms"]
-    say_table(
-        ["trial", *metrics, "parameters"],
+    table = [
         [
-            [
-                row.result.hash,
-                *(f"{row.result.metrics.get(m, float('nan')):.4g}" for m in metrics),
-                " ".join(f"{k}={v:.4g}" for k, v in row.parameters.items()),
-            ]
-            for row in rows
-        ],
-    )
-    return 0
+            row.result.hash,
+            *(f"{row.result.metrics.get(m, float('nan')):.4g}" for m in metrics),
+            " ".join(f"{k}={v:.4g}" for k, v in row.parameters.items()),
+        ]
+        for row in rows
+    ]
+    return answer_table(options, found, ["trial", *metrics, "parameters"], table)
 
 
 def _plot(options: Namespace) -> int:
@@ -219,16 +209,12 @@ def _compare(options: Namespace) -> int:
     one, other = options.name, options.words[0]
     with _opened(one) as first, _opened(other) as second:
         found = compare(first, second, options.metric)
-    if options.json:
-        say_json([
-            {"metric": c.metric, "means": c.means, "p_value": c.p_value} for c in found
-        ])
-        return 0
-    say_table(
-        ["metric", one, other, "p"],
-        [[c.metric, *(f"{m:.4g}" for m in c.means), f"{c.p_value:.4f}"] for c in found],
-    )
-    say("p: how probable means so far apart are by chance alone.")
+    rows = [
+        [c.metric, *(f"{m:.4g}" for m in c.means), f"{c.p_value:.4f}"] for c in found
+    ]
+    answer_table(options, found, ["metric", one, other, "p"], rows)
+    if not options.json:
+        say("p: how probable means so far apart are by chance alone.")
     return 0
 
 
@@ -277,10 +263,7 @@ def _watch(options: Namespace) -> int:
     """Show the progress of an experiment of the running station, until its end."""
     with open_client(options) as client:
         found = client.experiments.wait(options.name, _say_progress)
-    if options.json:
-        say_json(found.model_dump())
-    else:
-        say(f"{found.name}: {found.state}. {found.reason}".rstrip())
+    answer(options, found, f"{found.name}: {found.state}. {found.reason}".rstrip())
     return int(found.state == "failed")
 
 

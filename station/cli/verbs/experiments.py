@@ -8,14 +8,10 @@ from typing import TYPE_CHECKING
 
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
-from station.cli.output import say, say_json, say_progress, say_table
+from station.cli.output import answer, say, say_json, say_progress, say_table
+from station.cli.parser import read_number
 from station.cli.verbs.experiment_results import METRIC, say_summary
-from station.cli.verbs.identification import (
-    add_setup,
-    load_setup,
-    read_number,
-    read_parameters,
-)
+from station.cli.verbs.identification import add_setup, load_setup, read_parameters
 from station.core.errors import show
 
 if TYPE_CHECKING:
@@ -35,6 +31,7 @@ if TYPE_CHECKING:
     )
 
 INTERRUPTED = 130
+_FIGURES = ("median", "p5", "p95", "worst")
 
 
 def add_sweep(parser: "Parser") -> None:
@@ -60,29 +57,31 @@ def add_robustness(parser: "Parser") -> None:
 
 def _add_ranges(parser: "Parser", count: str, default: str, *, trials: int) -> None:
     """Add the arguments for varied parameters, number of trials and metrics."""
-    parser.add_argument("controller", metavar="CONTROLLER")
-    parser.add_argument(
+    add = parser.add_argument
+    add("controller", metavar="CONTROLLER")
+    add(
         "ranges",
         nargs=count,
         metavar="NAME=LOW:HIGH",
         help=f"or NAME=LOW:HIGH:COUNT, or NAME=A,B,C{default}",
     )
-    parser.add_argument("--trials", type=int, default=trials, metavar="N")
-    parser.add_argument("--metric", default="rms_error", help=METRIC)
+    add("--trials", type=int, default=trials, metavar="N")
+    add("--metric", default="rms_error", help=METRIC)
 
 
 def add_tune(parser: "Parser") -> None:
     """Add the arguments of `tune`."""
-    parser.add_argument("controller", metavar="CONTROLLER")
-    parser.add_argument("--trials", type=int, default=300, metavar="N")
-    parser.add_argument(
+    add = parser.add_argument
+    add("controller", metavar="CONTROLLER")
+    add("--trials", type=int, default=300, metavar="N")
+    add(
         "--gains",
         nargs="+",
         default=["p", "i", "d"],
         metavar="SUFFIX",
         help="which gains may change: p i d, or panda_joint1/p",
     )
-    parser.add_argument(
+    add(
         "--weight",
         nargs="+",
         action="extend",
@@ -90,7 +89,7 @@ def add_tune(parser: "Parser") -> None:
         metavar="METRIC=W",
         help="what is to become small, relative to the first trial; rms_error=1",
     )
-    parser.add_argument(
+    add(
         "--at-most",
         nargs="+",
         action="extend",
@@ -99,24 +98,19 @@ def add_tune(parser: "Parser") -> None:
         help="hard bounds, 1.1x: of the first trial; effort_rms=1x effort_peak=1x "
         "violations=0",
     )
-    parser.add_argument(
-        "--live", action="store_true", help="begin with the gains of a running station"
-    )
+    add("--live", action="store_true", help="begin with the gains of a running station")
     _add_running(parser)
 
 
 def _add_running(parser: "Parser") -> None:
     """Add the arguments for the trials, their workers and the results."""
+    add = parser.add_argument
     add_setup(parser)
-    parser.add_argument("--name", help="name of the experiment; without it: a new one")
-    parser.add_argument(
-        "--workers", type=int, metavar="N", help="processes; one per processor"
-    )
-    parser.add_argument(
-        "--cluster", metavar="tcp://HOST:8786", help="a scheduler of Dask instead"
-    )
-    parser.add_argument("--seed", type=int, default=1, help="seed of all chance")
-    parser.add_argument(
+    add("--name", help="name of the experiment; without it: a new one")
+    add("--workers", type=int, metavar="N", help="processes; one per processor")
+    add("--cluster", metavar="tcp://HOST:8786", help="a scheduler of Dask instead")
+    add("--seed", type=int, default=1, help="seed of all chance")
+    add(
         "--background",
         action="store_true",
         help="let the running station do it, and come back at once",
@@ -211,12 +205,12 @@ def _start(options: Namespace, request: "ExperimentRequest") -> int:
             )
     with open_client(options) as client:
         found = client.experiments.start(request)
-    if options.json:
-        say_json(found.model_dump())
-    else:
-        say(f"The station runs {found.name}. `station experiments watch {found.name}`")
-        say(f"shows how far it is, `station experiments cancel {found.name}` ends it.")
-    return 0
+    return answer(
+        options,
+        found,
+        f"The station runs {found.name}. `station experiments watch {found.name}`",
+        f"shows how far it is, `station experiments cancel {found.name}` ends it.",
+    )
 
 
 def _request(options: Namespace, kind: "ExperimentKind") -> "ExperimentRequest":
@@ -432,13 +426,7 @@ def _tell(results: "Results", progress: "Progress", options: Namespace) -> int:
             "repeated": progress.repeated,
             "refused": progress.refused,
             "metrics": {
-                d.metric: {
-                    "median": d.median,
-                    "p5": d.p5,
-                    "p95": d.p95,
-                    "worst": d.worst,
-                }
-                for d in found
+                d.metric: {key: getattr(d, key) for key in _FIGURES} for d in found
             },
         })
     else:

@@ -1,13 +1,13 @@
 """Verb `gains`: look at and change run-time parameters, and sets of them."""
 
 from argparse import Namespace
-from collections.abc import Callable, Mapping
-from dataclasses import asdict
+from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING
 
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
-from station.cli.output import say, say_json, say_model, say_models, say_table
+from station.cli.output import answer, answer_table, number, say
+from station.cli.parser import read_number
 
 if TYPE_CHECKING:
     from station.cli.parser import Parser
@@ -54,89 +54,73 @@ def gains(options: Namespace) -> int:
             remedy="station gains show arm, station gains set arm panda_joint1/p=500, "
             "station gains save|load|diff|delete SET, station gains list|undo.",
         )
-    changes = options.action == "set" and dict(_parse(each) for each in options.words)
-    options.changes = changes or {}
+    is_set = options.action == "set"
+    options.changes = dict(map(_change, options.words)) if is_set else {}
     with open_client(options) as client:
         return action(client, options)
 
 
 def _show(client: "StationClient", options: Namespace) -> int:
     found = client.gains(options.name)
-    if options.json:
-        say_model(found)
-        return 0
     rows = []
     for name, value in found.values.items():
         tunable = found.tunables[name]
         low, high = _bound(tunable.minimum), _bound(tunable.maximum)
         rows.append([name, f"{value:g}", tunable.unit or "-", f"{low} … {high}"])
-    if rows:
-        say_table(["gain", "value", "unit", "allowed"], rows)
-    else:
-        say(f"{options.name} has no gains.")
-    return 0
+    nothing = f"{options.name} has no gains."
+    return answer_table(
+        options, found, ["gain", "value", "unit", "allowed"], rows, nothing
+    )
 
 
 def _set(client: "StationClient", options: Namespace) -> int:
     change = client.set_gains(options.name, options.changes)
-    if options.json:
-        say_model(change)
-        return 0
+    return answer_change(options, change, options.changes, change.notes)
+
+
+def answer_change(
+    options: Namespace,
+    change: "GainsChange",
+    names: Iterable[str],
+    notes: Iterable[str],
+) -> int:
+    """Print the change of some gains of a controller."""
     rows = [
         [name, f"{change.previous[name]:g}", f"{change.values[name]:g}"]
-        for name in options.changes
+        for name in names
     ]
-    say_table(["gain", "before", "now"], rows)
-    for note in change.notes:
+    answer_table(options, change, ["gain", "before", "now"], rows)
+    for note in () if options.json else notes:
         say(f"Note: {note}")
     return 0
 
 
 def _list(client: "StationClient", options: Namespace) -> int:
     names = client.gain_sets.names()
-    if options.json:
-        say_json(names)
-    elif names:
-        for name in names:
-            say(name)
-    else:
-        say("No gain sets are saved.")
-    return 0
+    return answer(options, names, *(names or ["No gain sets are saved."]))
 
 
 def _save(client: "StationClient", options: Namespace) -> int:
     saved = client.gain_sets.save(options.name, options.words or None)
-    if options.json:
-        say_model(saved)
-        return 0
     count = sum(len(values) for values in saved.gains.values())
-    say(f"Saved {count} gains of {', '.join(saved.gains) or 'no controller'}.")
-    return 0
+    names = ", ".join(saved.gains) or "no controller"
+    return answer(options, saved, f"Saved {count} gains of {names}.")
 
 
 def _diff(client: "StationClient", options: Namespace) -> int:
     found = client.gain_sets.get(options.name)
-    if options.json:
-        say_models(found.differences)
-        return 0
     rows = [
-        [one.controller, one.name, _number(one.saved), _number(one.present)]
+        [one.controller, one.name, number(one.saved), number(one.present)]
         for one in found.differences
     ]
-    if rows:
-        say_table(["controller", "gain", "saved", "present"], rows)
-    else:
-        say(f"The gain set {options.name} is in force.")
-    return 0
+    headers = ["controller", "gain", "saved", "present"]
+    nothing = f"The gain set {options.name} is in force."
+    return answer_table(options, found.differences, headers, rows, nothing)
 
 
 def _delete(client: "StationClient", options: Namespace) -> int:
     found = client.gain_sets.delete(options.name)
-    if options.json:
-        say_model(found)
-    else:
-        say(f"Deleted the gain set {options.name}.")
-    return 0
+    return answer(options, found, f"Deleted the gain set {options.name}.")
 
 
 def _load(client: "StationClient", options: Namespace) -> int:
@@ -149,20 +133,14 @@ def _undo(client: "StationClient", options: Namespace) -> int:
 
 def _tell(changes: Mapping[str, "GainsChange"], options: Namespace) -> int:
     """Print the changes of several controllers."""
-    if options.json:
-        say_json({name: asdict(change) for name, change in changes.items()})
-        return 0
     rows = [
-        [controller, name, _number(change.previous.get(name)), f"{value:g}"]
+        [controller, name, number(change.previous.get(name)), f"{value:g}"]
         for controller, change in changes.items()
         for name, value in change.values.items()
         if change.previous.get(name) != value
     ]
-    if rows:
-        say_table(["controller", "gain", "before", "now"], rows)
-    else:
-        say("No gain has changed.")
-    return 0
+    headers = ["controller", "gain", "before", "now"]
+    return answer_table(options, dict(changes), headers, rows, "No gain has changed.")
 
 
 _ACTIONS: Mapping[str, tuple[Action, bool, str]] = {
@@ -178,25 +156,9 @@ _ACTIONS: Mapping[str, tuple[Action, bool, str]] = {
 """What each action does, whether it needs a name, and whether it takes more words."""
 
 
-def _parse(change: str) -> tuple[str, float]:
-    """Return name and value of `NAME=VALUE`.
-
-    Raises:
-        UsageError: The text has another form.
-    """
-    name, equals, text = change.rpartition("=")
-    try:
-        return name, float(text if equals and name else "no number")
-    except ValueError as error:
-        raise UsageError(
-            f"{change!r} is not NAME=VALUE with a number.",
-            remedy="Write it like panda_joint1/p=500.",
-        ) from error
+def _change(word: str) -> tuple[str, float]:
+    return read_number(word, "panda_joint1/p=500")
 
 
 def _bound(value: float | None) -> str:
-    return "∞" if value is None else f"{value:g}"
-
-
-def _number(value: float | None) -> str:
-    return "-" if value is None else f"{value:g}"
+    return number(value, "∞")

@@ -4,8 +4,8 @@ from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from station.cli.errors import UsageError
 from station.cli.output import say, say_json, say_table
+from station.cli.parser import add_controllers, read_number
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -21,49 +21,37 @@ _IDENTIFYING = 4.0
 
 def add_identify(parser: "Parser") -> None:
     """Add the arguments of `identify`."""
-    parser.add_argument("joint", metavar="JOINT")
-    parser.add_argument(
+    add = parser.add_argument
+    add("joint", metavar="JOINT")
+    add(
         "--recording",
         type=Path,
         metavar="FILE.mcap",
         help="a recording of a station, or FILE.npz of --record",
     )
-    parser.add_argument(
+    add(
         "--controller",
         default="effort_group_position_controller",
         help="what moves the joint in a simulation, when there is no recording",
     )
-    parser.add_argument(
-        "--amplitude", type=float, default=0.2, metavar="A", help="[rad or m]"
-    )
-    parser.add_argument(
-        "--record", type=Path, metavar="FILE.npz", help="keep the simulated motion"
-    )
+    add("--amplitude", type=float, default=0.2, metavar="A", help="[rad or m]")
+    add("--record", type=Path, metavar="FILE.npz", help="keep the simulated motion")
     add_setup(parser)
 
 
 def add_setup(parser: "Parser") -> None:
     """Add the arguments for the trials' station and motions."""
-    parser.add_argument(
-        "--config", type=Path, metavar="CONFIG.yaml", help="a station's configuration"
-    )
-    parser.add_argument(
-        "--controllers",
-        nargs="+",
-        action="extend",
-        default=[],
-        type=Path,
-        metavar="ROS_PARAMS.yaml",
-        help="parameter files written for ROS",
-    )
-    parser.add_argument(
+    add = parser.add_argument
+    add("--config", type=Path, metavar="CONFIG.yaml", help="a station's configuration")
+    add_controllers(parser, "parameter files written for ROS")
+    add(
         "--script",
         type=Path,
         metavar="SCRIPT.yaml",
         help="what happens in a trial, or a recording (.mcap) whose set-points are "
         "given again; without it all joints move to and fro for 2 s",
     )
-    parser.add_argument(
+    add(
         "--with",
         dest="parameters",
         nargs="+",
@@ -124,22 +112,6 @@ def identify(options: Namespace) -> int:
     say_table(["parameter", "value", "95 %", "unit"], rows)
     say(f"{found.samples} samples; {found.residual:.3g} Nm or N are not explained.")
     return 0
-
-
-def read_number(word: str) -> tuple[str, float]:
-    """Return name and value of `NAME=VALUE`.
-
-    Raises:
-        UsageError: The text has another form.
-    """
-    name, equals, text = word.rpartition("=")
-    try:
-        return name, float(text if equals and name else "no number")
-    except ValueError as error:
-        raise UsageError(
-            f"{word!r} is not NAME=VALUE with a number.",
-            remedy="Write it like load=1.5.",
-        ) from error
 
 
 def _excite(options: Namespace) -> "Trace":

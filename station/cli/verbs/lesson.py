@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
-from station.cli.output import say, say_model, say_models, say_table
-from station.cli.verbs.identification import read_number
+from station.cli.output import answer, answer_table, say
+from station.cli.parser import read_number
 
 if TYPE_CHECKING:
     from station.cli.parser import Parser
@@ -17,12 +17,11 @@ if TYPE_CHECKING:
 
 def add_lesson(parser: "Parser") -> None:
     """Add the arguments of `lesson`."""
-    parser.add_argument("action", choices=("list", "show", "begin", "check"))
-    parser.add_argument("name", nargs="?", metavar="NAME", help="the lesson")
-    parser.add_argument(
-        "answers", nargs="*", metavar="ANSWER=VALUE", help="check: worked-out numbers"
-    )
-    parser.add_argument(
+    add = parser.add_argument
+    add("action", choices=("list", "show", "begin", "check"))
+    add("name", nargs="?", metavar="NAME", help="the lesson")
+    add("answers", nargs="*", metavar="ANSWER=VALUE", help="check: worked-out numbers")
+    add(
         "--person",
         default=getpass.getuser(),
         help="whose progress is kept; the user of this machine when left out",
@@ -54,13 +53,8 @@ def lesson(options: Namespace) -> int:
             found = client.lessons.begin(options.name, options.person)
         else:
             found = _find(client, options)
-    if options.json:
-        say_model(found)
-    else:
-        say(f"{found.title}\n\n{found.text}")
-        for answer in found.answers:
-            say(f"Answer: {answer.name}=… [{answer.unit}] {answer.label}")
-    return 0
+    asked = (f"Answer: {one.name}=… [{one.unit}] {one.label}" for one in found.answers)
+    return answer(options, found, f"{found.title}\n\n{found.text}", *asked)
 
 
 def _find(client: "StationClient", options: Namespace) -> "Lesson":
@@ -80,14 +74,11 @@ def _find(client: "StationClient", options: Namespace) -> "Lesson":
 
 def _list(client: "StationClient", options: Namespace) -> int:
     found = client.lessons.list(options.person)
-    if options.json:
-        say_models(found.lessons)
-        return 0
     rows = [
         ["✔" if one.is_solved else "", one.name, one.title] for one in found.lessons
     ]
-    say_table(["", "lesson", "title"], rows)
-    for reason in found.unusable:
+    answer_table(options, found.lessons, ["", "lesson", "title"], rows)
+    for reason in () if options.json else found.unusable:
         say(f"Left out: {reason}")
     return 0
 
@@ -96,12 +87,10 @@ def _check(
     client: "StationClient", options: Namespace, answers: dict[str, float]
 ) -> int:
     result = client.lessons.check(options.name, options.person, answers)
-    if options.json:
-        say_model(result)
-    else:
-        for one in result.verdicts:
-            say(f"{'✔' if one.is_met else '✖'} {one.says}")
-            if one.hint:
-                say(f"  {one.hint}")
-        say("Solved." if result.is_solved else "Not solved yet.")
+    lines = []
+    for one in result.verdicts:
+        lines.append(f"{'✔' if one.is_met else '✖'} {one.says}")
+        lines += [f"  {one.hint}"] if one.hint else []
+    end = "Solved." if result.is_solved else "Not solved yet."
+    answer(options, result, *lines, end)
     return 0 if result.is_solved else 1

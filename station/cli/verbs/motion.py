@@ -6,15 +6,16 @@ from typing import TYPE_CHECKING
 from station.app.watchdog_client import stop_through_watchdog
 from station.cli.connection import locate, open_client
 from station.cli.errors import UsageError
-from station.cli.output import say, say_json, say_model
+from station.cli.output import answer
 from station.cli.verbs.switching import stop_running
 from station.local.station_locator import watchdog_of
 
 if TYPE_CHECKING:
     from station.cli.parser import Parser
     from station.client import StationClient
+    from station.client.poses import Pose, Target
     from station.client.robots import Restart
-    from station.wire import ArmReport, Recoveries, Recovery, StopState
+    from station.wire import ArmReport, Recoveries, Recovery
 
 
 STOP_TIME = 0.5
@@ -23,34 +24,43 @@ STOP_TIME = 0.5
 
 def add_command(parser: "Parser") -> None:
     """Add the arguments of `command`."""
-    parser.add_argument("controller")
-    parser.add_argument("values", nargs="+", type=float, metavar="V")
+    add = parser.add_argument
+    add("controller")
+    add("values", nargs="+", type=float, metavar="V")
 
 
 def add_goto(parser: "Parser") -> None:
     """Add the arguments of `goto`."""
-    parser.add_argument("name", help="a pose, e.g. `ready`, or a trajectory controller")
-    parser.add_argument(
-        "values", nargs="*", type=float, metavar="V", help="positions [rad or m]"
+    add = parser.add_argument
+    add(
+        "name",
+        help="a pose, e.g. `ready` (with --plan also one of the robot's own), or a "
+        "trajectory controller",
     )
-    parser.add_argument(
-        "--duration", type=float, metavar="S", help="without it: a calm one"
-    )
-    parser.add_argument(
-        "--plan", action="store_true", help="go around what is in the way"
+    add("values", nargs="*", type=float, metavar="V", help="positions [rad or m]")
+    add("--duration", type=float, metavar="S", help="without it: a calm one")
+    add("--plan", action="store_true", help="go around what is in the way")
+    add(
+        "--pose",
+        action="store_true",
+        help="with --plan: the numbers are x y z [m] of a Franka's end effector in the "
+        "frame of its base, and a quaternion x y z w unless it is to stay turned as it "
+        "is",
     )
 
 
 def add_stop(parser: "Parser") -> None:
     """Add the arguments of `stop`."""
-    parser.add_argument("names", nargs="*", metavar="NAME")
-    parser.add_argument("--reason", default="", help="for the record")
+    add = parser.add_argument
+    add("names", nargs="*", metavar="NAME")
+    add("--reason", default="", help="for the record")
 
 
 def add_recover(parser: "Parser") -> None:
     """Add the arguments of `recover`."""
-    parser.add_argument("arm_id", nargs="?", help="default: all arms")
-    parser.add_argument(
+    add = parser.add_argument
+    add("arm_id", nargs="?", help="default: all arms")
+    add(
         "--restart",
         action="store_true",
         help="start the controllers again that the error stopped",
@@ -68,11 +78,8 @@ def command(options: Namespace) -> int:
     """Send a controller a set-point."""
     with open_client(options) as client:
         accepted = client.command(options.controller, options.values)
-    if options.json:
-        say_model(accepted)
-    else:
-        say(f"{options.controller} took the set-point (epoch {accepted.epoch}).")
-    return 0
+    line = f"{options.controller} took the set-point (epoch {accepted.epoch})."
+    return answer(options, accepted, line)
 
 
 def goto(options: Namespace) -> int:
@@ -83,18 +90,18 @@ def goto(options: Namespace) -> int:
     Controllers that command the same joints are stopped in that cycle.
 
     Raises:
-        UsageError: There is no such pose.
+        UsageError: There is no such pose, or its numbers are none.
         KeyboardInterrupt: The user gave up; the goal was cancelled.
     """
     from station.client.poses import UnknownPoseError
 
-    name, values = options.name, options.values
+    target = _target(options)
     with open_client(options) as client:
         try:
             handle = client.start_move(
-                values or name,
+                target,
                 duration=options.duration,
-                controller=name if values else "",
+                controller=options.name if options.values else "",
                 plan=options.plan,
             )
         except UnknownPoseError as error:
@@ -104,12 +111,33 @@ def goto(options: Namespace) -> int:
         except KeyboardInterrupt:
             handle.cancel()
             raise
-    if options.json:
-        say_model(goal)
-    else:
-        why = goal.result.message if goal.result else ""
-        say(f"{handle.controller}: the goal {goal.status}. {why}".rstrip())
+    why = goal.result.message if goal.result else ""
+    line = f"{handle.controller}: the goal {goal.status}. {why}"
+    answer(options, goal, line.rstrip())
     return 0 if goal.status == "succeeded" else 1
+
+
+def _target(options: Namespace) -> "Target | Pose":
+    """Return the target of a motion.
+
+    Raises:
+        UsageError: The numbers are those of no pose, or the way there is not planned.
+    """
+    from station.client.poses import Pose
+
+    values: list[float] = options.values
+    if not options.pose:
+        return values or str(options.name)
+    if len(values) not in {3, 7} or not options.plan:
+        raise UsageError(
+            "A pose has 3 or 7 numbers, and the way there is planned.",
+            remedy="station goto CONTROLLER x y z [qx qy qz qw] --pose --plan",
+        )
+    x, y, z, *turned = values
+    if not turned:
+        return Pose((x, y, z))
+    qx, qy, qz, qw = turned
+    return Pose((x, y, z), (qx, qy, qz, qw))
 
 
 def stop(options: Namespace) -> int:
@@ -134,7 +162,7 @@ def stop(options: Namespace) -> int:
             client.timeout = STOP_TIME
         if options.names and _are_loaded(client, options.names):
             client.timeout = patience
-            return stop_running(client, options.names, as_json=options.json)
+            return stop_running(client, options)
         try:
             state = client.stop(reason)
         except StationUnreachableError:
@@ -142,17 +170,11 @@ def stop(options: Namespace) -> int:
                 raise
         else:
             if not (state.pending and watchdog_url and token):
-                return _tell(state, as_json=options.json)
-    return _stop_through_watchdog(watchdog_url, token, reason, as_json=options.json)
-
-
-def _stop_through_watchdog(url: str, token: str, reason: str, *, as_json: bool) -> int:
-    stopped = stop_through_watchdog(url, token, reason)
-    if as_json:
-        say_json({"state": "stopped", "pending": not stopped.carried_out})
-    else:
-        say(f"The robot is stopped, through the watchdog. {stopped.detail}")
-    return 0
+                return answer(options, state, _MEANING[state.state])
+    stopped = stop_through_watchdog(watchdog_url, token, reason)
+    found = {"state": "stopped", "pending": not stopped.carried_out}
+    line = f"The robot is stopped, through the watchdog. {stopped.detail}"
+    return answer(options, found, line)
 
 
 def _are_loaded(client: "StationClient", names: list[str]) -> bool:
@@ -169,7 +191,7 @@ def release(options: Namespace) -> int:
     """Release a stop, in two steps."""
     with open_client(options) as client:
         state = client.release_stop(arm=options.arm)
-    return _tell(state, as_json=options.json)
+    return answer(options, state, _MEANING[state.state])
 
 
 def recover(options: Namespace) -> int:
@@ -183,15 +205,12 @@ def recover(options: Namespace) -> int:
         else:
             recovered = client.recover_all(restart)
             arms = recovered.robots
-    if options.json:
-        say_model(recovered)
-        return 0
+    lines = []
     for arm in arms:
-        say(f"{arm.arm_id} is {arm.robot_mode}.")
-        if arm.caution:
-            say(f"Caution: {arm.caution}")
-    say(f"Started again: {', '.join(recovered.restarted) or 'nothing'}.")
-    return 0
+        lines.append(f"{arm.arm_id} is {arm.robot_mode}.")
+        lines += [f"Caution: {arm.caution}"] if arm.caution else []
+    started = ", ".join(recovered.restarted) or "nothing"
+    return answer(options, recovered, *lines, f"Started again: {started}.")
 
 
 _MEANING = {
@@ -200,11 +219,3 @@ _MEANING = {
     "`station release --arm`.",
     "armed": "Motion is possible. Nothing resumes by itself: start a controller.",
 }
-
-
-def _tell(state: "StopState", *, as_json: bool) -> int:
-    if as_json:
-        say_model(state)
-    else:
-        say(_MEANING[state.state])
-    return 0

@@ -16,13 +16,10 @@ if TYPE_CHECKING:
 
 def add_parameters(parser: "Parser") -> None:
     """Add the arguments of `parameters`."""
-    parser.add_argument("action", choices=("get", "set", "delete"))
-    parser.add_argument(
-        "path", nargs="?", default="", metavar="PATH", help="e.g. arm/gains/j1/p"
-    )
-    parser.add_argument(
-        "value", nargs="?", metavar="VALUE", help="JSON, such as 0.5 or [1,2], or text"
-    )
+    add = parser.add_argument
+    add("action", choices=("get", "set", "delete"))
+    add("path", nargs="?", default="", metavar="PATH", help="e.g. arm/gains/j1/p")
+    add("value", nargs="?", metavar="VALUE", help="JSON, such as 0.5 or [1,2], or text")
 
 
 def parameters(options: Namespace) -> int:

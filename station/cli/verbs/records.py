@@ -1,13 +1,12 @@
 """Verbs about recordings and incidents."""
 
 from argparse import Namespace
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
-from station.cli.output import say, say_json, say_model, say_models, say_table
+from station.cli.output import answer, answer_table
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -22,23 +21,23 @@ _NEEDS_NAME = frozenset({"get", "delete", "rerun"})
 
 def add_record(parser: "Parser") -> None:
     """Add the arguments of `record`."""
-    parser.add_argument(
-        "action", choices=("start", "stop", "list", "get", "delete", "rerun")
-    )
-    parser.add_argument(
+    add = parser.add_argument
+    add("action", choices=("start", "stop", "list", "get", "delete", "rerun"))
+    add(
         "name",
         nargs="?",
         metavar="NAME",
         help="start: what to call it; stop, get, delete: which one; rerun: a file",
     )
-    parser.add_argument("--note", default="", help="start: for the record")
+    add("--note", default="", help="start: for the record")
     _add_file_options(parser)
 
 
 def add_incidents(parser: "Parser") -> None:
     """Add the arguments of `incidents`."""
-    parser.add_argument("action", choices=("list", "get"))
-    parser.add_argument("name", nargs="?", metavar="ID", help="get: which one")
+    add = parser.add_argument
+    add("action", choices=("list", "get"))
+    add("name", nargs="?", metavar="ID", help="get: which one")
     _add_file_options(parser)
 
 
@@ -48,13 +47,10 @@ def add_recover_file(parser: "Parser") -> None:
 
 
 def _add_file_options(parser: "Parser") -> None:
-    parser.add_argument(
-        "-o", "--output", type=Path, metavar="FILE", help="get: where to write"
-    )
-    parser.add_argument(
-        "--format", choices=FORMATS, default="mcap", help="get: mcap, or a table"
-    )
-    parser.add_argument(
+    add = parser.add_argument
+    add("-o", "--output", type=Path, metavar="FILE", help="get: where to write")
+    add("--format", choices=FORMATS, default="mcap", help="get: mcap, or a table")
+    add(
         "--channels",
         nargs="+",
         default=[],
@@ -62,10 +58,8 @@ def _add_file_options(parser: "Parser") -> None:
         help="get a table: of these channels, or fields of channels such as "
         "joint_states/position",
     )
-    parser.add_argument(
-        "--joints", nargs="+", default=[], metavar="JOINT", help="and of these joints"
-    )
-    parser.add_argument(
+    add("--joints", nargs="+", default=[], metavar="JOINT", help="and of these joints")
+    add(
         "--rate",
         type=float,
         metavar="HZ",
@@ -98,10 +92,7 @@ def record(options: Namespace) -> int:
             found = client.recordings.delete(options.name)
         else:
             found = _stop(client, options.name)
-    if options.json:
-        say_model(found)
-    else:
-        say(_told(found, action))
+    answer(options, found, _told(found, action))
     return int(found.state == "failed" and action == "stop")
 
 
@@ -129,19 +120,17 @@ def recover_file(options: Namespace) -> int:
 
     found = recover(options.file)
     RecordStore(options.file.parent).note_recovery(options.file.stem, found)
-    if options.json:
-        say_json({
-            "changed": found.is_changed,
-            "messages": found.messages,
-            "dropped": found.dropped,
-            "lost_messages": found.lost_messages,
-            "losses": [asdict(one) for one in found.losses],
-        })
-    elif found.is_changed:
-        say(f"Recovered {found.messages} messages. {found.text()}")
-    else:
-        say(f"The file is whole: {found.messages} messages. Nothing was changed.")
-    return 0
+    told = {
+        "changed": found.is_changed,
+        "messages": found.messages,
+        "dropped": found.dropped,
+        "lost_messages": found.lost_messages,
+        "losses": list(found.losses),
+    }
+    line = f"The file is whole: {found.messages} messages. Nothing was changed."
+    if found.is_changed:
+        line = f"Recovered {found.messages} messages. {found.text()}"
+    return answer(options, told, line)
 
 
 def _stop(client: "StationClient", name: str | None) -> "Recording":
@@ -166,9 +155,6 @@ def _told(found: "Recording", action: str) -> str:
 
 
 def _say_all(found: "Sequence[Recording]", options: Namespace) -> int:
-    if options.json:
-        say_models(found)
-        return 0
     rows = [
         [
             one.identifier,
@@ -181,13 +167,8 @@ def _say_all(found: "Sequence[Recording]", options: Namespace) -> int:
         ]
         for one in found
     ]
-    if rows:
-        say_table(
-            ["id", "state", "duration", "cycles", "lost", "size", "remarks"], rows
-        )
-    else:
-        say("There are none.")
-    return 0
+    headers = ["id", "state", "duration", "cycles", "lost", "size", "remarks"]
+    return answer_table(options, found, headers, rows, "There are none.")
 
 
 def _get(client: "StationClient", options: Namespace, *, is_incident: bool) -> int:
@@ -226,19 +207,13 @@ def _get(client: "StationClient", options: Namespace, *, is_incident: bool) -> i
         with tempfile.TemporaryDirectory() as folder:
             file = source.download(options.name, Path(folder, "recording.mcap"))
             export(file, target, options.format, choice)
-    if options.json:
-        say_json({"file": str(target)})
-    else:
-        say(f"Wrote {target} ({target.stat().st_size / 1e6:.1f} MB).")
-    return 0
+    line = f"Wrote {target} ({target.stat().st_size / 1e6:.1f} MB)."
+    return answer(options, {"file": str(target)}, line)
 
 
 def _rerun(options: Namespace) -> int:
     from station.app.rerun import rerun
 
     found = rerun(Path(options.name))
-    if options.json:
-        say_json(found.as_json())
-    else:
-        say(found.text())
+    answer(options, found.as_json(), found.text())
     return 0 if found.is_equal else 1

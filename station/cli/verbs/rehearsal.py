@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
-from station.cli.output import say, say_model
+from station.cli.output import say, say_json
 
 if TYPE_CHECKING:
     from pydantic import JsonValue
@@ -22,24 +22,19 @@ _TRAJECTORY = "/JointTrajectoryController"
 
 def add_rehearse(parser: "Parser") -> None:
     """Add the arguments of `rehearse`."""
-    parser.add_argument("controller", nargs="?", help="a running controller")
-    parser.add_argument(
+    add = parser.add_argument
+    add("controller", nargs="?", help="a running controller")
+    add(
         "values",
         nargs="*",
         metavar="V",
         help="a set-point; for a trajectory controller a pose, or positions [rad or m]",
     )
-    parser.add_argument(
-        "--duration", type=float, metavar="S", help="of a trajectory; without: calm"
-    )
-    parser.add_argument("--path", metavar="NAME", help="one round of a waypoint path")
-    parser.add_argument(
-        "--file", metavar="FILE", help="a JSON list of steps; - for standard input"
-    )
-    parser.add_argument(
-        "--seconds", type=float, metavar="S", help="how long; without: until all rests"
-    )
-    parser.add_argument(
+    add("--duration", type=float, metavar="S", help="of a trajectory; without: calm")
+    add("--path", metavar="NAME", help="one round of a waypoint path")
+    add("--file", metavar="FILE", help="a JSON list of steps; - for standard input")
+    add("--seconds", type=float, metavar="S", help="how long; without: until all rests")
+    add(
         "--certificate",
         action="store_true",
         help="ask for a certificate, to give the command with",
@@ -55,7 +50,7 @@ def rehearse(options: Namespace) -> int:
             certificate=options.certificate,
         )
     if options.json:
-        say_model(told)
+        say_json(told)
     else:
         _tell(told)
     return 0 if told.outcome == "completed" else 1
@@ -151,6 +146,12 @@ def _tell(told: "Rehearsal") -> None:
     if near:
         least = min(near, key=lambda one: one.position_margin or 0.0)
         say(f"Nearest to a limit: {least.joint}, {least.position_margin:.3f} left.")
+    for one in told.clearances:
+        kept = "" if one.margin is None else f", margin {1e3 * one.margin:.0f} mm"
+        say(
+            f"Nearest: {' and '.join(one.bodies)}, {1e3 * one.distance:.0f} mm in "
+            f"cycle {one.cycle}{kept}."
+        )
     for contact in told.contacts:
         say(f"{' and '.join(contact.bodies)} touch with {contact.force:.1f} N.")
     cut = [one.joint for one in told.joints if one.cut_off]

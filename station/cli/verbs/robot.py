@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
-from station.cli.output import say, say_json, say_model, say_models, say_table
+from station.cli.output import answer, answer_table
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -29,11 +29,10 @@ _USAGE = (
 
 def add_robot(parser: "Parser") -> None:
     """Add the arguments of `robot`."""
-    parser.add_argument("arm_id", metavar="ROBOT", help="name of the robot, e.g. panda")
-    parser.add_argument(
-        "service", nargs="?", metavar="SERVICE", help="without it: list the services"
-    )
-    parser.add_argument(
+    add = parser.add_argument
+    add("arm_id", metavar="ROBOT", help="name of the robot, e.g. panda")
+    add("service", nargs="?", metavar="SERVICE", help="without it: list the services")
+    add(
         "arguments",
         nargs="*",
         metavar="NAME=VALUE",
@@ -43,25 +42,24 @@ def add_robot(parser: "Parser") -> None:
 
 def add_gripper(parser: "Parser") -> None:
     """Add the arguments of `gripper`."""
-    parser.add_argument(
+    add = parser.add_argument
+    add(
         "words",
         nargs="+",
         metavar="WORD",
         help="[ARM] state, stop, homing, move WIDTH or grasp WIDTH FORCE [m], [N]; an "
         "only arm needs no name",
     )
-    parser.add_argument(
-        "--speed", type=float, default=0.1, metavar="M/S", help="how fast it opens"
-    )
+    add("--speed", type=float, default=0.1, metavar="M/S", help="how fast it opens")
     for name, how in (("inner", "narrower"), ("outer", "wider")):
-        parser.add_argument(
+        add(
             f"--{name}",
             type=float,
             default=0.005,
             metavar="M",
             help=f"how much {how} than WIDTH what is grasped may be",
         )
-    parser.add_argument("--no-wait", action="store_true", help="only begin")
+    add("--no-wait", action="store_true", help="only begin")
 
 
 def robot(options: Namespace) -> int:
@@ -70,33 +68,23 @@ def robot(options: Namespace) -> int:
     with open_client(options) as client:
         chosen = client.robot(options.arm_id)
         if options.service is None:
-            return _list(chosen, as_json=options.json)
-        name = options.service.replace("-", "_")
-        answer = chosen.call(name, **arguments)
-    if options.json:
-        say_json(answer)
-    elif answer is None:
-        say("Done.")
-    else:
-        say(json.dumps(answer, indent=2))
-    return 0
+            return _list(chosen, options)
+        found = chosen.call(options.service.replace("-", "_"), **arguments)
+    line = "Done." if found is None else json.dumps(found, indent=2)
+    return answer(options, found, line)
 
 
-def _list(chosen: "RobotClient", *, as_json: bool) -> int:
+def _list(chosen: "RobotClient", options: Namespace) -> int:
     services = chosen.services()
-    if as_json:
-        say_models(services)
-    else:
-        rows = [
-            [
-                service.name,
-                ", ".join(service.parameters) or "-",
-                service.description.partition("\n")[0],
-            ]
-            for service in services
+    rows = [
+        [
+            service.name,
+            ", ".join(service.parameters) or "-",
+            service.description.partition("\n")[0],
         ]
-        say_table(["service", "arguments", "does"], rows)
-    return 0
+        for service in services
+    ]
+    return answer_table(options, services, ["service", "arguments", "does"], rows)
 
 
 def _parse_argument(argument: str) -> "tuple[str, JsonValue]":
@@ -130,14 +118,13 @@ def gripper(options: Namespace) -> int:
         state = _begin(hand, action, numbers, options)
         command = state.command
         if command is None or action in {"state", "stop"} or options.no_wait:
-            _tell(state, as_json=options.json)
-            return 0
+            return _tell(state, options)
         try:
             state = _wait(hand, command)
         except KeyboardInterrupt:
             hand.stop()
             raise
-    _tell(state, as_json=options.json)
+    _tell(state, options)
     last = state.last
     succeeded = last and last.id == command.id and last.status == "succeeded"
     return 0 if succeeded else 1
@@ -208,13 +195,13 @@ def _wait(hand: "GripperClient", command: "GripperCommand") -> "Gripper":
         time.sleep(POLL)
 
 
-def _tell(state: "Gripper", *, as_json: bool) -> None:
-    if as_json:
-        say_model(state)
-        return
+def _tell(state: "Gripper", options: Namespace) -> int:
     width = "unknown" if state.width is None else f"{1000.0 * state.width:.1f} mm"
     grasped = ", something is grasped" if state.is_grasped else ""
-    say(f"The gripper of {state.arm_id} is {state.activity}: width {width}{grasped}.")
-    for one in (state.last, state.command):
-        if one is not None:
-            say(f"{one.action} {one.id}: {one.status}. {one.message}".rstrip())
+    line = f"The gripper of {state.arm_id} is {state.activity}: width {width}{grasped}."
+    commands = (
+        f"{one.action} {one.id}: {one.status}. {one.message}".rstrip()
+        for one in (state.last, state.command)
+        if one is not None
+    )
+    return answer(options, state, line, *commands)

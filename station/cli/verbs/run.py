@@ -8,8 +8,8 @@ from argparse import ArgumentTypeError, Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from station.cli.output import say, say_json, say_progress
-from station.cli.parser import ROBOT, add_base
+from station.cli.output import answer, say_now, say_now_json, say_progress
+from station.cli.parser import ROBOT, add_base, add_controllers
 from station.cli.verbs.fci_check import CHECK, add_check, check
 
 if TYPE_CHECKING:
@@ -38,31 +38,35 @@ LONGEST_PATIENCE = 10.0
 
 def add_run(parser: "Parser") -> None:
     """Add the arguments of `run`."""
-    parser.add_argument("config", nargs="?", type=Path, metavar="CONFIG.yaml")
-    parser.add_argument(
-        "--controllers",
+    add = parser.add_argument
+    add("config", nargs="?", type=Path, metavar="CONFIG.yaml")
+    add_controllers(
+        parser,
+        "parameter files written for ROS, unchanged; their controllers are loaded",
+    )
+    add(
+        "--arg",
         nargs="+",
         action="extend",
         default=[],
-        type=Path,
-        metavar="ROS_PARAMS.yaml",
-        help="parameter files written for ROS, unchanged; their controllers are loaded",
+        metavar="NAME:=VALUE",
+        help="what $(var NAME) stands for in these files",
     )
-    parser.add_argument(
+    add(
         "--robot",
         metavar="ROBOT",
         help=f"simulate this robot with controllers made for it: {ROBOT}",
     )
     add_base(parser)
-    parser.add_argument("--rate", type=float, metavar="HZ", help="control loop rate")
+    add("--rate", type=float, metavar="HZ", help="control loop rate")
     _add_servers(parser)
-    parser.add_argument(
+    add(
         "--real-time-factor",
         type=float,
         metavar="X",
         help="station over wall time, 0.01 to 100",
     )
-    parser.add_argument(
+    add(
         "--log-format",
         choices=("text", "json"),
         default="text",
@@ -72,7 +76,8 @@ def add_run(parser: "Parser") -> None:
 
 def add_fci(parser: "Parser") -> None:
     """Add the arguments of `fci`, and of its `check`."""
-    parser.add_argument(
+    add = parser.add_argument
+    add(
         "config",
         nargs="?",
         type=Path,
@@ -80,13 +85,13 @@ def add_fci(parser: "Parser") -> None:
         help="the arm to serve; `check ADDRESS` checks the arm at an address",
     )
     add_check(parser)
-    parser.add_argument(
+    add(
         "--host",
         default="127.0.0.1",
         help="address to listen at, ports 1337 and 1338; there are no tokens: whoever "
         "reaches them may do all",
     )
-    parser.add_argument(
+    add(
         "--patience",
         type=_patience,
         default=0.0,
@@ -94,7 +99,7 @@ def add_fci(parser: "Parser") -> None:
         help="how long the simulated time waits for a late command, 0 to 10 s; a real "
         "arm does not wait",
     )
-    parser.add_argument(
+    add(
         "--version",
         type=int,
         choices=range(5, 11),
@@ -102,7 +107,7 @@ def add_fci(parser: "Parser") -> None:
         help="the only version of the protocol that is spoken, 5 to 10; all by "
         "default. Of `check`: the client's; the newest by default",
     )
-    parser.add_argument(
+    add(
         "--desk",
         nargs="?",
         type=int,
@@ -116,12 +121,11 @@ def add_fci(parser: "Parser") -> None:
 
 def _add_servers(parser: "Parser") -> None:
     """Add where API, dashboard and the ports of tools listen, and for whom."""
-    parser.add_argument("--host", help="address to listen at; others need --token")
-    parser.add_argument("--port", type=int, help="port of the API; 0: any free one")
-    parser.add_argument(
-        "--ui-port", type=int, help="port of the dashboard; 0: likewise"
-    )
-    parser.add_argument(
+    add = parser.add_argument
+    add("--host", help="address to listen at; others need --token")
+    add("--port", type=int, help="port of the API; 0: any free one")
+    add("--ui-port", type=int, help="port of the dashboard; 0: likewise")
+    add(
         "--foxglove",
         nargs="?",
         type=int,
@@ -130,7 +134,7 @@ def _add_servers(parser: "Parser") -> None:
         help="serve the channels of a recording live to Foxglove, at the loopback "
         "address unless the configuration says another; default port 8765",
     )
-    parser.add_argument(
+    add(
         "--rosbridge",
         nargs="?",
         type=int,
@@ -139,13 +143,13 @@ def _add_servers(parser: "Parser") -> None:
         help="serve clients of ROS, such as roslibpy and roslibjs, at the loopback "
         "address unless the configuration says another; default port 9090",
     )
-    parser.add_argument("--no-ui", action="store_true", help="run without dashboard")
-    parser.add_argument(
+    add("--no-ui", action="store_true", help="run without dashboard")
+    add(
         "--token",
         help="the operator's token; random if left out. Others on this machine can "
         "read it in the list of processes: STATION_API__TOKEN is more private",
     )
-    parser.add_argument(
+    add(
         "--allowed-origin",
         action="append",
         dest="allowed_origins",
@@ -153,10 +157,8 @@ def _add_servers(parser: "Parser") -> None:
         help="a web page elsewhere that may use the API, e.g. https://lab.example; may "
         "be repeated",
     )
-    parser.add_argument(
-        "--tls-cert", metavar="FILE", help="serve https and wss with this certificate"
-    )
-    parser.add_argument("--tls-key", metavar="FILE", help="the key of --tls-cert")
+    add("--tls-cert", metavar="FILE", help="serve https and wss with this certificate")
+    add("--tls-key", metavar="FILE", help="the key of --tls-cert")
 
 
 def _patience(text: str) -> float:
@@ -191,6 +193,9 @@ def run(options: Namespace) -> int:
     }
     if options.no_ui:
         flags["ui.enabled"] = False
+    for argument in options.arg:
+        name, _, value = argument.partition(":=")
+        flags[f"arguments.{name}"] = value
     for tool in ("foxglove", "rosbridge"):
         if (port := getattr(options, tool)) is not None:
             flags |= {f"{tool}.enabled": True, f"{tool}.port": port}
@@ -250,24 +255,19 @@ def _leave(code: int) -> int:
 
 
 def _tell(announcement: "Announcement") -> None:
-    for line in announcement.lines():
-        say(line)
-    sys.stdout.flush()
+    say_now("\n".join(announcement.lines()))
 
 
 def _tell_dashboard(announcement: "Announcement") -> None:
-    say(announcement.dashboard_line())
-    sys.stdout.flush()
+    say_now(announcement.dashboard_line())
 
 
 def _tell_json(announcement: "Announcement") -> None:
-    say_json(announcement.as_json())
-    sys.stdout.flush()
+    say_now_json(announcement.as_json())
 
 
 def _tell_dashboard_json(announcement: "Announcement") -> None:
-    say_json({"ui_ready": announcement.ui_url})
-    sys.stdout.flush()
+    say_now_json({"ui_ready": announcement.ui_url})
 
 
 def _warn(line: str) -> None:
@@ -291,21 +291,15 @@ def fci(options: Namespace) -> int:
     config = load_config(options.config, controller_files=[], flags={})
     fetch_what_is_missing(config.robot_parameters(), say_progress)
     settings = FciSettings(options.host, options.patience)
-    tell = _tell_line_json if options.json else _tell_line
+    tell = _tell_line_json if options.json else say_now
     version, desk = options.version, options.desk
     run = FciRun(config, settings, version, desk_port=desk, tell=tell, warn=_warn)
     run.run()
     return 0
 
 
-def _tell_line(line: str) -> None:
-    say(line)
-    sys.stdout.flush()
-
-
 def _tell_line_json(line: str) -> None:
-    say_json({"message": line})
-    sys.stdout.flush()
+    say_now_json({"message": line})
 
 
 def fetch_robot(options: Namespace) -> int:
@@ -313,8 +307,4 @@ def fetch_robot(options: Namespace) -> int:
     from station.app.panda_fetch import fetch_panda
 
     directory = fetch_panda(say_progress)
-    if options.json:
-        say_json({"directory": str(directory)})
-    else:
-        say(str(directory))
-    return 0
+    return answer(options, {"directory": str(directory)}, str(directory))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
-from station.cli.output import say, say_model
+from station.cli.output import say, say_json
 
 if TYPE_CHECKING:
     from station.cli.parser import Parser
@@ -18,31 +18,27 @@ if TYPE_CHECKING:
 
 def add_echo(parser: "Parser") -> None:
     """Add the arguments of `echo`."""
-    parser.add_argument("topic", help="joint_states, robot_state, controllers, loop, …")
-    parser.add_argument("--rate", metavar="HZ", help="samples per second, or `full`")
-    parser.add_argument("--fields", metavar="A,B", help="only these fields")
-    parser.add_argument("-n", "--count", type=int, help="stop after so many")
+    add = parser.add_argument
+    add("topic", help="joint_states, robot_state, controllers, loop, …")
+    add("--rate", metavar="HZ", help="samples per second, or `full`")
+    add("--fields", metavar="A,B", help="only these fields")
+    add("-n", "--count", type=int, help="stop after so many")
 
 
 def add_events(parser: "Parser") -> None:
     """Add the arguments of `events`."""
-    parser.add_argument("-f", "--follow", action="store_true", help="until Ctrl-C")
-    parser.add_argument(
+    add = parser.add_argument
+    add("-f", "--follow", action="store_true", help="until Ctrl-C")
+    add(
         "--kind",
         action="append",
         default=[],
         metavar="KIND",
         help="only this kind, e.g. stop, fault, request; may be repeated",
     )
-    parser.add_argument(
-        "--since", type=int, metavar="ID", help="only events after this number"
-    )
-    parser.add_argument(
-        "--severity", choices=("info", "warning", "error"), default="info"
-    )
-    parser.add_argument(
-        "-n", "--count", type=int, default=50, help="most events; 50 unless told"
-    )
+    add("--since", type=int, metavar="ID", help="only events after this number")
+    add("--severity", choices=("info", "warning", "error"), default="info")
+    add("-n", "--count", type=int, default=50, help="most events; 50 unless told")
 
 
 def echo(options: Namespace) -> int:
@@ -56,7 +52,7 @@ def echo(options: Namespace) -> int:
     ):
         for frame in itertools.islice(stream, options.count):
             if options.json:
-                say_model(frame)
+                say_json(frame)
             else:
                 _show_frame(frame)
             sys.stdout.flush()
@@ -144,7 +140,7 @@ def _is_wanted(event: "Event", options: Namespace) -> bool:
 
 def _show_event(event: "Event", *, as_json: bool) -> None:
     if as_json:
-        say_model(event)
+        say_json(event)
     else:
         when = datetime.fromtimestamp(event.time).astimezone()
         by = " ".join(filter(None, (event.who, event.where and f"({event.where})")))

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from station.cli.connection import open_client
 from station.cli.errors import UsageError
-from station.cli.output import say, say_model
+from station.cli.output import say, say_json
 
 if TYPE_CHECKING:
     from station.cli.parser import Parser
@@ -48,6 +48,13 @@ def add_start(parser: "Parser") -> None:
 
 
 add_spawn = add_kill = add_start
+_STATES = ("unconfigured", "inactive", "active")
+
+
+def add_set_controller_state(parser: "Parser") -> None:
+    """Add the arguments of `set_controller_state`."""
+    parser.add_argument("name")
+    parser.add_argument("state", choices=_STATES)
 
 
 def switch_controllers(options: Namespace) -> int:
@@ -74,7 +81,7 @@ def switch_controllers(options: Namespace) -> int:
             bound=None if isinf(bound) else bound,
             dry_run=options.dry_run,
         )
-    return _tell(result, as_json=options.json)
+    return _tell(result, options)
 
 
 def _strictness(options: Namespace) -> "SwitchStrictness":
@@ -88,9 +95,39 @@ def _strictness(options: Namespace) -> "SwitchStrictness":
 def start(options: Namespace) -> int:
     """Start loaded controllers (ROS 1)."""
     with open_client(options) as client:
-        return _tell(
-            client.switch_controllers(start=options.names), as_json=options.json
-        )
+        return _tell(client.switch_controllers(start=options.names), options)
+
+
+def set_controller_state(options: Namespace) -> int:
+    """Bring a controller into a state by one step, as `ros2 control` does.
+
+    A controller that is not loaded is unconfigured; its parameters stay.
+
+    Raises:
+        UsageError: The state is not next to the present one.
+    """
+    name, wanted = options.name, _STATES.index(options.state)
+    with open_client(options) as client:
+        found = [one.state for one in client.controllers() if one.name == name]
+        present = 0 if not found else 2 if found[0] == "running" else 1
+        match present, wanted:
+            case 0, 1:
+                client.load_controller(name)
+            case 1, 0:
+                client.unload_controller(name)
+            case 1, 2:
+                return _tell(client.switch_controllers(start=[name]), options)
+            case 2, 1:
+                return _tell(client.switch_controllers(stop=[name]), options)
+            case _ if present != wanted:
+                raise UsageError(
+                    f"'{name}' is {_STATES[present]}, and cannot become "
+                    f"{options.state} at once.",
+                    remedy="Set it inactive first.",
+                )
+    if not options.json:
+        say(f"{name} is {options.state}.")
+    return 0
 
 
 def spawn(options: Namespace) -> int:
@@ -98,15 +135,13 @@ def spawn(options: Namespace) -> int:
     with open_client(options) as client:
         for name in options.names:
             client.load_controller(name)
-        return _tell(
-            client.switch_controllers(start=options.names), as_json=options.json
-        )
+        return _tell(client.switch_controllers(start=options.names), options)
 
 
 def kill(options: Namespace) -> int:
     """Stop controllers, those that run, and unload them (ROS 1)."""
     with open_client(options) as client:
-        code = stop_running(client, options.names, as_json=options.json)
+        code = stop_running(client, options)
         for name in options.names:
             client.unload_controller(name)
             if not options.json:
@@ -114,19 +149,19 @@ def kill(options: Namespace) -> int:
     return code
 
 
-def stop_running(client: "StationClient", names: list[str], *, as_json: bool) -> int:
+def stop_running(client: "StationClient", options: Namespace) -> int:
     """Stop those of the named controllers that run."""
-    running = [name for name in names if client.controller(name).state == "running"]
+    running = [n for n in options.names if client.controller(n).state == "running"]
     if not running:
-        if not as_json:
+        if not options.json:
             say("None of them is running.")
         return 0
-    return _tell(client.switch_controllers(stop=running), as_json=as_json)
+    return _tell(client.switch_controllers(stop=running), options)
 
 
-def _tell(result: "SwitchResult", *, as_json: bool) -> int:
-    if as_json:
-        say_model(result)
+def _tell(result: "SwitchResult", options: Namespace) -> int:
+    if options.json:
+        say_json(result)
         return 0 if result.ok else 1
     if result.outcome in _OUTCOMES:
         say(_OUTCOMES[result.outcome])

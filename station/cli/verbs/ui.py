@@ -2,7 +2,6 @@
 
 import json
 import os
-import sys
 from argparse import SUPPRESS, Namespace
 from typing import TYPE_CHECKING
 
@@ -10,7 +9,7 @@ from station.app.access import host_names
 from station.app.station_watch import StationWatch
 from station.app.ui_process import VIEWER_VARIABLE, PortTakenError
 from station.cli.connection import locate
-from station.cli.output import say, say_json, say_progress
+from station.cli.output import say_now, say_now_json, say_progress
 from station.local.station_locator import NoStationError, viewer_token_of, watchdog_of
 from station.ui.link.station_access import StationAccess
 
@@ -102,13 +101,11 @@ def ui(options: Namespace) -> int:
 
 
 def _say(url: str) -> None:
-    say(f"Dashboard  {url}/login (log in with a token of the station)")
-    sys.stdout.flush()
+    say_now(f"Dashboard  {url}/login (log in with a token of the station)")
 
 
 def _say_json(url: str) -> None:
-    say_json({"ui_url": url})
-    sys.stdout.flush()
+    say_now_json({"ui_url": url})
 
 
 def _quiet(_: str) -> None:

@@ -169,7 +169,7 @@ class PrivateRobotHW(RobotHW):
                 setattr(private, name, [self._copy(each) for each in value])
             elif isinstance(value, list | memoryview):
                 setattr(private, name, self._copy(value))
-            elif not isinstance(value, str | int | float | None) and not (
+            elif not isinstance(value, str | int | float | tuple | None) and not (
                 # A reference's rest is the manager's business.
                 interface_type is ReferenceInterface and callable(value)
             ):

@@ -8,7 +8,7 @@ controller_sorting, check_following_controllers_for_activate,
 check_preceding_controllers_for_deactivate; differs: see `chainable_controller.py`.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from station.core.control.chainable_controller import (
@@ -25,6 +25,8 @@ from station.core.hardware.interfaces import (
     JointStateHandle,
     JointStateInterface,
     PositionJointInterface,
+    PosVelJointHandle,
+    PosVelJointInterface,
     VelocityJointInterface,
 )
 from station.core.hardware.interfaces.interface_manager import interface_type_name
@@ -44,9 +46,12 @@ _JOINT_INTERFACES = {
     "velocity": VelocityJointInterface,
     "effort": EffortJointInterface,
 }
-_QUANTITIES = {
-    interface_type_name(kind): quantity for quantity, kind in _JOINT_INTERFACES.items()
+_BOTH = ("position", "velocity")
+_QUANTITIES: Mapping[str, tuple[str, ...]] = {
+    **{interface_type_name(kind): (name,) for name, kind in _JOINT_INTERFACES.items()},
+    interface_type_name(PosVelJointInterface): _BOTH,
 }
+"""What a controller that claims a joint through an interface commands."""
 REFERENCES = interface_type_name(ReferenceInterface)
 """The interface of claimed references, in messages and reports."""
 _STATES = interface_type_name(ExportedStateInterface)
@@ -69,12 +74,13 @@ class ChainedRobotHW(RobotHW):
         self._references = ReferenceInterface()
         self._states = ExportedStateInterface()
         self._joints = {kind: kind() for kind in _JOINT_INTERFACES.values()}
+        self._both = PosVelJointInterface()
         joints = hw.get(JointStateInterface)
         states = {} if joints is None else {one.name: one for one in joints.handles()}
         for one in loaded:
             self._add(one, states)
         exported: list[ResourceManager[Any]] = [self._references, self._states]
-        for interface in (*exported, *self._joints.values()):
+        for interface in (*exported, *self._joints.values(), self._both):
             if interface.get_names():
                 self.register_interface(interface)
         self.register_interface_manager(hw)
@@ -84,6 +90,7 @@ class ChainedRobotHW(RobotHW):
             name = f"{one.info.name}/{state.name}"
             self.owners[name] = one
             self._states.register_handle(ExportedStateHandle(name, state))
+        by_name = {reference.name: reference for reference in one.references}
         for reference in one.references:
             name = f"{one.info.name}/{reference.name}"
             self.owners[name] = one
@@ -102,6 +109,13 @@ class ChainedRobotHW(RobotHW):
                 self._joints[kind].register_handle(
                     JointHandle(handle, reference.storage, reference.index)
                 )
+                second = by_name.get(f"{joint}/velocity")
+                if quantity == "position" and second is not None:
+                    self._both.register_handle(
+                        PosVelJointHandle(
+                            handle, reference.storage, second.storage, second.index
+                        )
+                    )
 
     def split_claims(
         self, claims: Iterable[InterfaceResources]
@@ -123,9 +137,13 @@ class ChainedRobotHW(RobotHW):
             if claim.hardware_interface == _STATES:
                 states.update(claim.resources)
                 continue
-            quantity = _QUANTITIES.get(claim.hardware_interface, "")
-            exported = {n for n in claim.resources if f"{n}/{quantity}" in self.owners}
-            references.update(f"{name}/{quantity}" for name in exported)
+            quantities = _QUANTITIES.get(claim.hardware_interface, ())
+            exported = {
+                name
+                for name in claim.resources
+                if any(f"{name}/{each}" in self.owners for each in quantities)
+            }
+            references.update(f"{n}/{each}" for n in exported for each in quantities)
             own = tuple(name for name in claim.resources if name not in exported)
             robot.append(InterfaceResources(claim.hardware_interface, own))
         return tuple(robot), tuple(sorted(references)), tuple(sorted(states))

@@ -13,6 +13,7 @@ from station.core.control.chainable_controller import ChainableController
 from station.core.control.chains import REFERENCES, find_conflicts
 from station.core.control.command_gate import CommandGate
 from station.core.control.controller import ControllerState
+from station.core.control.hardware_components import HardwareComponents
 from station.core.control.loaded_controller import LoadedController
 from station.core.errors import ControllerNotFoundError, StationError, suggest
 from station.core.faults import (
@@ -37,6 +38,7 @@ class ControllerLifecycle:
 
     Attributes:
         gate: Keeps the commands with their owners.
+        components: The hardware and its states; not active before `begin`.
         loaded: All loaded controllers in load order; replaced as a whole.
         start_gate: Called before anything is started; raises a StationError when
             nothing may be. None when there is no such rule.
@@ -45,6 +47,7 @@ class ControllerLifecycle:
     def __init__(self, hw: RobotHW) -> None:
         self.hw = hw
         self.gate = CommandGate(hw)
+        self.components = HardwareComponents(hw)
         self.loaded: tuple[LoadedController, ...] = ()
         self.start_gate: Callable[[], None] | None = None
 
@@ -395,6 +398,8 @@ class ControllerLifecycle:
             conflicts = find_conflicts(
                 self.hw, [*running, *(one.info for one in start)]
             )
+            refusals = [self.components.refusal(one.info) for one in start]
+            reason = next((each for each in refusals if each), None)
             if conflicts:
                 reason = conflicts[0].reason
         except StationError as error:

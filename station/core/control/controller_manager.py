@@ -30,6 +30,7 @@ from station.core.control.controller_status import (
     ControllerStatus,
 )
 from station.core.control.controller_update import ControllerUpdate
+from station.core.control.hardware_components import ComponentState
 from station.core.control.loaded_controller import LoadedController
 from station.core.control.loading import LOAD_TIMEOUT, Loading
 from station.core.control.switch_caller import SwitchCaller
@@ -46,10 +47,12 @@ from station.core.errors import (
 )
 from station.core.hardware.robot_hw import ControllerInfo, RobotHW
 from station.core.parameters import Parameters
-from station.reports import ControllerChains
+from station.reports import ControllerChains, HardwareComponentReport
 
 __all__ = ["ControllerManager", "ControllerStatus"]
 
+CONTROLLER_MANAGER = "controller_manager"
+"""Namespace of the manager's own parameters, as in files of ROS 2."""
 _PATIENCE = 0.004
 """How long a list waits for the end of a change of who runs [s]: the event loop that
 asks for it answers the stop, too."""
@@ -68,6 +71,11 @@ class ControllerManager:
         loaders: Where controllers come from; asked in this order.
         clock: Wall time.
 
+    Raises:
+        HardwareComponentError: A hook of the hardware refuses or fails.
+        ParameterError: `controller_manager/hardware_components_initial_state` names an
+            unknown component or state.
+
     Attributes:
         lifecycle: Starts and stops the controllers, and has the list of them.
         controller_update: Does the same as `update`, for a loop, and keeps who was
@@ -85,6 +93,7 @@ class ControllerManager:
         self._factory = ControllerFactory(hw, parameters, loaders)
         self._clock = clock
         self.lifecycle = ControllerLifecycle(hw)
+        self.lifecycle.components.begin(parameters.namespace(CONTROLLER_MANAGER))
         self.controller_update = ControllerUpdate(self.lifecycle)
         self._lock = threading.Lock()
         self._switches = SwitchCaller(hw, self.controller_update, clock, self._lock)
@@ -418,6 +427,38 @@ class ControllerManager:
         """
         self._refuse_control_thread("switch", waits=True)
         return self._switches.switch(request)
+
+    # Hardware
+
+    def hardware_components(self) -> list[HardwareComponentReport]:
+        """Return the hardware components, with their states and interfaces."""
+        return self.lifecycle.components.report(self.running())
+
+    def hardware_users(self, name: str) -> list[str]:
+        """Return the names of the running controllers that command a component.
+
+        Raises:
+            HardwareComponentNotFoundError: There is no such component.
+        """
+        return self.lifecycle.components.users(name, self.running())
+
+    def set_hardware_component_state(self, name: str, state: ComponentState) -> None:
+        """Bring a hardware component into a state, by the hooks on the way.
+
+        Args:
+            name: The component.
+            state: The state.
+
+        Raises:
+            HardwareComponentNotFoundError: There is no such component.
+            HardwareComponentError: It is in use or finalized, or a hook refuses.
+            SwitchTimeoutError: The switch before is not finished in time.
+            ControllerStateError: Called from within a cycle, or by a hook.
+        """
+        self._refuse_control_thread("set hardware for", waits=True)
+        # A switch asks for the states before it begins: they must not change meanwhile.
+        with self._switches.one_at_a_time(SWITCH_BOUND):
+            self.lifecycle.components.change(name, state, self.running)
 
     # What the above share
 

@@ -167,12 +167,19 @@ class SwitchCaller:
             for one in loaded
         ]
         running = [one.info.name for one in loaded if one.controller.is_running()]
+        left_out: list[str] = []
         while True:
             plan = plan_switch(candidates, request)
+            unavailable = self._unavailable(plan, request)
+            if unavailable:
+                left_out += unavailable.values()
+                kept = [name for name in request.start if name not in unavailable]
+                request = replace(request, start=kept)
+                continue
             with _foreign("check_for_conflict"):
                 conflicts = find_conflicts(self._hw, plan.running)
             if not conflicts:
-                return plan
+                return replace(plan, ignored=(*left_out, *plan.ignored))
             held = {
                 name
                 for conflict in conflicts
@@ -183,6 +190,27 @@ class SwitchCaller:
                 raise conflict_error(conflicts, running)
             # Each round stops one controller more, so the loop ends.
             request = replace(request, stop=(*request.stop, *sorted(held)))
+
+    def _unavailable(self, plan: SwitchPlan, request: SwitchRequest) -> dict[str, str]:
+        """Return the controllers that cannot start on their hardware, each with why.
+
+        Raises:
+            SwitchRefusedError: There is one, and the request is not best effort.
+        """
+        components = self._update.lifecycle.components
+        found = {
+            info.name: f"Controller '{info.name}' cannot start: {reason}."
+            for info in plan.start
+            if (reason := components.refusal(info)) is not None
+        }
+        if found and request.strictness is not Strictness.BEST_EFFORT:
+            name, message = next(iter(found.items()))
+            raise SwitchRefusedError(
+                message,
+                remedy="Set the hardware component active first.",
+                details={"controller": name},
+            )
+        return found
 
     def _wait_for(self, pending: PendingSwitch) -> None:
         """Wait until the control thread has finished `pending`.

@@ -17,6 +17,7 @@ RepairKind = Literal[
     "name",
     "armature",
     "gravity",
+    "ros2_control",
 ]
 
 

@@ -82,6 +82,13 @@ class Pose:
             atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)),
         )
 
+    def inverse(self) -> "Pose":
+        """Return T_child_parent."""
+        w, x, y, z = self.quaternion
+        turned = Pose(quaternion=(w, -x, -y, -z))
+        px, py, pz = turned.compose(Pose(self.xyz)).xyz
+        return Pose((-px, -py, -pz), turned.quaternion)
+
     def compose(self, inner: "Pose") -> "Pose":
         """Return T_a_c, given this pose T_a_b and `inner`, T_b_c."""
         w, x, y, z = self.quaternion

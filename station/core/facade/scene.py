@@ -1,16 +1,20 @@
 """The scene around the robots, changed while the station runs."""
 
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
+from station.core.description.urdf import Pose
 from station.core.errors import (
     ParameterError,
     SceneObjectNotFoundError,
     SceneRefusedError,
     suggest,
 )
+from station.core.facade.robots import Robots
+from station.core.geometry.carried import load_of
 from station.core.geometry.scene import SceneObject, read_object, read_scene
+from station.core.hardware.robot_hw import SceneGuard
 from station.core.hardware.robot_report import SceneObjectReport
 from station.core.loop.control_loop import ControlLoop
 from station.core.parameters import Parameters
@@ -26,14 +30,18 @@ class StationScene:
     Args:
         loop: The loop, not yet started.
         parameters: The root of the parameters, with `scene`.
+        robots: The robots, which are told what they carry.
 
     Raises:
         ParameterError: The scene is malformed, or the robot has no guard for its roles.
         RobotDescriptionError: A mesh of an object with a role cannot be used.
     """
 
-    def __init__(self, loop: ControlLoop, parameters: Parameters) -> None:
+    def __init__(
+        self, loop: ControlLoop, parameters: Parameters, robots: Robots
+    ) -> None:
         self._loop = loop
+        self._robots = robots
         self._lock = threading.Lock()
         self._guards = tuple(loop.hw.guards())
         self._arm_margin = _arm_margin(parameters)
@@ -52,8 +60,11 @@ class StationScene:
         world = self._loop.hw.simulated_world()
         found = [] if world is None else self._loop.run_in_cycle(world.scene)
         present = {one.name: one for one in found}
-        known = {one.name: one for one in self._objects}
-        others = [one for one in self._objects if one.name not in present]
+        objects = self._objects
+        if any(one.carried_by for one in objects):
+            objects = self._loop.run_in_cycle(lambda: tuple(map(self._moved, objects)))
+        known = {one.name: one for one in objects}
+        others = [one for one in objects if one.name not in present]
         return [
             *(_described(one, known.get(one.name)) for one in found),
             *(_described(_report(one), one) for one in others),
@@ -62,6 +73,19 @@ class StationScene:
     def clearances(self) -> list[Clearance]:
         """Return the nearest pair of each arm that keeps clear of something."""
         found = (guard.report() for guard in self._guards)
+        return [one for one in found if one is not None]
+
+    def clearance(self, arm_id: str) -> Clearance | None:
+        """Return the nearest pair of an arm; None if it keeps clear of nothing."""
+        return next((one for one in self.clearances() if one.arm == arm_id), None)
+
+    def nearest_at(self, positions: Mapping[str, float]) -> list[Clearance]:
+        """Return what `clearances` would be in a pose; for copies of a station alone.
+
+        Args:
+            positions: Joint name to position [rad]; others stay where they are.
+        """
+        found = (guard.nearest_at(positions) for guard in self._guards)
         return [one for one in found if one is not None]
 
     def put(self, name: str, values: Mapping[str, object]) -> SceneObjectReport:
@@ -78,6 +102,8 @@ class StationScene:
         """
         with self._lock:
             old = next((one for one in self._objects if one.name == name), None)
+            if old is not None:
+                self._refuse_carried(old)
             entry = {**(_entry(old) if old else {}), **values, "name": name}
             thing = read_object(entry, f"scene/{name}")
             if old is None and thing.solid:
@@ -104,12 +130,8 @@ class StationScene:
             LoopError: The loop died or hangs.
         """
         with self._lock:
-            names = [one.name for one in self._objects]
-            if name not in names:
-                raise SceneObjectNotFoundError(
-                    f"The scene has no object '{name}'.", remedy=suggest(name, names)
-                )
-            thing = self._objects[names.index(name)]
+            thing = self._find(name)
+            self._refuse_carried(thing)
             if thing.solid:
                 raise SceneRefusedError(
                     f"'{name}' is a solid object of the simulated world.",
@@ -121,12 +143,156 @@ class StationScene:
             self._apply(kept)
             self._objects = tuple(kept)
 
+    def attach(
+        self, name: str, arm_id: str = "", *, load: bool = True
+    ) -> SceneObjectReport:
+        """Let an arm carry an object: it moves with the hand, and is guarded with it.
+
+        Args:
+            name: The object, where it is now.
+            arm_id: The arm; may be empty where there is only one.
+            load: Whether the arm is told the mass of what it carries.
+
+        Raises:
+            SceneObjectNotFoundError: There is no object of that name.
+            SceneRefusedError: It is carried already, a fence or a half-space, or the
+                robot has no such arm.
+            RobotDescriptionError: A mesh cannot be used.
+            InvalidCommandError: The arm cannot carry that mass.
+            ArmCommandError: The arm moves, so that it cannot be told a load.
+            LoopError: The loop died or hangs.
+        """
+        with self._lock:
+            thing = self._find(name)
+            self._refuse_carried(thing)
+            guard = self._guard_of(arm_id)
+            if thing.role == "fence":
+                raise SceneRefusedError(
+                    f"'{name}' is a fence, which no arm carries.",
+                    remedy="Attach an object or a keep_out.",
+                    details={"object": name},
+                )
+            grip = self._loop.run_in_cycle(
+                lambda: guard.hand().inverse().compose(self._pose_of(thing))
+            )
+            held = replace(thing, carried_by=guard.arm_id, grip=grip)
+            self._change_load(held, guard.arm_id, told=load)
+        return next(one for one in self.report() if one.name == name)
+
+    def detach(self, name: str, *, load: bool = True) -> SceneObjectReport:
+        """Let an object stay where it is now; no arm carries it any more.
+
+        Args:
+            name: The object.
+            load: Whether the arm is told the mass of what is left.
+
+        Raises:
+            SceneObjectNotFoundError: There is no object of that name.
+            SceneRefusedError: No arm carries it.
+            ArmCommandError: The arm moves, so that it cannot be told a load.
+            LoopError: The loop died or hangs.
+        """
+        with self._lock:
+            thing = self._find(name)
+            if not thing.carried_by:
+                raise SceneRefusedError(
+                    f"No arm carries '{name}'.", remedy="", details={"object": name}
+                )
+            left = self._loop.run_in_cycle(lambda: self._moved(thing))
+            left = replace(left, carried_by="", grip=Pose())
+            self._change_load(left, thing.carried_by, told=load)
+        return next(one for one in self.report() if one.name == name)
+
+    def _change_load(self, thing: SceneObject, arm_id: str, *, told: bool) -> None:
+        """Exchange an object that an arm carries from now on, or no longer."""
+        objects = [thing if one.name == thing.name else one for one in self._objects]
+        changes = self._changes(objects)
+        if told:
+            held = [(one, one.grip) for one in objects if one.carried_by == arm_id]
+            mass, center, inertia = load_of(held)
+            service, set_load = self._robots.find_service(arm_id, "set_load")
+            self._loop.run_in_cycle(
+                lambda: set_load(
+                    mass=mass, F_x_center_load=center, load_inertia=inertia
+                ),
+                moves=service.moves,
+            )
+        # The load first: an arm that moves refuses it, and nothing has changed.
+        self._loop.run_in_cycle(changes)
+        self._objects = tuple(objects)
+
+    def _find(self, name: str) -> SceneObject:
+        """Return an object.
+
+        Raises:
+            SceneObjectNotFoundError: There is none of that name.
+        """
+        names = [one.name for one in self._objects]
+        if name not in names:
+            raise SceneObjectNotFoundError(
+                f"The scene has no object '{name}'.", remedy=suggest(name, names)
+            )
+        return self._objects[names.index(name)]
+
+    def _refuse_carried(self, thing: SceneObject) -> None:
+        """Refuse to change what an arm carries.
+
+        Raises:
+            SceneRefusedError: An arm carries it.
+        """
+        if thing.carried_by:
+            raise SceneRefusedError(
+                f"'{thing.name}' is carried by '{thing.carried_by}'.",
+                remedy="Detach it first.",
+                details={"object": thing.name},
+            )
+
+    def _guard_of(self, arm_id: str) -> SceneGuard:
+        """Return the guard of an arm, or the only one.
+
+        Raises:
+            SceneRefusedError: There is none, or more than one and no name.
+        """
+        names = [one.arm_id for one in self._guards]
+        if arm_id in names:
+            return self._guards[names.index(arm_id)]
+        if not arm_id and len(names) == 1:
+            return self._guards[0]
+        raise SceneRefusedError(
+            f"The robot has no arm '{arm_id}' that could carry something."
+            if arm_id
+            else "Which arm is to carry it?",
+            remedy=f"Name one of: {', '.join(names)}."
+            if names
+            else "Only Franka arms carry objects.",
+            details={"arms": names},
+        )
+
+    def _pose_of(self, thing: SceneObject) -> Pose:
+        """Return the pose of an object's middle in the world; control thread."""
+        world = self._loop.hw.simulated_world()
+        for one in () if world is None else world.scene():
+            if one.name == thing.name:
+                px, py, pz = one.position
+                x, y, z, w = one.orientation
+                return Pose((px, py, pz), (w, x, y, z))
+        return thing.pose()
+
+    def _moved(self, thing: SceneObject) -> SceneObject:
+        """Return an object where it is now; control thread."""
+        if not thing.carried_by or thing.solid:
+            return thing.at(self._pose_of(thing)) if thing.carried_by else thing
+        hand = self._guard_of(thing.carried_by).hand()
+        return thing.at(hand.compose(thing.grip))
+
     def entries(self) -> list[dict[str, object]]:
-        """Return the objects with a role, as `replace_roles` takes them."""
-        return [_entry(one) for one in self._objects if not one.solid]
+        """Return the objects with a role that nobody carries, for `replace_roles`."""
+        return [
+            _entry(one) for one in self._objects if not one.solid and not one.carried_by
+        ]
 
     def replace_roles(self, entries: Sequence[Mapping[str, object]]) -> None:
-        """Replace all objects that are not solid.
+        """Replace all objects that are not solid, and that nobody carries.
 
         Args:
             entries: Objects, as in `scene/objects`.
@@ -137,7 +303,7 @@ class StationScene:
         """
         found = [read_object(one, f"scene/{i}") for i, one in enumerate(entries)]
         with self._lock:
-            kept = [one for one in self._objects if one.solid]
+            kept = [one for one in self._objects if one.solid or one.carried_by]
             names = [one.name for one in (*kept, *found)]
             if len(set(names)) < len(names) or any(one.solid for one in found):
                 raise ParameterError(
@@ -174,12 +340,19 @@ class StationScene:
             self._loop.run_in_cycle(lambda: world.place_object(new.name, pose))
 
     def _apply(self, objects: Sequence[SceneObject]) -> None:
-        """Let the guards of all arms know.
+        """Let the guards of all arms know; see `_changes`.
+
+        Raises:
+            LoopError: The loop died or hangs.
+        """
+        self._loop.run_in_cycle(self._changes(objects))
+
+    def _changes(self, objects: Sequence[SceneObject]) -> Callable[[], None]:
+        """Return a function for the control thread that lets all guards know.
 
         Raises:
             ParameterError: The robot has no guard for the roles, or not the links.
             RobotDescriptionError: A mesh cannot be used.
-            LoopError: The loop died or hangs.
         """
         roles = [one for one in objects if one.role != "object"]
         if roles and not self._guards:
@@ -189,10 +362,16 @@ class StationScene:
                 remedy="Give it the role 'object', or leave it out.",
                 details={"parameter": "scene/objects"},
             )
-        # Rows and hulls are made here; the control thread only exchanges them.
-        changes = [one.prepare(objects, self._arm_margin) for one in self._guards]
-        for change in changes:
-            self._loop.run_in_cycle(change)
+        # Rows and hulls are made here; the control thread only exchanges them, all in
+        # one cycle, because arms know each other's capsules.
+        changes = [one.carry(objects) for one in self._guards]
+        changes += [one.prepare(objects, self._arm_margin) for one in self._guards]
+
+        def change() -> None:
+            for one in changes:
+                one()
+
+        return change
 
 
 def _arm_margin(parameters: Parameters) -> float | None:
@@ -252,4 +431,5 @@ def _described(
         links=thing.links,
         colour=thing.colour,
         solid=thing.solid,
+        carried_by=thing.carried_by,
     )

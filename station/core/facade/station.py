@@ -14,8 +14,9 @@ from station.compiled import CompilationStatus, present_status
 from station.core.control.controller import ControllerSample, ControllerState
 from station.core.control.controller_manager import ControllerManager
 from station.core.control.controller_status import ControllerStatus
+from station.core.control.hardware_components import ComponentState
 from station.core.control.loading import LOAD_TIMEOUT
-from station.core.control.switching import SwitchRequest, SwitchResult
+from station.core.control.switching import Strictness, SwitchRequest, SwitchResult
 from station.core.description.repair import Repair
 from station.core.errors import ControllerExistsError, LoopError, ParameterError
 from station.core.facade.gain_tuning import GainTuning
@@ -38,6 +39,7 @@ from station.core.loop.snapshot import Snapshot, SnapshotRing
 from station.core.loop.stop_latch import StopState
 from station.core.parameters import Parameters
 from station.reports import (
+    HardwareComponentReport,
     HardwareInterface,
     HardwareResource,
     HardwareTransmission,
@@ -196,7 +198,7 @@ class Station:
         self.motion = MotionCommands(loop, manager, self.inputs)
         self.robots = Robots(loop, manager, self.inputs)
         self.simulation = SimulationControl(loop, self.inputs)
-        self.surroundings = StationScene(loop, parameters)
+        self.surroundings = StationScene(loop, parameters, self.robots)
         self.boot_id = uuid.uuid4().hex
         self.watchdog_failure: str | None = None
         self.parameters = parameters
@@ -419,6 +421,34 @@ class Station:
             timeout=request.timeout,
         )
         return self.manager.switch_controller(replace(request, receipt=receipt))
+
+    def set_hardware_component_state(
+        self, name: str, state: ComponentState, *, stop_controllers: bool = False
+    ) -> HardwareComponentReport:
+        """Bring a hardware component into a state of its life cycle.
+
+        Args:
+            name: The component.
+            state: The state.
+            stop_controllers: Whether the controllers that command it, and those that
+                command these, are stopped before it leaves its active state.
+
+        Raises:
+            HardwareComponentNotFoundError: There is no such component.
+            HardwareComponentError: It is in use or finalized, or a hook refuses.
+            SwitchRefusedError: Its controllers cannot be stopped.
+            SwitchTimeoutError: They cannot be stopped in time.
+            LoopError: The loop died.
+        """
+        self.loop.check_alive()
+        users = self.manager.hardware_users(name)
+        if stop_controllers and users and state is not ComponentState.ACTIVE:
+            self.switch_controllers(
+                SwitchRequest(stop=users, strictness=Strictness.AUTO)
+            )
+        self.manager.set_hardware_component_state(name, state)
+        found = self.manager.hardware_components()
+        return next(one for one in found if one.name == name)
 
     def controller_sample(self, name: str) -> ControllerSample | None:
         """Return the sample of a controller's last update; None before the first.

@@ -123,6 +123,17 @@ class Guard:
         self.places: list[Doubles] = []
         self.set_scene([], [], [])
 
+    def take(self, clearances: Clearances, names: Sequence[str]) -> None:
+        """Watch other capsules from now on; `set_scene` has to follow.
+
+        Args:
+            clearances: Measures the capsules.
+            names: Name of the link, or of a carried object, of each capsule.
+        """
+        self.clearances, self.names = clearances, tuple(names)
+        self.count, self.way = clearances.count, clearances.way
+        self.committed = zeros(12 * self.count)
+
     def set_scene(
         self,
         solids: Sequence[float],
@@ -194,6 +205,14 @@ class Guard:
             f"guard_reflex: {self.names[capsule]} would have come nearer than "
             f"{margin:.0f} mm to '{self.things[solid]}'"
         )
+
+    def look(self) -> None:
+        """Measure where the arm is; for cycles without a command of controllers."""
+        self.is_slowing = False
+        if self.others:
+            self.place_others()
+        self.clearances.measure(self.q, _ZONE)
+        self.commit(self.q, 0.0)
 
     def place_others(self) -> None:
         """Bring the capsules of other arms up to date."""

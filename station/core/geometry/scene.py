@@ -1,7 +1,7 @@
 """The objects around robots as data: shapes, roles, and how they are read."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import isfinite
 from pathlib import Path
 from typing import NoReturn
@@ -65,6 +65,8 @@ class SceneObject:
             fingers.
         colour: Red, green and blue, 0 to 255; empty for the one of its role.
         solid: Whether a simulated robot can touch it.
+        carried_by: Name of the arm whose hand carries it; empty for none.
+        grip: Pose of its middle in the arm's flange while it is carried.
     """
 
     name: str
@@ -80,6 +82,8 @@ class SceneObject:
     links: tuple[str, ...] = ()
     colour: tuple[int, ...] = ()
     solid: bool = True
+    carried_by: str = ""
+    grip: Pose = field(default_factory=Pose)
 
     def pose(self) -> Pose:
         """Return the pose of its middle in the world."""
@@ -244,10 +248,7 @@ def solid_of(thing: SceneObject, base: Pose, triangles: list[float]) -> list[flo
             sizes = [add_hull(mesh_vertices(Path(thing.file)), triangles)]
         case _:
             pass
-    w, x, y, z = base.quaternion
-    inverse = Pose((0.0, 0.0, 0.0), (w, -x, -y, -z))
-    bx, by, bz = inverse.compose(Pose(base.xyz)).xyz
-    pose = Pose((-bx, -by, -bz), inverse.quaternion).compose(thing.pose())
+    pose = base.inverse().compose(thing.pose())
     w, x, y, z = pose.quaternion
     axes = [
         1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y),

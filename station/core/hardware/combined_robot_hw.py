@@ -6,6 +6,7 @@ asked of the robots, too, and `init` raises with its reason.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 from typing_extensions import override
 
@@ -14,6 +15,7 @@ from station.core.description.urdf import Pose
 from station.core.errors import HardwareInterfaceError, StationError
 from station.core.hardware.robot_hw import (
     ControllerInfo,
+    HardwareComponent,
     InterfaceResources,
     ResourceConflict,
     RobotHW,
@@ -176,6 +178,17 @@ class CombinedRobotHW(RobotHW):
         """
         for robot in self.robots.values():
             robot.check_period(period)
+
+    @override
+    def components(self) -> Sequence[HardwareComponent]:
+        """Return one component per robot, by its name; those of one with several."""
+        found: list[HardwareComponent] = []
+        for name, robot in self.robots.items():
+            parts = robot.components()
+            for part in parts:
+                own = name if len(parts) == 1 else f"{name}_{part.name}"
+                found.append(replace(part, name=own, key=part.key or part.name))
+        return found
 
     @override
     def check_for_conflict(

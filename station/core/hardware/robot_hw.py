@@ -29,7 +29,39 @@ from station.reports import Clearance, HardwareTransmission
 
 
 class SceneGuard(ABC):
-    """Keeps an arm clear of a scene. Any thread."""
+    """Keeps an arm clear of a scene. Any thread, unless it says otherwise.
+
+    Attributes:
+        arm_id: Name of the arm.
+    """
+
+    arm_id: str
+
+    @abstractmethod
+    def hand(self) -> Pose:
+        """Return the pose of the arm's flange in the world; control thread."""
+
+    @abstractmethod
+    def carry(self, objects: Sequence[SceneObject]) -> Callable[[], None]:
+        """Return a function for the control thread that makes objects parts of the arm.
+
+        All arms take what they carry before `prepare` lets the scene count.
+
+        Args:
+            objects: All objects of the scene; those that the arm carries count.
+
+        Raises:
+            RobotDescriptionError: A mesh cannot be used.
+            SceneRefusedError: Nobody can carry an object.
+        """
+
+    @abstractmethod
+    def nearest_at(self, positions: Mapping[str, float]) -> Clearance | None:
+        """Return the nearest pair in another pose; for copies of a station alone.
+
+        Args:
+            positions: Joint name to position [rad]; others stay where they are.
+        """
 
     @abstractmethod
     def prepare(
@@ -108,6 +140,15 @@ class SimulatedWorld(ABC):
         """Return the contacts of the world's bodies; of very many points only some."""
         return ()
 
+    def distances(self) -> Callable[[], tuple[str, str, float] | None]:
+        """Return a function that finds what is nearest to the links of a robot.
+
+        It returns the names of a link and of a solid body that belongs to no robot, or
+        to another one, and their distance [m]; None where there is none. Pairs that
+        touch now do not count.
+        """
+        return lambda: None
+
     def nearness(
         self, joints: Sequence[str], margin: float
     ) -> Callable[[Sequence[float]], Sequence[tuple[str, str, float]]]:
@@ -180,6 +221,27 @@ class ResourceConflict:
     resource: str
     holders: tuple[tuple[str, str], ...]
     reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class HardwareComponent:
+    """A part of a robot that has a life cycle of its own.
+
+    Attributes:
+        name: Its name, unique among the components of a station.
+        robot: The robot whose hooks are called.
+        type: `system`, `actuator` or `sensor`.
+        plugin: What drives it, `package/Class` or `module:Class`.
+        resources: Names of its resources; None for all of the robot.
+        key: Name by which the hooks of the robot know it; empty for `name`.
+    """
+
+    name: str
+    robot: "RobotHW"
+    type: str = "system"
+    plugin: str = ""
+    resources: frozenset[str] | None = None
+    key: str = ""
 
 
 class SwitchState(Enum):
@@ -256,6 +318,46 @@ class RobotHW(InterfaceManager):
         Args:
             time: Station time of this cycle [s].
             period: Time since the last cycle [s], >= 0.
+        """
+
+    def components(self) -> Sequence[HardwareComponent]:
+        """Return the parts with a life cycle of their own; settled in `init`.
+
+        The default is one component of the name `robot`.
+        """
+        kind = type(self)
+        plugin = f"{kind.__module__}:{kind.__qualname__}"
+        return (HardwareComponent("robot", self, plugin=plugin),)
+
+    # The hooks of the life cycle, each for the component of a name. They are called
+    # outside of the control thread and may block; the cycles go on meanwhile. To refuse
+    # a change, and stay as before, a hook raises a StationError; any other exception is
+    # an error, which `on_error` deals with.
+
+    def on_configure(self, component: str) -> None:
+        """Make the hardware readable: from unconfigured to inactive."""
+
+    def on_cleanup(self, component: str) -> None:
+        """Take back `on_configure`: from inactive to unconfigured."""
+
+    def on_activate(self, component: str) -> None:
+        """Let the hardware take commands: from inactive to active."""
+
+    def on_deactivate(self, component: str) -> None:
+        """Let the hardware take no more commands: from active to inactive."""
+
+    def on_shutdown(self, component: str) -> None:
+        """Let the hardware go for good: from any state to finalized."""
+
+    def on_error(self, component: str, problem: str) -> None:
+        """Deal with an error of another hook: to unconfigured.
+
+        Args:
+            component: Name of the component.
+            problem: The error, in words.
+
+        Raises:
+            Exception: The hardware cannot be used any more; it is finalized.
         """
 
     def check_for_conflict(

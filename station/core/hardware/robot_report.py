@@ -59,6 +59,7 @@ class SceneObjectReport:
         links: Links that the role is for; empty for all.
         colour: Red, green and blue, 0 to 255; empty for the one of its role.
         solid: Whether a simulated robot can touch it.
+        carried_by: Name of the arm that carries it; empty for none.
     """
 
     name: str
@@ -73,6 +74,7 @@ class SceneObjectReport:
     links: tuple[str, ...] = ()
     colour: tuple[int, ...] = ()
     solid: bool = True
+    carried_by: str = ""
 
 
 @dataclass(frozen=True, slots=True)

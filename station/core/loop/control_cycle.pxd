@@ -17,7 +17,7 @@ cdef class ControlCycle:
     cdef public tuple taps
     cdef public double time
     cdef public long long cycle, epoch
-    cdef readonly double longest_period
+    cdef public double longest_period
     cdef public long late_cycles
     cpdef long run_cycles(self, long cycles, double period, double tick=*)
     cpdef run_cycle(self, double period)

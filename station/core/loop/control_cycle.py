@@ -84,7 +84,8 @@ class ControlCycle:
         self.cycle = 0
         self.epoch = 1
         world = hw.simulated_world()
-        # Asked once: how long a world waits is settled when the robot is initialised.
+        # How long a world waits is settled when the robot is initialised; while others
+        # command it, who serves them sets this.
         self.longest_period = _INF if world is None else world.longest_period()
         self.late_cycles = 0
         if not cython.compiled and self.now is None and self.virtual is None:

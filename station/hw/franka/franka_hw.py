@@ -17,6 +17,7 @@ Source: franka_ros@c11f000 franka_hw/src/franka_hw.cpp, FrankaHW; differs:
 
 import logging
 from collections.abc import Sequence
+from dataclasses import replace
 from math import degrees, inf
 from typing import TYPE_CHECKING
 
@@ -40,6 +41,7 @@ from station.core.franka import (
 from station.core.franka.franka_robot_state import MODE, RobotMode, RobotState
 from station.core.hardware.robot_hw import (
     ControllerInfo,
+    HardwareComponent,
     ResourceConflict,
     RobotClock,
     RobotHW,
@@ -274,6 +276,12 @@ class FrankaHW(RobotHW):
     def control_mode(self) -> ControlMode:
         """The kinds of command that the running controllers give."""
         return self._motion.mode
+
+    @override
+    def components(self) -> Sequence[HardwareComponent]:
+        """Return the arm with its hand under the name `arm_id`."""
+        (whole,) = super().components()
+        return (replace(whole, name=self._parameters.arm_id),)
 
     @override
     def mode(self) -> str:

@@ -26,7 +26,12 @@ from station.core.hardware.interfaces import (
     PosVelAccJointInterface,
     PosVelJointHandle,
     PosVelJointInterface,
+    ValuesSensorHandle,
     VelocityJointInterface,
+)
+from station.core.hardware.interfaces.semantic import (
+    SEMANTIC_INTERFACES,
+    SEMANTIC_VALUES,
 )
 from station.core.hardware.robot_hw import (
     ControllerInfo,
@@ -36,6 +41,7 @@ from station.core.hardware.robot_hw import (
 )
 from station.core.parameters import Parameters
 from station.hw.mock.mock_world import IDLE, MockJoints, MockWorld
+from station.hw.simulated_gpios import SimulatedGpios, read_gpios
 
 
 @dataclass(slots=True)
@@ -65,12 +71,17 @@ class MockRobotHW(RobotHW):
     """Type `mock_hw/MockRobotHW`.
 
     Parameters, all optional: `joints` (list of names), `initial_positions` (one number
-    per joint), `inertia`, `damping`, `switch_cycles` (see `MockScript`).
+    per joint), `inertia`, `damping`, `switch_cycles` (see `MockScript`), `sensors`
+    (`type` of `SEMANTIC_INTERFACES`, `frame_id`, `values`) and `gpios` (see
+    `simulated_gpios`).
 
     Attributes:
         script: Faults to come; may be changed at any time between two cycles.
         switches: (started, stopped) names of every `do_switch`, oldest first.
         clock: Clock on which slow cycles take their time.
+        sensor_values: Values of each of `sensors`, in the order of their names there;
+            may be changed between two cycles.
+        gpios: Inputs and outputs.
     """
 
     def __init__(self) -> None:
@@ -80,6 +91,8 @@ class MockRobotHW(RobotHW):
         self.clock: Clock = SystemClock()
         self.joint_names: list[str] = []
         self.joints = MockJoints([])
+        self.sensor_values: dict[str, list[float]] = {}
+        self.gpios = SimulatedGpios(())
         self._ready_in: dict[str, int] = {}
         self._measured = MockJoints([])
         self._world = MockWorld([], self.joints)
@@ -119,6 +132,35 @@ class MockRobotHW(RobotHW):
         self._world = MockWorld(names, self.joints)
         self._measured = MockJoints(positions)
         self._register_interfaces()
+        self._register_devices(hw_params)
+
+    def _register_devices(self, hw_params: Parameters) -> None:
+        """Register the sensors with named values, and the inputs and outputs.
+
+        Raises:
+            ParameterError: A sensor is of an unknown type, or a value is impossible.
+        """
+        named = {kind: make() for kind, make in SEMANTIC_INTERFACES.items()}
+        sensors = hw_params.namespace("sensors")
+        for name in sensors.keys():  # noqa: SIM118 - no mapping
+            entry = sensors.namespace(name)
+            kind = entry.get_str("type")
+            if kind not in named:
+                raise ParameterError(
+                    f"Parameter '{entry.resolve('type')}' is '{kind}'; it must be one "
+                    f"of {', '.join(named)}.",
+                    remedy="Correct the configuration.",
+                )
+            given = entry.namespace("values")
+            keys = dict.fromkeys((*SEMANTIC_VALUES[kind], *given.keys()))
+            values = [given.get_float(key, 0.0) for key in keys]
+            self.sensor_values[name] = values
+            frame = entry.get_str("frame_id", "")
+            named[kind].register_handle(ValuesSensorHandle(name, frame, values, keys))
+        self.gpios = SimulatedGpios(read_gpios(hw_params))
+        offered = [each for each in named.values() if each.get_names()]
+        for interface in (*offered, *self.gpios.interfaces()):
+            self.register_interface(interface)
 
     def _register_interfaces(self) -> None:
         seen, true = self._measured, self.joints
@@ -189,6 +231,7 @@ class MockRobotHW(RobotHW):
 
     @override
     def write(self, time: float, period: float) -> None:
+        self.gpios.write()
         for name, cycles in self._ready_in.items():
             if cycles > 0:
                 self._ready_in[name] = cycles - 1

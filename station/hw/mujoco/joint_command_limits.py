@@ -4,7 +4,9 @@ import logging
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from math import inf
+from types import MappingProxyType
 
+from station.core.description.ros2_control import InterfaceTag
 from station.core.description.urdf import Joint
 from station.core.errors import ParameterError
 from station.core.hardware.interfaces import JointHandle
@@ -45,6 +47,8 @@ class JointCommandLimits:
         joints: The joints of the URDF.
         params: The namespace that has `joint_limits`.
         mode: Kind of the handles that enforce the limits.
+        tags: Command interfaces of `<ros2_control>` by joint. The narrower limits of
+            the two count, and none that such an interface switches off.
 
     Attributes:
         reports: The limits of every added joint with their sources.
@@ -58,9 +62,14 @@ class JointCommandLimits:
     """
 
     def __init__(
-        self, joints: Mapping[str, Joint], params: Parameters, mode: LimitMode
+        self,
+        joints: Mapping[str, Joint],
+        params: Parameters,
+        mode: LimitMode,
+        tags: Mapping[str, Sequence[InterfaceTag]] = MappingProxyType({}),
     ) -> None:
         self._joints = joints
+        self._tags = tags
         _tell_limits_without_effect(params, self._joints)
         self._params = params
         self._mode = mode
@@ -149,20 +158,62 @@ class JointCommandLimits:
         params = self._params
         first = joint_limits_from_urdf(joint) or JointLimits()
         first = replace(first, max_velocity=first.max_velocity or None)
+        described = limit_values(first, None)
+        for tag in self._tags.get(joint.name, ()):
+            first = _narrowed(first, tag)
         limits = joint_limits_from_parameters(joint.name, params, first) or first
         first_soft = soft_joint_limits_from_urdf(joint)
         soft = soft_joint_limits_from_parameters(joint.name, params, first_soft)
         soft = soft or first_soft
         before = limit_values(first, first_soft)
         sources = {
-            kind: _PARAMETERS if value != before.get(kind) else _source_in_urdf(kind)
+            kind: _PARAMETERS
+            if value != before.get(kind)
+            else _source_in_urdf(
+                kind, is_tag=kind != "soft" and value != described.get(kind)
+            )
             for kind, value in limit_values(limits, soft).items()
         }
         return JointLimitsReport(joint.name, limits, soft, sources)
 
 
-def _source_in_urdf(kind: str) -> str:
+def _source_in_urdf(kind: str, *, is_tag: bool) -> str:
+    if is_tag:
+        return "urdf ros2_control"
     return "urdf safety_controller" if kind == "soft" else "urdf limit"
+
+
+def _narrowed(limits: JointLimits, tag: InterfaceTag) -> JointLimits:
+    """Return limits that a command interface of `<ros2_control>` narrows.
+
+    Source:
+        ros2_control@6.x hardware_interface/src/component_parser.cpp,
+        update_interface_limits.
+    """
+    low, high = tag.minimum, tag.maximum
+    if tag.name == "position":
+        if not tag.is_limited:
+            return replace(limits, min_position=None, max_position=None)
+        lows = [each for each in (low, limits.min_position) if each is not None]
+        highs = [each for each in (high, limits.max_position) if each is not None]
+        # A range has two ends.
+        if not lows or not highs:
+            return limits
+        return replace(limits, min_position=max(lows), max_position=min(highs))
+    # Of an unsymmetric range the smaller end counts in both directions.
+    ends = [abs(each) for each in (low, high) if each is not None]
+    before: float | None = getattr(limits, f"max_{tag.name}")
+    ends += [] if before is None else [before]
+    most = min(ends, default=None) if tag.is_limited else None
+    match tag.name:
+        case "velocity":
+            return replace(limits, max_velocity=most)
+        case "effort":
+            return replace(limits, max_effort=most)
+        case "acceleration":
+            return replace(limits, max_acceleration=most)
+        case _:
+            return replace(limits, max_jerk=most)
 
 
 def _tell_limits_without_effect(params: Parameters, joints: Collection[str]) -> None:

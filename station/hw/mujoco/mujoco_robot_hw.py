@@ -11,7 +11,8 @@ Source: gazebo_ros_control@2.9.2 default_robot_hw_sim.cpp, DefaultRobotHWSim; di
 """
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from math import ceil, inf
 
 from typing_extensions import override
@@ -19,6 +20,7 @@ from typing_extensions import override
 from station.core.description.repair import Repair
 from station.core.description.robot_description import ROBOT_DESCRIPTION
 from station.core.description.robot_files import RobotFiles, load_robot_files
+from station.core.description.ros2_control import ComponentTag, HardwareTag
 from station.core.description.srdf import group_states
 from station.core.description.urdf import JointType, Urdf
 from station.core.errors import (
@@ -28,8 +30,12 @@ from station.core.errors import (
 )
 from station.core.geometry.scene import read_scene
 from station.core.hardware.interfaces import JointHandle, JointStateInterface
-from station.core.hardware.limits import LimitMode, joint_limits_from_parameters
-from station.core.hardware.robot_hw import ControllerInfo, RobotHW
+from station.core.hardware.limits import joint_limits_from_parameters
+from station.core.hardware.robot_hw import (
+    ControllerInfo,
+    HardwareComponent,
+    RobotHW,
+)
 from station.core.hardware.robot_report import ClampReport, JointLimitsReport
 from station.core.hardware.transmissions import (
     ActuatorToJointStateInterface,
@@ -48,9 +54,13 @@ from station.hw.mujoco.hard_stops import add_hard_stops
 from station.hw.mujoco.joint_command_limits import JointCommandLimits
 from station.hw.mujoco.joint_command_modes import COMMAND_INTERFACES, JointCommandModes
 from station.hw.mujoco.joint_drives import JointDrives
-from station.hw.mujoco.mujoco_robot_parameters import read_parameters
+from station.hw.mujoco.mujoco_robot_parameters import (
+    MujocoRobotParameters,
+    read_parameters,
+)
 from station.hw.mujoco.mujoco_simulation import simulate_robot
 from station.hw.mujoco.robot_transmissions import read_transmissions
+from station.hw.mujoco.ros2_control_tags import TaggedRobot, read_tagged_robot
 from station.hw.mujoco.sensors import WorldSensors
 from station.hw.mujoco.shared_world import SharedWorld
 from station.hw.mujoco.simulated_motors import SimulatedMotors
@@ -58,6 +68,7 @@ from station.hw.mujoco.simulated_pid import read_simulated_pids
 from station.hw.mujoco.world import World
 from station.hw.mujoco.world_joints import UnpoweredJoints
 from station.hw.mujoco.world_step import CalledPreparation
+from station.hw.simulated_gpios import SimulatedGpios
 from station.hw.urdf_loader import load_urdf
 from station.memory.doubles import put
 from station.reports import HardwareTransmission
@@ -114,7 +125,14 @@ class MujocoRobotHW(RobotHW):
                 the element and the reason.
         """
         parameters = read_parameters(hw_params)
-        description = load_robot_files(parameters.robot_description)
+        tagged = _read_tags(parameters)
+        parameters = replace(
+            parameters,
+            sensors=tagged.sensors,
+            initial_positions={**tagged.positions, **parameters.initial_positions},
+        )
+        self._hardware = tagged.hardware
+        description = tagged.description
         limited = hw_params if hw_params.has("joint_limits") else root_params
         repaired = repair_robot(
             description,
@@ -136,7 +154,7 @@ class MujocoRobotHW(RobotHW):
         self.world = simulated.world
         if simulated.base != parameters.base:  # who draws the robot looks there
             hw_params.set("base_xyz", list(simulated.base.xyz))
-        self._repairs = (*repaired.repairs, *simulated.repairs)
+        self._repairs = (*repaired.repairs, *simulated.repairs, *tagged.repairs)
         log_repairs(description, self._repairs)
         if not root_params.has(ROBOT_DESCRIPTION):
             root_params.set(ROBOT_DESCRIPTION, description.xml)
@@ -153,11 +171,17 @@ class MujocoRobotHW(RobotHW):
             [*joints_of_base(parameters.base_type), *_others(urdf, self._names)],
             interface_of(self, JointStateInterface),
         )
-        self._add_limits(description, urdf, limited, parameters.limit_mode)
-        model, data = self.world.model, self.world.data
-        self._sensors = WorldSensors(model, data, parameters.sensors)
-        for interface in self._sensors.interfaces():
-            self.register_interface(interface)
+        self._limits = JointCommandLimits(
+            # As described: `urdf` has effort limits of the parameters already.
+            load_urdf(description).joints,
+            limited,
+            parameters.limit_mode,
+            tagged.limited,
+        )
+        self._add_limits(urdf)
+        self._add_devices(parameters, (*tagged.gpios, *parameters.gpios))
+        if tagged.hardware:
+            self._offer_only(tagged.commands)
         self.read(0.0, 0.0)
         self._modes.restart()
         keyframes = {
@@ -189,6 +213,8 @@ class MujocoRobotHW(RobotHW):
         """Limit the commands and hand them to the motors for the steps to come."""
         if period <= 0.0:
             return
+        if self._gpios is not None:
+            self._gpios.write()
         if self._modes.release_bad_commands():
             self._limits.activate(self._modes.in_use)
         self._limits.enforce(period)
@@ -196,6 +222,18 @@ class MujocoRobotHW(RobotHW):
         for quantity in self._modes.quantities:
             self._to_actuators[quantity].propagate()
             self._motors.act(quantity)
+
+    @override
+    def components(self) -> Sequence[HardwareComponent]:
+        """Return one component per `<ros2_control>` element; `robot` without any."""
+        if not self._hardware:
+            return super().components()
+        return [
+            HardwareComponent(
+                one.name, self, one.type, one.plugin, frozenset(_resources_of(one))
+            )
+            for one in self._hardware
+        ]
 
     @override
     def joint_limits(self) -> Sequence[JointLimitsReport]:
@@ -276,6 +314,8 @@ class MujocoRobotHW(RobotHW):
         self.read(0.0, 0.0)
         self._modes.restart()
         self._limits.reset()
+        if self._gpios is not None:
+            self._gpios.reset()
 
     def longest_period(self) -> float:
         """Return infinity: the world does not wait for the loop."""
@@ -327,6 +367,31 @@ class MujocoRobotHW(RobotHW):
             ),
         }
 
+    def _add_devices(
+        self, parameters: MujocoRobotParameters, gpios: Sequence[ComponentTag]
+    ) -> None:
+        """Make the sensors, and the inputs and outputs."""
+        model, data = self.world.model, self.world.data
+        self._sensors = WorldSensors(model, data, parameters.sensors)
+        self._gpios = SimulatedGpios(gpios) if gpios else None
+        interfaces: list[object] = [*self._sensors.interfaces()]
+        interfaces += [] if self._gpios is None else self._gpios.interfaces()
+        for interface in interfaces:
+            self.register_interface(interface)
+
+    def _offer_only(self, commands: Mapping[str, frozenset[str]]) -> None:
+        """Offer the command interfaces that the description names, and no others.
+
+        Args:
+            commands: Quantities by joint.
+        """
+        for quantity, interface in COMMAND_INTERFACES.items():
+            offered = interface()
+            for handle in interface_of(self, interface).handles():
+                if quantity in commands.get(handle.name, ()):
+                    offered.register_handle(handle)
+            self.register_interface(offered)
+
     def _load(
         self,
         loader: TransmissionInterfaceLoader,
@@ -353,12 +418,7 @@ class MujocoRobotHW(RobotHW):
             )
         self._motors.connect(info, loader.loaded[-1].transmission)
 
-    def _add_limits(
-        self, description: RobotFiles, urdf: Urdf, params: Parameters, mode: LimitMode
-    ) -> None:
-        # As described: `urdf` has effort limits of the parameters already.
-        described = load_urdf(description).joints
-        self._limits = JointCommandLimits(described, params, mode)
+    def _add_limits(self, urdf: Urdf) -> None:
         commands: dict[str, dict[str, JointHandle]] = {n: {} for n in self._names}
         for quantity, interface in COMMAND_INTERFACES.items():
             # Not by `get_handle`: that would claim the joints.
@@ -371,6 +431,22 @@ class MujocoRobotHW(RobotHW):
         limits = velocities | _velocities_of_mimics(urdf)
         self.world.limit_velocities(limits)
         add_hard_stops(self.world, limits)
+
+
+def _read_tags(parameters: MujocoRobotParameters) -> TaggedRobot:
+    """Return the robot with what the `<ros2_control>` elements of its URDF say."""
+    files = load_robot_files(parameters.robot_description)
+    if not parameters.uses_ros2_control:
+        return TaggedRobot(files, (), {}, {}, {}, parameters.sensors, (), ())
+    return read_tagged_robot(files, parameters.sensors, strict=parameters.strict)
+
+
+def _resources_of(hardware: HardwareTag) -> Iterator[str]:
+    for tag in (*hardware.joints, *hardware.sensors):
+        yield tag.name
+    for tag in hardware.gpios:
+        for one in (*tag.commands, *tag.states):
+            yield f"{tag.name}/{one.name}"
 
 
 def _effort_of(joint: str, limited: Parameters) -> float | None:

@@ -20,26 +20,33 @@ robot:
   strict: false                               # refuse what would be repaired
   zero_range: lock                            # or free: joints with a range of 0 to 0
   self_collision: srdf                        # or all, off
+  ros2_control: use                           # or ignore: <ros2_control> of the URDF
   sensors:
     wrist_ft: {type: force_torque, link: tool0}
     imu: {type: imu, link: forearm_link}
+    front: {type: range, link: bumper, max_range: 4.0}   # along the link's x axis [m]
+    compass: {type: magnetometer, link: base_link}
+    battery: {type: battery, values: {battery_voltage: 24.5}}   # constant, as gps
+  gpios: {flange: {command_interfaces: [vacuum], state_interfaces: [vacuum]}}
 ```
 
 All but `robot_description` are optional.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
-from math import pi
+from math import inf, pi
 from typing import Literal, NoReturn, TypeVar, get_args
 
+from station.core.description.ros2_control import ComponentTag
 from station.core.description.urdf import Pose
 from station.core.description.urdf_repair import ZeroRange
 from station.core.errors import ParameterError
 from station.core.hardware.limits import LimitMode
 from station.core.parameters import Parameters
 from station.hw.mujoco.bases import BaseType
+from station.hw.simulated_gpios import read_gpios
 
 SelfCollision = Literal["off", "srdf", "all"]
 """Which links of a robot can touch one another: none, those that its SRDF allows and
@@ -62,11 +69,13 @@ _KEYS = frozenset({
     "joint_limits",
     "pid_gains",
     "sensors",
+    "gpios",
+    "ros2_control",
     "strict",
     "zero_range",
     "self_collision",
 })
-_SENSOR_KEYS = frozenset({"type", "link"})
+_SENSOR_KEYS = frozenset({"type", "link", "values", "max_range"})
 
 
 class SensorType(Enum):
@@ -74,6 +83,15 @@ class SensorType(Enum):
 
     FORCE_TORQUE = "force_torque"
     IMU = "imu"
+    RANGE = "range"
+    MAGNETOMETER = "magnetometer"
+    GPS = "gps"
+    BATTERY = "battery"
+
+    @property
+    def is_constant(self) -> bool:
+        """Return whether nothing is measured: the values are those of the request."""
+        return self in {SensorType.GPS, SensorType.BATTERY}
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,11 +102,15 @@ class SensorRequest:
         name: Name of the sensor.
         type: Kind of the sensor.
         link: The link of the sensor; the sensor measures in the frame of the link.
+        values: The values of a constant sensor by name.
+        max_range: Distance beyond which a range sensor sees nothing [m].
     """
 
     name: str
     type: SensorType
     link: str
+    values: Mapping[str, float] = field(default_factory=dict)
+    max_range: float = inf
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,6 +132,8 @@ class MujocoRobotParameters:
     zero_range: ZeroRange
     self_collision: SelfCollision
     sensors: tuple[SensorRequest, ...]
+    gpios: tuple[ComponentTag, ...]
+    uses_ros2_control: bool
 
 
 def read_parameters(params: Parameters) -> MujocoRobotParameters:
@@ -149,6 +173,9 @@ def read_parameters(params: Parameters) -> MujocoRobotParameters:
         zero_range=_read_choice(params, "zero_range", get_args(ZeroRange), "lock"),
         self_collision=_read_self_collision(params),
         sensors=tuple(_read_sensors(params.namespace("sensors"))),
+        gpios=read_gpios(params),
+        uses_ros2_control=_read_choice(params, "ros2_control", ("use", "ignore"), "use")
+        == "use",
     )
 
 
@@ -189,7 +216,16 @@ def _read_sensors(params: Parameters) -> list[SensorRequest]:
         kind = entry.get_str("type")
         if kind not in types:
             _refuse(entry, "type", kind, f"one of {', '.join(types)}")
-        requests.append(SensorRequest(name, types[kind], entry.get_str("link")))
+        values = entry.namespace("values")
+        requests.append(
+            SensorRequest(
+                name,
+                types[kind],
+                entry.get_str("link", "" if types[kind].is_constant else None),
+                {each: values.get_float(each) for each in values.keys()},  # noqa: SIM118 - no mapping
+                entry.get_float("max_range") if entry.has("max_range") else inf,
+            )
+        )
     return requests
 
 

@@ -6,6 +6,7 @@ from typing import Protocol
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 from typing_extensions import override
 
 from station.core.description.urdf import Pose
@@ -19,6 +20,8 @@ from station.hw.mujoco.bases import moving_bases
 from station.hw.mujoco.world import World
 from station.hw.mujoco.world_joints import joint_position_address
 
+_FARTHEST = 1.0
+"""Distance beyond which nothing is near [m]."""
 MOST_CONTACTS = 64
 """Contacts reported at most: a pile of objects has hundreds."""
 
@@ -88,6 +91,37 @@ class SharedWorld(SimulatedWorld):
         return touching(self.world.model, self.world.data)
 
     @override
+    def distances(self) -> Callable[[], tuple[str, str, float] | None]:
+        model, data = self.world.model, self.world.data
+        things = {thing.name for thing in self.world.scene()}
+        touching_now = {one.bodies for one in self.contacts()}
+        pairs = _pairs(model, things, touching_now)
+        if not len(pairs):
+            return lambda: None
+        first, second = pairs.T
+        reach = model.geom_rbound[first] + model.geom_rbound[second]
+        # The size of a plane is 0: it has no bound, and is always measured.
+        reach[model.geom_type[second] == mujoco.mjtGeom.mjGEOM_PLANE] = inf
+
+        def find() -> tuple[str, str, float] | None:
+            middle = data.geom_xpos
+            bounds = np.linalg.norm(middle[first] - middle[second], axis=1) - reach
+            best, found = _FARTHEST, -1
+            for k in np.argsort(bounds).tolist():
+                if bounds[k] >= best:
+                    break
+                one, other = first[k], second[k]
+                far = mujoco.mj_geomDistance(model, data, one, other, best, None)
+                if far < best:
+                    best, found = far, k
+            if found < 0:
+                return None
+            one, other = pairs[found].tolist()
+            return _body_of(model, one), _body_of(model, other), best
+
+        return find
+
+    @override
     def nearness(
         self, joints: Sequence[str], margin: float
     ) -> Callable[[Sequence[float]], Sequence[tuple[str, str, float]]]:
@@ -115,6 +149,44 @@ class SharedWorld(SimulatedWorld):
     def longest_period(self) -> float:
         """Return the largest of the robots' longest periods [s]; inf without any."""
         return max((robot.longest_period() for robot in self._robots), default=inf)
+
+
+def _pairs(
+    model: mujoco.MjModel, things: set[str], left_out: set[tuple[str, str]]
+) -> NDArray[np.int64]:
+    """Return the geometries of a robot's links with those of others, shape (k, 2).
+
+    Args:
+        model: The world's model.
+        things: Names of the bodies that are no robots.
+        left_out: Pairs of bodies that do not count.
+    """
+    body = model.geom_bodyid
+    solid = np.flatnonzero(model.geom_contype | model.geom_conaffinity).tolist()
+    # What is fixed to the world, such as the base of an arm, comes near to nothing.
+    links = [
+        one
+        for one in solid
+        if model.body_weldid[body[one]] and _body_of(model, one) not in things
+    ]
+    found = [
+        (one, other)
+        for one in links
+        for other in solid
+        if model.body_rootid[body[one]] != model.body_rootid[body[other]]
+        # A robot's first link has the floor below it, wherever the robot goes.
+        and (body[other] or model.body_weldid[model.body_parentid[body[one]]])
+        and not (other in links and other < one)
+        and (
+            model.geom_contype[one] & model.geom_conaffinity[other]
+            or model.geom_contype[other] & model.geom_conaffinity[one]
+        )
+        and left_out.isdisjoint({
+            (_body_of(model, one), _body_of(model, other)),
+            (_body_of(model, other), _body_of(model, one)),
+        })
+    ]
+    return np.array(found, dtype=np.int64).reshape(-1, 2)
 
 
 def touching(model: mujoco.MjModel, data: mujoco.MjData) -> list[ContactReport]:

@@ -6,7 +6,7 @@ and answers; differs: nothing is limited or filtered, and every answer is report
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from typing import Any, TypeAlias
 
@@ -49,6 +49,38 @@ _DEVIATIONS = (10.0, 3.12, 6.283)
 
 class FciSilenceError(Exception):
     """The endpoint did not send what a client waits for."""
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """The modes and the commands of a motion.
+
+    Attributes:
+        controller: The controller.
+        generator: The motion generator; None for torques alone.
+        stream: The commands.
+    """
+
+    controller: MoveController
+    generator: MoveGenerator | None
+    stream: Stream
+
+    def without(self, is_left_out: Callable[[int], bool]) -> "Motion":
+        """Return the motion with silence in some cycles."""
+        stream = self.stream
+        return replace(
+            self, stream=lambda n, s: None if is_left_out(n) else stream(n, s)
+        )
+
+    def watched(self, look: Callable[[int, State], object]) -> "Motion":
+        """Return the motion with a call before each command."""
+        stream = self.stream
+
+        def watch(cycle: int, state: State) -> Fields | None:
+            look(cycle, state)
+            return stream(cycle, state)
+
+        return replace(self, stream=watch)
 
 
 @dataclass(slots=True)
@@ -195,6 +227,7 @@ class Dialog:
         client: Asks, and keeps the answers.
         state: The newest state.
         sizes: The sizes of the datagrams that have come [bytes].
+        late: How many states of motions this client has not answered in time.
     """
 
     def __init__(self, network: FciNetwork, protocol: RobotProtocol) -> None:
@@ -202,6 +235,8 @@ class Dialog:
         self.client = robot_client(network, protocol)
         self.state: State = {}
         self.sizes: set[int] = set()
+        self.late = 0
+        self._waited = 0
         self._buffer = bytearray(_ROOM)
 
     def connect(self) -> None:
@@ -224,26 +259,40 @@ class Dialog:
     def next_state(self) -> State:
         """Wait for a state that is newer than the last one, and return it.
 
+        Of states that are there already the newest one alone counts, as in libfranka.
+
         Raises:
             FciSilenceError: None comes for a second.
         """
         deadline = time.monotonic() + WAIT
+        layout = self.protocol.state
+        size, self._waited = self._drain()
         while time.monotonic() < deadline:
-            size = self.network.wait(self._buffer)
-            if not size:
-                continue
-            self.sizes.add(size)
-            layout = self.protocol.state
-            if size < layout.size:
-                raise FciSilenceError(
-                    f"a state of {size} bytes; version {self.protocol.version} has "
-                    f"{layout.size}"
-                )
-            state = layout.unpack(memoryview(self._buffer)[: layout.size])
-            if not self.state or state["message_id"] > self.state["message_id"]:
-                self.state = state
-                return state
+            size = size or self.network.wait(self._buffer)
+            if size:
+                self.sizes.add(size)
+                if size < layout.size:
+                    raise FciSilenceError(
+                        f"a state of {size} bytes; version {self.protocol.version} has "
+                        f"{layout.size}"
+                    )
+                state = layout.unpack(memoryview(self._buffer)[: layout.size])
+                if not self.state or state["message_id"] > self.state["message_id"]:
+                    self.state = state
+                    return state
+            size = 0
         raise FciSilenceError(f"no newer state within {WAIT:g} s")
+
+    def _drain(self) -> tuple[int, int]:
+        """Take the datagrams that are there; return the last one's size, their number.
+
+        The last one stays in the buffer.
+        """
+        size = count = 0
+        while found := self.network.poll(self._buffer):
+            self.sizes.add(found)
+            size, count = found, count + 1
+        return size, count
 
     def settle(self) -> State:
         """Return the newest state: wait for one that is not older than this call.
@@ -251,8 +300,7 @@ class Dialog:
         Raises:
             FciSilenceError: None comes.
         """
-        while (size := self.network.poll(self._buffer)) > 0:
-            self.sizes.add(size)
+        self._drain()
         return self.next_state()
 
     def wait_until(self, holds: Callable[[State], bool], most: float) -> bool:
@@ -272,17 +320,15 @@ class Dialog:
             self.next_state()
         return True
 
-    def start(
-        self, controller: MoveController, generator: MoveGenerator, **values: object
-    ) -> tuple[int, RobotAnswer]:
+    def start(self, motion: Motion, **values: object) -> tuple[int, RobotAnswer]:
         """Ask for a motion; return the number of the request, and the first answer.
 
         Raises:
             FciNetworkError: No answer comes.
         """
         request = {
-            "controller_mode": controller,
-            "motion_generator_mode": generator,
+            "controller_mode": motion.controller,
+            "motion_generator_mode": self._generator(motion),
             "maximum_path_deviation": _DEVIATIONS,
             "maximum_goal_pose_deviation": _DEVIATIONS,
             **values,
@@ -293,58 +339,57 @@ class Dialog:
             raise FciNetworkError("no answer to Move within 1 s")
         return number, answer
 
-    def move(
-        self,
-        controller: MoveController,
-        generator: MoveGenerator,
-        stream: Stream,
-        cycles: int,
-        **values: object,
-    ) -> Outcome:
+    def _generator(self, motion: Motion) -> MoveGenerator:
+        """Return the generator; torques alone have one of velocities before version 7.
+
+        Source: libfranka@0.9.2 src/robot.cpp, Robot::control.
+        """
+        if motion.generator is not None:
+            return motion.generator
+        none = MoveGenerator.NONE
+        is_known = none in self.protocol.generators
+        return none if is_known else MoveGenerator.JOINT_VELOCITY
+
+    def move(self, motion: Motion, cycles: int, **values: object) -> Outcome:
         """Run a motion to its end, and return its course.
 
         After the last cycle the motion is finished, unless the stream is silent then.
 
         Args:
-            controller: The controller.
-            generator: The motion generator.
-            stream: The commands.
-            cycles: How many cycles the motion has, as the states count them.
+            motion: The motion.
+            cycles: How many cycles it has, as the states count them.
             values: Further fields of Move.
 
         Raises:
             FciNetworkError: The endpoint does not answer.
             FciSilenceError: It sends no states, or does not show the motion.
         """
-        number, answer = self.start(controller, generator, **values)
+        number, answer = self.start(motion, **values)
         outcome = Outcome(answer.status)
         if outcome.started != MoveStatus.MOTION_STARTED:
             return outcome
-        shown = 1 + generator, controller
+        generator = self._generator(motion)
+        shown = 1 + generator, motion.controller
         if not self.wait_until(lambda s: _modes(s) == shown, WAIT):
             raise FciSilenceError(
                 f"the states show the modes {_modes(self.state)} for a motion with "
                 f"{shown}"
             )
-        self._follow(number, generator, stream, cycles, outcome)
+        is_torque = generator is MoveGenerator.NONE
+        finished = f"{'torque_command' if is_torque else 'motion_generation'}_finished"
+        self._follow(number, motion.stream, cycles, finished, outcome)
         if outcome.ended is not None:
-            self._await_rest()
+            idle = NO_GENERATOR, NO_CONTROLLER
+            if not self.wait_until(lambda s: _modes(s) == idle, WAIT):
+                raise FciSilenceError(
+                    f"the states show the modes {_modes(self.state)} after the end"
+                )
         outcome.last = self.state
         return outcome
 
     def _follow(
-        self,
-        number: int,
-        generator: MoveGenerator,
-        stream: Stream,
-        cycles: int,
-        outcome: Outcome,
+        self, number: int, stream: Stream, cycles: int, finished: str, outcome: Outcome
     ) -> None:
-        finished = (
-            "torque_command_finished"
-            if generator is MoveGenerator.NONE
-            else "motion_generation_finished"
-        )
         state = outcome.first = self.state
         begin = state["message_id"]
         deadline = time.monotonic() + _SLOWEST * cycles / 1000.0 + LONGEST_END
@@ -355,7 +400,9 @@ class Dialog:
                 self.command({finished: cycle >= cycles, **values})
             answer = self.client.take_answer(number)
             if answer is None:
-                state = self.next_state()
+                before, state = state["message_id"], self.next_state()
+                # A state that waited already came before the last one was answered.
+                self.late += state["message_id"] - before - 1 + (self._waited > 0)
                 answer = self.client.take_answer(number)
             if cycle >= 100 and state["robot_mode"] == RobotMode.MOVE.value:
                 rate = state["control_command_success_rate"]
@@ -363,6 +410,8 @@ class Dialog:
             if answer is not None:
                 outcome.ended = answer.status
                 break
+        # The state with the end may be there, and none before it.
+        self.late += max(0, self._drain()[1] - 1)
         if outcome.ended not in (MoveStatus.SUCCESS, None):
             self.wait_until(has_errors, 0.1)
         outcome.errors = error_names(self.state["reflex_reason"])
@@ -371,13 +420,6 @@ class Dialog:
         """Send a command that answers the newest state."""
         message = {"message_id": self.state["message_id"], **values}
         self.network.send_datagram(bytearray(self.protocol.command.pack(message)))
-
-    def _await_rest(self) -> None:
-        idle = NO_GENERATOR, NO_CONTROLLER
-        if not self.wait_until(lambda s: _modes(s) == idle, WAIT):
-            raise FciSilenceError(
-                f"the states show the modes {_modes(self.state)} after the motion's end"
-            )
 
 
 def has_errors(state: State) -> bool:

@@ -1,13 +1,11 @@
 """The poses and the motions from which the checks that move an arm begin and end."""
 
 from collections.abc import Sequence
-from math import pi
+from math import inf, pi, sqrt
 
 from station.core.franka.franka_robot_state import RobotMode
 from station.hw.franka.fci.wire.robot_protocol import (
     Command,
-    MoveController,
-    MoveGenerator,
     MoveStatus,
     RecoveryStatus,
 )
@@ -20,24 +18,13 @@ from station.testing.fci_conformance.dialog import (
 )
 from station.testing.fci_conformance.trajectories import joint_positions, smooth
 
-JOINTS = MoveController.JOINT_IMPEDANCE
-CARTESIAN = MoveController.CARTESIAN_IMPEDANCE
-EXTERNAL = MoveController.EXTERNAL_CONTROLLER
-POSITION, VELOCITY = MoveGenerator.JOINT_POSITION, MoveGenerator.JOINT_VELOCITY
-POSE, TWIST = MoveGenerator.CARTESIAN_POSITION, MoveGenerator.CARTESIAN_VELOCITY
-
 START = (0.0, -pi / 4, 0.0, -3 * pi / 4, 0.0, pi / 2, pi / 4)
 """The pose at which the checks begin [rad]; libfranka's examples begin there."""
-_SPEED = 0.6
-_SHORTEST = 0.5
+_SPEED = (1.0, 1.0, 1.0, 1.0, 1.6, 1.6, 1.6)  # [rad/s]
+_ACCELERATION = 5.0  # [rad/s^2]
+_SHORTEST = 0.2  # [s]
 _THERE = 0.02
-_TRIES = 3
-
-
-def torque_generator(dialog: Dialog) -> MoveGenerator:
-    """Return the generator with which torques alone are commanded in a version."""
-    generators = dialog.protocol.generators
-    return MoveGenerator.NONE if MoveGenerator.NONE in generators else VELOCITY
+_STILL = 1e-3  # [rad/s]
 
 
 def recover(dialog: Dialog) -> str:
@@ -66,32 +53,27 @@ def go_to(dialog: Dialog, q: Sequence[float] = START) -> None:
         FciNetworkError: The endpoint does not answer.
         FciSilenceError: The arm does not arrive.
     """
-    # The way is not the check: a client that a busy machine has made late tries again.
-    problem: str | None = ""
-    for _ in range(_TRIES):
-        problem = _try_to_go_to(dialog, q)
-        if problem is None:
-            return
-    raise FciSilenceError(f"on the way to the pose of the check: {problem}")
-
-
-def _try_to_go_to(dialog: Dialog, q: Sequence[float]) -> str | None:
-    """Move to a pose; return why the arm has not arrived, None if it has."""
     state = dialog.settle()
     if state["robot_mode"] != RobotMode.IDLE.value:
         recover(dialog)
-        state = dialog.settle()
+    # The last motion may have left the arm slowing down.
+    dialog.wait_until(lambda s: max(map(abs, s["dq_d"])) < _STILL, 1.0)
+    state = dialog.state
     way = [goal - now for goal, now in zip(q, state["q_d"], strict=True)]
     farthest = max(map(abs, way))
     if farthest < 1e-3:
-        return None
-    cycles = round(1000.0 * max(_SHORTEST, 1.875 * farthest / _SPEED))
-    stream = joint_positions(lambda n: [smooth(n / cycles) * one for one in way])
-    outcome = dialog.move(JOINTS, POSITION, stream, cycles + 20)
-    if outcome.ended != MoveStatus.SUCCESS:
-        return str(outcome)
-    away = max(abs(a - b) for a, b in zip(dialog.state["q"], q, strict=True))
-    return None if away < _THERE else f"the arm stands {away:.3f} rad off it"
+        return
+    # Of the way of `smooth`: velocity and acceleration are this much above the mean.
+    slow = max(1.875 * abs(a) / v for a, v in zip(way, _SPEED, strict=True))
+    seconds = max(_SHORTEST, slow, sqrt(5.7735 * farthest / _ACCELERATION))
+    cycles = round(1000.0 * seconds)
+    motion = joint_positions(lambda n: [smooth(n / cycles) * one for one in way])
+    outcome = dialog.move(motion, cycles + 20)
+    away = distance(outcome, "q", q) if outcome.ended is not None else inf
+    if outcome.ended != MoveStatus.SUCCESS or away > _THERE:
+        raise FciSilenceError(
+            f"on the way to the pose of the check: {outcome}, {away:.3f} rad off it"
+        )
 
 
 def distance(outcome: Outcome, field: str, wanted: Sequence[float]) -> float:

@@ -1,6 +1,7 @@
 """Checks that move: every mode, the end of a motion, lost commands, the rate."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import product
 
 import pytest
@@ -17,32 +18,24 @@ from station.hw.franka.fci.wire.robot_protocol import (
 from station.testing.fci_conformance.dialog import (
     Dialog,
     Fields,
+    Motion,
+    Outcome,
     State,
-    Stream,
     words,
 )
-from station.testing.fci_conformance.moving import (
-    CARTESIAN,
-    EXTERNAL,
-    JOINTS,
-    POSE,
-    POSITION,
-    START,
-    TWIST,
-    VELOCITY,
-    distance,
-    go_to,
-    torque_generator,
-)
+from station.testing.fci_conformance.moving import START, distance, go_to
 from station.testing.fci_conformance.plugin import Row
 from station.testing.fci_conformance.trajectories import (
-    CYCLE,
+    CARTESIAN,
+    JOINTS,
     along,
+    hold,
     joint_positions,
     joint_velocities,
-    one_joint,
     poses,
+    rate,
     smooth,
+    step,
     there_and_back,
     torques,
     twists,
@@ -50,81 +43,67 @@ from station.testing.fci_conformance.trajectories import (
 
 pytestmark = pytest.mark.moves
 
-TIME = 1000
+TIME = 600
 """Cycles of a motion there and back."""
-ANGLE, WAY = 0.08, 0.02
-"""How far the joint 7 turns [rad], and the end effector goes up [m]."""
-END = 0.02
-"""Largest distance of a joint from where the motion has to end [rad]."""
 REST = 30
+NO_ANSWER = -1
 
 
-def rate(part: Callable[[float], float], n: int) -> float:
-    """Return the velocity of a way from one cycle to the next, per second."""
-    return (part(n / TIME) - part((n - 1) / TIME)) / CYCLE if n else 0.0
+def turn(cycle: int) -> float:
+    """Return the way of joint 7 there and back [rad]."""
+    return 0.08 * there_and_back(cycle / TIME)
 
 
-def hold() -> Stream:
-    """Return a stream that stays at the first position."""
-    return joint_positions(lambda _n: [0.0] * 7)
+def rise(cycle: int) -> float:
+    """Return the way of the end effector up and down [m]."""
+    return 0.02 * there_and_back(cycle / TIME)
 
 
-MOTIONS: dict[MoveGenerator, Callable[[], Stream]] = {
-    POSITION: lambda: joint_positions(
-        lambda n: one_joint(6, ANGLE * there_and_back(n / TIME))
-    ),
-    VELOCITY: lambda: joint_velocities(
-        lambda n: one_joint(6, ANGLE * rate(there_and_back, n))
-    ),
-    POSE: lambda: poses(lambda n: along(2, WAY * there_and_back(n / TIME))),
-    TWIST: lambda: twists(lambda n: along(2, WAY * rate(there_and_back, n), 6)),
+MOTIONS: dict[str, Callable[[], Motion]] = {
+    "joint position": lambda: joint_positions(along(6, turn)),
+    "joint velocity": lambda: joint_velocities(along(6, rate(turn))),
+    "cartesian position": lambda: poses(along(2, rise, 3)),
+    "cartesian velocity": lambda: twists(along(2, rate(rise), 6)),
 }
 
 
-def name(value: object) -> str:
-    """Return the name of a mode, in words."""
-    return str(getattr(value, "name", value)).lower().replace("_", " ")
-
-
 @pytest.mark.parametrize(
-    ("controller", "generator"), list(product((JOINTS, CARTESIAN), MOTIONS)), ids=name
+    ("controller", "motion"),
+    list(product((JOINTS, CARTESIAN), MOTIONS)),
+    ids=lambda one: str(getattr(one, "name", one)).lower().replace("_", " "),
 )
 def test_motion_there_and_back(
-    row: Row, dialog: Dialog, controller: MoveController, generator: MoveGenerator
+    row: Row, dialog: Dialog, controller: MoveController, motion: str
 ) -> None:
-    row.expect(f"success, no error, joints within {END:g} rad of where they began")
-    go_to(dialog)
-    stream, moved = MOTIONS[generator](), [0.0]
+    """Success, no error, joints within 0.02 rad of where they began."""
+    moved = [0.0]
 
-    def watch(cycle: int, state: State) -> Fields | None:
+    def look(_cycle: int, state: State) -> None:
         moved[0] = max(moved[0], *map(abs, state["dq_d"]))
-        return stream(cycle, state)
 
-    outcome = dialog.move(controller, generator, watch, TIME + REST)
+    asked = replace(MOTIONS[motion]().watched(look), controller=controller)
+    outcome = dialog.move(asked, TIME + REST)
     away = distance(outcome, "q", START)
     row.see(f"{outcome}; {away:.2g} rad away, dq_d up to {moved[0]:.2g} rad/s")
     assert outcome.ended == MoveStatus.SUCCESS
     assert not outcome.errors
-    assert away < END
+    assert away < 0.02
     assert moved[0] > 0.01  # the states show the motion
 
 
 def test_motion_goes_where_it_is_told(row: Row, dialog: Dialog) -> None:
-    row.expect(f"joint 7 ends {ANGLE:g} rad further, within 0.01 rad")
-    go_to(dialog)
-    stream = joint_positions(lambda n: one_joint(6, ANGLE * smooth(n / TIME)))
-    outcome = dialog.move(JOINTS, POSITION, stream, TIME + REST)
+    """Joint 7 ends 0.08 rad further, within 0.01 rad."""
+    motion = joint_positions(along(6, lambda n: 0.08 * smooth(n / TIME)))
+    outcome = dialog.move(motion, TIME + REST)
     moved = dialog.settle()["q"][6] - outcome.first["q"][6]
     row.see(f"{outcome}; {moved:.4f} rad further")
     assert outcome.ended == MoveStatus.SUCCESS
-    assert abs(moved - ANGLE) < 0.01
+    assert abs(moved - 0.08) < 0.01
 
 
 def test_torques_hold_without_a_generator(row: Row, dialog: Dialog) -> None:
-    row.expect("success of zero torques, the arm floats within 0.2 rad")
-    go_to(dialog)
-    generator = torque_generator(dialog)
-    outcome = dialog.move(EXTERNAL, generator, torques(lambda _n: 0.0), 200)
+    """Success of zero torques, the arm floats within 0.2 rad."""
+    outcome = dialog.move(torques(), 200)
     row.see(f"{outcome}; {distance(outcome, 'q', START):.2g} rad away")
     assert outcome.ended == MoveStatus.SUCCESS
     assert not outcome.errors
@@ -132,10 +111,9 @@ def test_torques_hold_without_a_generator(row: Row, dialog: Dialog) -> None:
 
 
 def test_torques_turn_a_joint(row: Row, dialog: Dialog) -> None:
-    row.expect("joint 7 turns by more than 1 mrad under 1 Nm within 0.3 s")
-    go_to(dialog)
-    stream = torques(lambda n: min(n, 200, max(0, 400 - n)) / 200)
-    outcome = dialog.move(EXTERNAL, torque_generator(dialog), stream, 400)
+    """Joint 7 turns by more than 1 mrad under 1 Nm within 0.3 s."""
+    motion = torques(along(6, lambda n: min(n, 200, max(0, 400 - n)) / 200))
+    outcome = dialog.move(motion, 400)
     moved = outcome.last["q"][6] - outcome.first["q"][6]
     row.see(f"{outcome}; {moved:.4f} rad")
     assert outcome.ended == MoveStatus.SUCCESS
@@ -145,118 +123,106 @@ def test_torques_turn_a_joint(row: Row, dialog: Dialog) -> None:
 def test_motion_without_a_generator_is_refused_before_version_7(
     row: Row, dialog: Dialog
 ) -> None:
-    if MoveGenerator.NONE in dialog.protocol.generators:
-        row.leave_out()
-    row.expect("invalid argument rejected")
-    go_to(dialog)
-    _, answer = dialog.start(EXTERNAL, MoveGenerator.NONE)
+    """Invalid argument rejected."""
+    row.needs(MoveGenerator.NONE not in dialog.protocol.generators)
+    _, answer = dialog.start(replace(torques(), generator=MoveGenerator.NONE))
     row.see(words(MoveStatus, answer.status))
     assert answer.status == MoveStatus.INVALID_ARGUMENT_REJECTED
 
 
 def test_arm_waits_for_the_first_command(row: Row, dialog: Dialog) -> None:
-    row.expect("mode move after 100 ms without a first command, then success")
-    go_to(dialog)
-    stay, modes = hold(), []
-
-    def stream(cycle: int, state: State) -> Fields | None:
-        modes.append(state["robot_mode"])
-        return None if cycle < 100 else stay(cycle, state)
-
-    outcome = dialog.move(JOINTS, POSITION, stream, 200)
+    """Mode move after 100 ms without a first command, then success."""
+    modes = []
+    motion = hold().without(lambda n: n < 100)
+    motion = motion.watched(lambda _n, state: modes.append(state["robot_mode"]))
+    outcome = dialog.move(motion, 200)
     row.see(f"{outcome}; modes {sorted(set(modes))}")
     assert outcome.ended == MoveStatus.SUCCESS
     assert set(modes) == {RobotMode.MOVE.value}
-
-
-def test_stop_preempts_a_motion(row: Row, dialog: Dialog) -> None:
-    row.expect("Move preempted, StopMove success, idle")
-    go_to(dialog)
-    stream = hold()
-    stops: list[int] = []
-
-    def stop(cycle: int, state: State) -> Fields | None:
-        if cycle >= 100 and not stops:
-            stops.append(dialog.client.send(Command.STOP_MOVE))
-        return stream(cycle, state)
-
-    outcome = dialog.move(JOINTS, POSITION, stop, 1000)
-    answer = dialog.client.take_answer(stops[0], 1.0) if stops else None
-    told = "no answer" if answer is None else words(StopMoveStatus, answer.status)
-    row.see(f"Move {outcome}, StopMove {told}, robot mode {dialog.state['robot_mode']}")
-    assert outcome.ended == MoveStatus.PREEMPTED
-    assert told == "success"
-    assert dialog.state["robot_mode"] == RobotMode.IDLE.value
 
 
 @pytest.mark.parametrize("asked", ["second motion", "setting"])
 def test_request_during_a_motion_is_refused(
     row: Row, dialog: Dialog, asked: str
 ) -> None:
-    row.expect("command not possible rejected, and the motion goes on to success")
-    go_to(dialog)
-    stream = hold()
-    sent: list[int] = []
-
-    def ask(cycle: int, state: State) -> Fields | None:
-        if cycle >= 100 and not sent:
-            frame = {"EE_T_K": state["EE_T_K"]}
-            sent.append(
-                dialog.client.send(Command.SET_EE_TO_K, frame)
-                if asked == "setting"
-                else dialog.client.send(
-                    Command.MOVE,
-                    {"controller_mode": JOINTS, "motion_generator_mode": POSITION},
-                )
-            )
-        return stream(cycle, state)
-
-    outcome = dialog.move(JOINTS, POSITION, ask, 300)
-    answer = dialog.client.take_answer(sent[0], 1.0)
+    """Command not possible rejected, and the motion goes on to success."""
+    if asked == "setting":
+        command, values = Command.SET_EE_TO_K, {"EE_T_K": dialog.state["EE_T_K"]}
+    else:
+        command, values = Command.MOVE, {"controller_mode": JOINTS}
+    outcome, status = ask_meanwhile(dialog, command, values)
     statuses = SetterStatus if asked == "setting" else MoveStatus
-    told = "no answer" if answer is None else words(statuses, answer.status)
-    row.see(f"{told}; the motion: {outcome}")
-    assert told == "command not possible rejected"
+    row.see(f"{words(statuses, status)}; the motion: {outcome}")
+    assert words(statuses, status) == "command not possible rejected"
     assert outcome.ended == MoveStatus.SUCCESS
 
 
+def test_stop_preempts_a_motion(row: Row, dialog: Dialog) -> None:
+    """Move preempted, StopMove success, idle."""
+    outcome, status = ask_meanwhile(dialog, Command.STOP_MOVE, {})
+    told, mode = words(StopMoveStatus, status), dialog.state["robot_mode"]
+    row.see(f"Move {outcome}, StopMove {told}, robot mode {mode}")
+    assert outcome.ended == MoveStatus.PREEMPTED
+    assert status == StopMoveStatus.SUCCESS
+    assert mode == RobotMode.IDLE.value
+
+
+def ask_meanwhile(
+    dialog: Dialog, command: Command, values: dict[str, object]
+) -> tuple[Outcome, int]:
+    """Ask once while a motion runs; return its course, and the status of the answer."""
+    sent: list[int] = []
+
+    def ask(cycle: int, _state: State) -> None:
+        if cycle >= 100 and not sent:
+            sent.append(dialog.client.send(command, values))
+
+    outcome = dialog.move(hold().watched(ask), 300)
+    answer = dialog.client.take_answer(sent[0], 1.0) if sent else None
+    return outcome, NO_ANSWER if answer is None else answer.status
+
+
 def test_success_rate_counts_the_commands_that_came(row: Row, dialog: Dialog) -> None:
-    row.expect("above 0.95 with all commands, 0.5 to 0.8 when every third is left out")
-    go_to(dialog)
-    whole = dialog.move(JOINTS, POSITION, hold(), 300)
-    stay = hold()
-    partly = dialog.move(
-        JOINTS, POSITION, lambda n, s: stay(n, s) if n < 50 or n % 3 else None, 400
-    )
-    rates = whole.lowest_rate, partly.lowest_rate
-    row.see(f"{rates[0]:.2f} ({whole}), {rates[1]:.2f} ({partly})")
-    assert rates[0] > 0.95
-    assert 0.5 < rates[1] < 0.8
-    assert partly.ended == MoveStatus.SUCCESS
+    """The part of the last 100 states that were answered, all and two of three."""
+    whole, partly = hold(), hold().without(lambda n: n >= 50 and n % 3 == 0)
+    seen, off = [], [0.0]
+    for motion in (whole, partly):
+        outcome = dialog.move(counted(motion, off), 310)
+        seen.append(f"{outcome.lowest_rate:.2f} ({outcome})")
+        assert outcome.ended == MoveStatus.SUCCESS
+    row.see(f"{', '.join(seen)}; up to {max(off):.2f} from what was sent")
+    assert max(off) < 0.05
+
+
+def counted(motion: Motion, off: list[float]) -> Motion:
+    """Return a motion that notes how far the success rate is from its own count."""
+    came: list[int] = []
+
+    def stream(cycle: int, state: State) -> Fields | None:
+        if cycle > 150:
+            part = sum(n >= cycle - 100 for n in came) / 100
+            off.append(abs(state["control_command_success_rate"] - part))
+        values = motion.stream(cycle, state)
+        if values is not None:
+            came.append(cycle)
+        return values
+
+    return replace(motion, stream=stream)
 
 
 def test_some_lost_commands_in_a_row_are_no_error(row: Row, dialog: Dialog) -> None:
-    row.expect("success though 15 commands in a row are left out")
-    go_to(dialog)
-    stay = hold()
-    outcome = dialog.move(
-        JOINTS, POSITION, lambda n, s: None if 100 <= n < 115 else stay(n, s), 300
-    )
+    """Success though 15 commands in a row are left out."""
+    outcome = dialog.move(hold().without(lambda n: 100 <= n < 115), 300)
     row.see(outcome)
     assert outcome.ended == MoveStatus.SUCCESS
     assert not outcome.errors
 
 
 def test_hole_in_a_moving_joint_is_bridged(row: Row, dialog: Dialog) -> None:
-    row.expect("success though 2 commands of a moving joint are left out")
-    go_to(dialog)
-    stream = MOTIONS[POSITION]()
-    outcome = dialog.move(
-        JOINTS,
-        POSITION,
-        lambda n, s: None if n in (250, 251) else stream(n, s),
-        TIME + REST,
-    )
+    """Success though 2 commands of a moving joint are left out."""
+    motion = MOTIONS["joint position"]()
+    hole = TIME // 4
+    outcome = dialog.move(motion.without(lambda n: 0 <= n - hole < 2), TIME + REST)
     row.see(outcome)
     assert outcome.ended == MoveStatus.SUCCESS
 
@@ -264,25 +230,21 @@ def test_hole_in_a_moving_joint_is_bridged(row: Row, dialog: Dialog) -> None:
 def test_errors_of_the_last_motion_are_forgotten_by_the_next(
     row: Row, dialog: Dialog
 ) -> None:
-    row.expect("no last_motion_errors after a motion without errors")
+    """No last_motion_errors after a motion without errors."""
+    dialog.move(joint_positions(along(6, step(0.5))), 100)
     go_to(dialog)
-    jump = joint_positions(lambda n: one_joint(6, 0.5 if n > 50 else 0.0))
-    dialog.move(JOINTS, POSITION, jump, 100)
-    go_to(dialog)
-    outcome = dialog.move(JOINTS, POSITION, hold(), 100)
+    outcome = dialog.move(hold(), 100)
     row.see(outcome)
     assert outcome.ended == MoveStatus.SUCCESS
     assert not outcome.errors
 
 
 def test_asynchronous_positions(row: Row, dialog: Dialog) -> None:
+    """One command with a goal 0.1 rad away: q_d arrives within 1 mrad, success."""
     fields = dialog.protocol.exchanges[Command.MOVE].request.offsets
-    if "use_async_motion_generator" not in fields:
-        row.leave_out()
-    row.expect("one command with a goal 0.1 rad away: q_d arrives within 1 mrad, ends")
-    go_to(dialog)
+    row.needs("use_async_motion_generator" in fields)
     goal = [q + 0.1 * (i == 6) for i, q in enumerate(START)]
-    reached = []
+    reached: list[int] = []
 
     def stream(cycle: int, state: State) -> Fields | None:
         if cycle <= 10:
@@ -295,9 +257,7 @@ def test_asynchronous_positions(row: Row, dialog: Dialog) -> None:
         return {"q_c": [0.0] * 7, "motion_generation_finished": True}
 
     outcome = dialog.move(
-        JOINTS,
-        POSITION,
-        stream,
+        replace(hold(), stream=stream),
         3000,
         use_async_motion_generator=True,
         maximum_velocity=(0.5,) * 7,

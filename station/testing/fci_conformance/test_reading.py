@@ -98,7 +98,7 @@ def test_version_is_agreed(row: Row, endpoint: Endpoint) -> None:
 def test_wrong_version_is_refused_with_the_right_one(
     row: Row, endpoint: Endpoint, version: int
 ) -> None:
-    row.expect("incompatible library version, and a version of the robot")
+    """Incompatible library version, and a version of the robot."""
     status, told = ask_version(endpoint.host, endpoint.port, version)
     row.see(f"{words(ConnectStatus, status)}, version {told}")
     assert status == ConnectStatus.INCOMPATIBLE_LIBRARY_VERSION
@@ -106,7 +106,7 @@ def test_wrong_version_is_refused_with_the_right_one(
 
 
 def test_refused_client_may_connect_again_at_once(row: Row, endpoint: Endpoint) -> None:
-    row.expect("a connection and a state after a refused version")
+    """A connection and a state after a refused version."""
     ask_version(endpoint.host, endpoint.port, 999)
     with_state = endpoint.open()
     with_state.close()
@@ -115,7 +115,7 @@ def test_refused_client_may_connect_again_at_once(row: Row, endpoint: Endpoint) 
 
 
 def test_request_that_tcp_has_cut_is_read(row: Row, endpoint: Endpoint) -> None:
-    row.expect("Connect in two pieces: success")
+    """Connect in two pieces: success."""
     network = open_network(endpoint.host, endpoint.port)
     dialog = Dialog(network, endpoint.protocol)
     send = network.send
@@ -152,7 +152,7 @@ def test_states_come_from_the_address_of_the_robot(
 
 
 def test_numbers_of_states_rise_by_one(row: Row, dialog: Dialog) -> None:
-    row.expect("message_id one higher than the last in 95 of 100 states")
+    """Message_id one higher than the last in 95 of 100 states."""
     dialog.settle()
     ids = [dialog.next_state()["message_id"] for _ in range(101)]
     steps = [after - before for before, after in pairwise(ids)]
@@ -161,7 +161,7 @@ def test_numbers_of_states_rise_by_one(row: Row, dialog: Dialog) -> None:
 
 
 def test_idle_arm_shows_its_modes(row: Row, dialog: Dialog) -> None:
-    row.expect("generator 0, controller 3, robot mode 1 (idle), no present error")
+    """Generator 0, controller 3, robot mode 1 (idle), no present error."""
     state = dialog.settle()
     modes = state["motion_generator_mode"], state["controller_mode"]
     row.see(
@@ -174,7 +174,7 @@ def test_idle_arm_shows_its_modes(row: Row, dialog: Dialog) -> None:
 
 
 def test_all_numbers_are_finite(row: Row, dialog: Dialog) -> None:
-    row.expect("no NaN and no infinity in any field")
+    """No NaN and no infinity in any field."""
     state = dialog.settle()
     wrong = [
         name
@@ -195,7 +195,7 @@ def test_pose_agrees_with_the_joints(row: Row, dialog: Dialog) -> None:
 
 
 def test_end_effector_is_composed_of_its_frames(row: Row, dialog: Dialog) -> None:
-    row.expect("F_T_NE times NE_T_EE is F_T_EE")
+    """F_T_NE times NE_T_EE is F_T_EE."""
     state = dialog.settle()
     first, second = state["F_T_NE"], state["NE_T_EE"]
     product = [
@@ -209,7 +209,7 @@ def test_end_effector_is_composed_of_its_frames(row: Row, dialog: Dialog) -> Non
 
 
 def test_joints_rest_where_they_are_desired(row: Row, dialog: Dialog) -> None:
-    row.expect("q within 0.02 rad of q_d, dq below 0.05 rad/s")
+    """Q within 0.02 rad of q_d, dq below 0.05 rad/s."""
     state = dialog.settle()
     away = max(abs(a - b) for a, b in zip(state["q"], state["q_d"], strict=True))
     fast = max(map(abs, state["dq"]))
@@ -227,8 +227,7 @@ def test_gravity_is_told(row: Row, dialog: Dialog) -> None:
 
 def test_accelerometers_feel_gravity(row: Row, dialog: Dialog) -> None:
     state = dialog.settle()
-    if "accelerometer_top" not in state:
-        row.leave_out()
+    row.needs("accelerometer_top" in state)
     row.expect(f"{GRAVITY} ± 1.5 m/s² at each of the twelve boards of an arm at rest")
     values = (*state["accelerometer_top"], *state["accelerometer_bottom"])
     felt = [hypot(*values[i : i + 3]) for i in range(0, 36, 3)]
@@ -237,7 +236,7 @@ def test_accelerometers_feel_gravity(row: Row, dialog: Dialog) -> None:
 
 
 def test_load_of_the_end_effector_is_possible(row: Row, dialog: Dialog) -> None:
-    row.expect("masses of 0 to 10 kg, no negative moment of inertia")
+    """Masses of 0 to 10 kg, no negative moment of inertia."""
     state = dialog.settle()
     row.see(f"m_ee {state['m_ee']:.3g} kg, m_load {state['m_load']:.3g} kg")
     assert all(0.0 <= state[mass] < 10.0 for mass in ("m_ee", "m_load"))
@@ -248,9 +247,8 @@ def test_load_of_the_end_effector_is_possible(row: Row, dialog: Dialog) -> None:
 def test_possible_setting_is_accepted(
     row: Row, dialog: Dialog, command: Command
 ) -> None:
-    if command not in dialog.protocol.exchanges:
-        row.leave_out()
-    row.expect("success")
+    """Success."""
+    row.needs(command in dialog.protocol.exchanges)
     answer = dialog.ask(command, **values_of(command, dialog))
     row.see(words(SetterStatus, answer.status))
     assert answer.status == SetterStatus.SUCCESS
@@ -260,7 +258,7 @@ def test_possible_setting_is_accepted(
 def test_impossible_setting_is_refused(
     row: Row, dialog: Dialog, command: Command
 ) -> None:
-    row.expect("invalid argument rejected")
+    """Invalid argument rejected."""
     answer = dialog.ask(command, **IMPOSSIBLE[command])
     row.see(words(SetterStatus, answer.status))
     if answer.status == SetterStatus.SUCCESS:  # undone, as far as it can be
@@ -269,32 +267,30 @@ def test_impossible_setting_is_refused(
 
 
 def test_virtual_walls_are_told(row: Row, dialog: Dialog) -> None:
-    if Command.GET_CARTESIAN_LIMIT not in dialog.protocol.exchanges:
-        row.leave_out()
-    row.expect("success")
+    """Success."""
+    row.needs(Command.GET_CARTESIAN_LIMIT in dialog.protocol.exchanges)
     answer = dialog.ask(Command.GET_CARTESIAN_LIMIT, id=0)
     row.see(words(SetterStatus, answer.status))
     assert answer.status == SetterStatus.SUCCESS
 
 
 def test_stop_of_an_idle_arm_succeeds(row: Row, dialog: Dialog) -> None:
-    row.expect("success")
+    """Success."""
     answer = dialog.ask(Command.STOP_MOVE)
     row.see(words(StopMoveStatus, answer.status))
     assert answer.status == StopMoveStatus.SUCCESS
 
 
 def test_recovery_without_an_error_succeeds(row: Row, dialog: Dialog) -> None:
-    row.expect("success")
+    """Success."""
     answer = dialog.ask(Command.AUTOMATIC_ERROR_RECOVERY)
     row.see(words(RecoveryStatus, answer.status))
     assert answer.status == RecoveryStatus.SUCCESS
 
 
 def test_model_library_is_sent(row: Row, dialog: Dialog) -> None:
-    if Command.LOAD_MODEL_LIBRARY not in dialog.protocol.exchanges:
-        row.leave_out()
-    row.expect("success, and an ELF library for x86-64 Linux")
+    """Success, and an ELF library for x86-64 Linux."""
+    row.needs(Command.LOAD_MODEL_LIBRARY in dialog.protocol.exchanges)
     values = {"architecture": Architecture.X64, "system": System.LINUX}
     answer = dialog.ask(Command.LOAD_MODEL_LIBRARY, **values)
     row.see(f"{words(LibraryStatus, answer.status)}, {len(answer.rest)} bytes")
@@ -303,8 +299,7 @@ def test_model_library_is_sent(row: Row, dialog: Dialog) -> None:
 
 
 def test_robot_model_is_what_libfranka_parses(row: Row, dialog: Dialog) -> None:
-    if Command.GET_ROBOT_MODEL not in dialog.protocol.exchanges:
-        row.leave_out()
+    row.needs(Command.GET_ROBOT_MODEL in dialog.protocol.exchanges)
     row.expect(
         "a URDF: links link0 to link8, link1 to link7 with masses; joints joint1 to "
         "joint7 with limits, and with position_based_velocity_limits"
@@ -333,7 +328,7 @@ def test_robot_model_is_what_libfranka_parses(row: Row, dialog: Dialog) -> None:
 
 
 def test_frames_and_load_are_shown_as_they_were_set(row: Row, dialog: Dialog) -> None:
-    row.expect("EE_T_K of a state after SetEEToK is the frame that was set")
+    """EE_T_K of a state after SetEEToK is the frame that was set."""
     before = dialog.settle()["EE_T_K"]
     frame = (*IDENTITY[:12], 0.0, 0.0, 0.01, 1.0)
     dialog.ask(Command.SET_EE_TO_K, EE_T_K=frame)

@@ -1,4 +1,4 @@
-"""Streams of commands: slow motions near a pose, and what an arm must refuse.
+"""Motions near a pose, and commands that an arm must refuse.
 
 A stream is called once per cycle with the cycle's number, see `dialog.Stream`. Cycles
 are 1 ms, and a stream leaves nothing out when the client misses a state.
@@ -6,11 +6,21 @@ are 1 ms, and a stream leaves nothing out when the client misses a state.
 
 from collections.abc import Callable, Sequence
 from math import cos, sin
+from typing import TypeAlias
 
-from station.testing.fci_conformance.dialog import Fields, State, Stream
+from station.hw.franka.fci.wire.robot_protocol import MoveController, MoveGenerator
+from station.testing.fci_conformance.dialog import Fields, Motion, State
 
+JOINTS = MoveController.JOINT_IMPEDANCE
+CARTESIAN = MoveController.CARTESIAN_IMPEDANCE
 CYCLE = 0.001
 """Time from one state to the next [s]."""
+QUIET = 50
+"""Cycles at rest before `step` and `ramp`."""
+Way: TypeAlias = Callable[[int], float]
+"""Returns a number in a cycle, e.g. a way since the beginning."""
+Ways: TypeAlias = Callable[[int], Sequence[float]]
+"""Returns a vector in a cycle."""
 
 
 def smooth(part: float) -> float:
@@ -28,37 +38,41 @@ def there_and_back(part: float) -> float:
     return smooth(2.0 * part) - smooth(2.0 * part - 1.0)
 
 
-class Ramp:
-    """A velocity that grows with bounded acceleration and jerk, and the way it makes.
+def rate(way: Way) -> Way:
+    """Return the velocity of a way from one cycle to the next, per second."""
+    return lambda n: (way(n) - way(n - 1)) / CYCLE if n else 0.0
+
+
+def step(value: float) -> Way:
+    """Return a function that is 0 in the cycles at rest, and a value from then on."""
+    return lambda n: value if n >= QUIET else 0.0
+
+
+def ramp(acceleration: float, jerk: float, velocity: float) -> Way:
+    """Return a way, after the cycles at rest, whose velocity grows.
 
     Args:
         acceleration: Largest acceleration, per second squared.
         jerk: Largest jerk, per second cubed; 0 lets the acceleration jump.
         velocity: Velocity at which it ceases to grow, per second.
-
-    Attributes:
-        way: The way since the beginning.
-        velocity: The velocity now, per second.
     """
+    ways, grows, speed = [0.0], 0.0, 0.0
 
-    def __init__(self, acceleration: float, jerk: float, velocity: float) -> None:
-        self._most, self._jerk, self._top = acceleration, jerk, velocity
-        self._rate = 0.0
-        self._cycle = -1
-        self.way = self.velocity = 0.0
+    def way(cycle: int) -> float:
+        nonlocal grows, speed
+        while len(ways) <= cycle - QUIET:
+            more = jerk * CYCLE if jerk else acceleration
+            grows = min(acceleration, grows + more)
+            speed = min(velocity, speed + grows * CYCLE)
+            ways.append(ways[-1] + speed * CYCLE)
+        return ways[max(0, cycle - QUIET)]
 
-    def advance(self, cycle: int) -> "Ramp":
-        """Go on to a cycle; the first one is at rest."""
-        while self._cycle < cycle:
-            self._cycle += 1
-            if not self._cycle:
-                continue
-            step = self._jerk * CYCLE if self._jerk else self._most
-            self._rate = min(self._most, self._rate + step)
-            left = max(0.0, self._top - self.velocity)
-            self.velocity += min(self._rate * CYCLE, left)
-            self.way += self.velocity * CYCLE
-        return self
+    return way
+
+
+def along(axis: int, way: Way, size: int = 7) -> Ways:
+    """Return a way as that of one joint, or along an axis: vectors of a size."""
+    return lambda n: [way(n) if i == axis else 0.0 for i in range(size)]
 
 
 def begin_of(field: str) -> Callable[[State], tuple[float, ...]]:
@@ -73,8 +87,8 @@ def begin_of(field: str) -> Callable[[State], tuple[float, ...]]:
     return first
 
 
-def joint_positions(way: Callable[[int], Sequence[float]]) -> Stream:
-    """Return a stream of joint positions.
+def joint_positions(way: Ways) -> Motion:
+    """Return a motion of joint positions.
 
     Args:
         way: Returns the way from the first `q_d` in a cycle [rad], shape (7,).
@@ -85,25 +99,34 @@ def joint_positions(way: Callable[[int], Sequence[float]]) -> Stream:
         pairs = zip(begin(state), way(cycle), strict=True)
         return {"q_c": [q + offset for q, offset in pairs]}
 
-    return stream
+    return Motion(JOINTS, MoveGenerator.JOINT_POSITION, stream)
 
 
-def joint_velocities(velocity: Callable[[int], Sequence[float]]) -> Stream:
-    """Return a stream of joint velocities, shape (7,) [rad/s]."""
-    return lambda cycle, _state: {"dq_c": list(velocity(cycle))}
+def hold() -> Motion:
+    """Return a motion that stays at the first position."""
+    return joint_positions(lambda _n: [0.0] * 7)
+
+
+def joint_velocities(velocity: Ways) -> Motion:
+    """Return a motion of joint velocities, shape (7,) [rad/s]."""
+    generator = MoveGenerator.JOINT_VELOCITY
+    return Motion(JOINTS, generator, lambda n, _state: {"dq_c": list(velocity(n))})
 
 
 def poses(
-    shift: Callable[[int], Sequence[float]],
-    angle: Callable[[int], float] = lambda _cycle: 0.0,
-) -> Stream:
-    """Return a stream of poses of the end effector.
+    shift: Ways = lambda _n: (),
+    angle: Way = lambda _n: 0.0,
+    elbow: tuple[float, float] | None = None,
+) -> Motion:
+    """Return a motion of poses of the end effector.
 
     Args:
         shift: Returns the way from the first pose in a cycle, in the base [m], (3,).
         angle: Returns the turn about the z axis of the end effector [rad].
+        elbow: The way of the elbow from where it is [rad], and the factor of its sign;
+            None commands no elbow.
     """
-    begin = begin_of("O_T_EE_c")
+    begin, begin_elbow = begin_of("O_T_EE_c"), begin_of("elbow_d")
 
     def stream(cycle: int, state: State) -> Fields:
         pose = list(begin(state))
@@ -113,32 +136,22 @@ def poses(
         pose[4:7] = [c * b - s * a for a, b in zip(x, y, strict=True)]
         for i, way in enumerate(shift(cycle)):
             pose[12 + i] += way
-        return {"O_T_EE_c": pose}
+        if elbow is None:
+            return {"O_T_EE_c": pose}
+        joint, sign = begin_elbow(state)
+        commanded = joint + elbow[0], sign * elbow[1]
+        return {"O_T_EE_c": pose, "elbow_c": commanded, "valid_elbow": True}
 
-    return stream
-
-
-def twists(twist: Callable[[int], Sequence[float]]) -> Stream:
-    """Return a stream of twists of the end effector, shape (6,) [m/s, rad/s]."""
-    return lambda cycle, _state: {"O_dP_EE_c": list(twist(cycle))}
-
-
-def torques(torque: Callable[[int], float], joint: int = 6) -> Stream:
-    """Return a stream of torques of one joint [Nm]; the others have none.
-
-    The fields of a joint velocity motion are zero: before version 7 a torque motion is
-    one of them. Source: libfranka@0.9.2 src/robot.cpp, Robot::control.
-    """
-    return lambda cycle, _state: {
-        "tau_J_d": [torque(cycle) if i == joint else 0.0 for i in range(7)]
-    }
+    return Motion(CARTESIAN, MoveGenerator.CARTESIAN_POSITION, stream)
 
 
-def one_joint(joint: int, value: float) -> list[float]:
-    """Return numbers of seven joints, all zero but one."""
-    return [value if i == joint else 0.0 for i in range(7)]
+def twists(twist: Ways) -> Motion:
+    """Return a motion of twists of the end effector, shape (6,) [m/s, rad/s]."""
+    generator = MoveGenerator.CARTESIAN_VELOCITY
+    return Motion(CARTESIAN, generator, lambda n, _state: {"O_dP_EE_c": list(twist(n))})
 
 
-def along(axis: int, value: float, size: int = 3) -> list[float]:
-    """Return a vector along an axis; of size 6 it is a twist."""
-    return [value if i == axis else 0.0 for i in range(size)]
+def torques(torque: Ways = lambda _n: [0.0] * 7) -> Motion:
+    """Return a motion of torques alone, shape (7,) [Nm]."""
+    external = MoveController.EXTERNAL_CONTROLLER
+    return Motion(external, None, lambda n, _state: {"tau_J_d": list(torque(n))})

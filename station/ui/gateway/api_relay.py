@@ -12,6 +12,7 @@ from collections.abc import AsyncIterator, Awaitable, Callable
 from typing import TYPE_CHECKING, NoReturn
 
 import httpx
+from starlette.requests import ClientDisconnect
 from starlette.responses import Response, StreamingResponse
 from starlette.websockets import WebSocket, WebSocketDisconnect
 from websockets.asyncio.client import ClientConnection, connect
@@ -22,7 +23,7 @@ from station.ui.link.socket_ends import close_socket, send_frame, until_first
 from station.ui.sessions.session_access import SessionAccess
 from station.ui.sessions.session_routes import RefusedError
 from station.ui.sessions.sessions import Session
-from station.wire.protocol import PREFIX
+from station.wire.protocol import PREFIX, UPLOAD_PATH
 
 if TYPE_CHECKING:
     from starlette.requests import Request
@@ -100,11 +101,16 @@ class ApiRelay:
             request.method,
             f"{self._access.url}{PREFIX}{path}",
             params=httpx.QueryParams(request.url.query),
-            content=await request.body(),
+            # A file is passed on as it comes; all else is small, and sent as a whole.
+            content=request.stream()
+            if request.url.path == UPLOAD_PATH
+            else await request.body(),
             headers=self._headers(request, session),
         )
         try:
             answer = await self._http.send(outgoing, stream=True)
+        except ClientDisconnect:
+            return Response(status_code=400)  # nobody reads it
         except httpx.TransportError as error:
             detail = f"The station does not answer ({type(error).__name__})"
             # A request that was sent may have been carried out without an answer.

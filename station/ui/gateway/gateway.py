@@ -28,6 +28,7 @@ from station.ui.page.workspace_routes import WorkspaceParts, WorkspaceRoutes
 from station.ui.sessions.session_routes import RefusedError, SessionRoutes
 from station.ui.sessions.sessions import Role, Session, Sessions
 from station.web.failed_logins import FailedLogins
+from station.web.host_policy import HostPolicy
 from station.wire.protocol import PREFIX
 
 if TYPE_CHECKING:
@@ -37,7 +38,6 @@ if TYPE_CHECKING:
     from starlette.websockets import WebSocket
 
     from station.ui.gateway.api_relay import ApiRelay
-    from station.ui.gateway.guard import OriginPolicy
     from station.ui.gateway.viser_relay import ViserRelay
     from station.ui.page.page_state import BarState
     from station.wire import StopState
@@ -87,7 +87,7 @@ class GatewayParts:
     api: "ApiRelay"
     workspace: WorkspaceParts
     views: ShownViews
-    origins: "OriginPolicy"
+    origins: HostPolicy
     sessions: Sessions
     failed_logins: FailedLogins = field(default_factory=FailedLogins)
 
@@ -261,6 +261,8 @@ def _stop_answer(state: "StopState") -> Response:
 
 async def _static(request: "Request") -> Response:
     name = request.path_params["name"]
+    if name not in _STATIC_FILES:  # one may have come since the start
+        _STATIC_FILES.update(_static_files(_STATIC))
     if name not in _STATIC_FILES:
         return Response(status_code=404)
     return _file(name, _STATIC_TYPES[PurePosixPath(name).suffix])
@@ -276,7 +278,7 @@ def _static_files(folder: "Traversable", prefix: str = "") -> Iterator[str]:
 
 
 _STATIC = resources.files("station.ui").joinpath("static")
-_STATIC_FILES = frozenset(_static_files(_STATIC))
+_STATIC_FILES = set(_static_files(_STATIC))
 
 
 def _file(name: str, media_type: str) -> Response:

@@ -1,6 +1,5 @@
 """Checks that stand before every request, and headers that go with every answer."""
 
-import ipaddress
 from collections.abc import Collection
 from typing import TYPE_CHECKING
 
@@ -9,8 +8,9 @@ from starlette.exceptions import HTTPException
 from starlette.responses import PlainTextResponse
 from starlette.websockets import WebSocketClose
 
+from station.web.host_policy import HostPolicy
 from station.web.limited_server import announces_more_than, limited
-from station.wire.protocol import MAX_BODY_BYTES as MAX_API_BODY_BYTES, PREFIX
+from station.wire.protocol import PREFIX, largest_body
 
 if TYPE_CHECKING:
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -44,50 +44,21 @@ def session_cookie(scope: "Scope") -> str:
     return f"station_dashboard_{server[1] if server else 0}"
 
 
-class OriginPolicy:
-    """Answers only requests that really are meant for this server.
+def origin_policy(host: str, extra_names: Collection[str] = ()) -> HostPolicy:
+    """Return the hosts and pages that the dashboard answers.
 
-    A web page elsewhere can make a browser send requests here, under its own name
-    (DNS rebinding: a foreign Host) or from its own page (a foreign Origin). A literal
-    IP address cannot be rebound, so it is allowed when the server listens beyond
-    loopback.
+    A literal IP address cannot be rebound by a DNS server, so it is allowed when the
+    server listens beyond loopback. Browsers send an Origin with every changing request.
 
     Args:
         host: Address the server is bound to.
         extra_names: Further host names under which users reach the server.
     """
-
-    def __init__(self, host: str, extra_names: Collection[str] = ()) -> None:
-        self._names = LOOPBACK_NAMES | {host.lower()}
-        self._names |= {name.lower() for name in extra_names}
-        self._any_address = host not in LOOPBACK_NAMES
-
-    def allows_host(self, host_header: str) -> bool:
-        """Return whether a request with this Host header may be answered."""
-        # A foreign name that resolves to this machine (DNS rebinding) would let a page
-        # elsewhere read the answers as its own.
-        name = _host_name(host_header)
-        if name in self._names:
-            return True
-        return self._any_address and _is_address(name)
-
-    def allows_origin(self, origin: str | None, host_header: str) -> bool:
-        """Return whether a changing request or a WebSocket may come from `origin`.
-
-        Args:
-            origin: The Origin header; browsers always send it on such requests.
-            host_header: The Host header of the same request.
-        """
-        # Browsers send an Origin with every changing request; a request without one
-        # comes from no page.
-        if origin is None:
-            return False
-        scheme, separator, rest = origin.partition("://")
-        return (
-            bool(separator)
-            and scheme in {"http", "https"}
-            and rest.lower() == host_header.lower()
-        )
+    return HostPolicy(
+        {*LOOPBACK_NAMES, host, *extra_names},
+        any_address=host not in LOOPBACK_NAMES,
+        programs=False,
+    )
 
 
 class GatewayGuard:
@@ -98,7 +69,7 @@ class GatewayGuard:
         origins: Decides which Host and Origin headers are answered.
     """
 
-    def __init__(self, app: "ASGIApp", origins: OriginPolicy) -> None:
+    def __init__(self, app: "ASGIApp", origins: HostPolicy) -> None:
         self._app = app
         self._origins = origins
 
@@ -140,7 +111,7 @@ class GatewayGuard:
 
 def _largest_body(scope: "Scope") -> int:
     large = scope["path"].startswith(_LARGE_BODIES)
-    return MAX_API_BODY_BYTES if large else MAX_BODY_BYTES
+    return largest_body(scope["path"]) if large else MAX_BODY_BYTES
 
 
 def _too_large(limit: int) -> PlainTextResponse:
@@ -166,19 +137,3 @@ def _sealing(scope: "Scope", send: "Send") -> "Send":
         await send(message)
 
     return sealed
-
-
-def _host_name(host_header: str) -> str:
-    """Return the name in `name`, `name:port`, `[v6]` or `[v6]:port`, lower case."""
-    value = host_header.strip().lower()
-    if value.startswith("["):
-        return value[1:].partition("]")[0]
-    return value.partition(":")[0]
-
-
-def _is_address(name: str) -> bool:
-    try:
-        ipaddress.ip_address(name)
-    except ValueError:
-        return False
-    return True

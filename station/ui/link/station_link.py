@@ -6,6 +6,7 @@ succeeds; meanwhile the age of the data grows, and the panels show the data as o
 
 import asyncio
 import contextlib
+import math
 import time
 from collections.abc import (
     AsyncIterator,
@@ -20,17 +21,9 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from station import wire
 from station.client import ApiError, AsyncStationClient
 from station.ui.link.station_view import ARM_FIELDS, StationView, arm_facts, moves_hand
-from station.wire import (
-    CommandElement,
-    Contact,
-    ControllerSample,
-    Hardware,
-    JointStates,
-    Scene,
-    StreamFrame,
-)
 
 JOINT_RATE = 50.0
 """Joint states per second, each of which is drawn at once in the 3D view [Hz]."""
@@ -43,6 +36,8 @@ SAMPLE_RATE = 30.0
 _STATUS_PERIOD = 0.5
 _CONTROLLERS_PERIOD = 0.4
 _SCENE_PERIOD = 0.1
+_STILL_SCENE_PERIOD = 0.25
+"""The same for objects that only people move, add and remove."""
 _RETRY = 0.5
 _SAMPLES, _ARMS, _SCENE = "controller_state/", "robot_state/", "scene"
 
@@ -72,6 +67,7 @@ class StationLink:
         self.wants_contacts = False
         # Replaced as a whole, so that any thread may read it.
         self._view = StationView(sliding=frozenset(sliding))
+        self._scene_at = -math.inf
         self._scene_of = ""  # the boot_id of the station that it comes from
         self._limits_of = ""
         self._followers: dict[str, asyncio.Task[None]] = {}  # by topic
@@ -173,14 +169,16 @@ class StationLink:
             self._limits_of = status.boot_id
 
     async def refresh_scene(self) -> None:
-        """Request the objects of the scene; only once if none of them can move."""
+        """Request the objects of the scene; less often if none can move by itself."""
         status = self._view.status
         boot_id = "" if status is None else status.boot_id
         is_still = not any(thing.mass > 0.0 for thing in self._view.objects)
-        if self._scene_of == boot_id and is_still:
+        is_early = self.now() - self._scene_at < _STILL_SCENE_PERIOD
+        if self._scene_of == boot_id and is_still and is_early:
             return
+        self._scene_at = self.now()
         self._note(objects=tuple(await self.client.scene()))
-        if await self.client.simulation.bases():
+        if self._scene_of != boot_id and await self.client.simulation.bases():
             self._follow_only(_SCENE, {""}, self._follow_base)
         self._scene_of = boot_id
 
@@ -188,7 +186,7 @@ class StationLink:
         """Request the contacts while a layer shows them."""
         status = self._view.status
         simulated = status is not None and status.simulation is not None
-        contacts: tuple[Contact, ...] = ()
+        contacts: tuple[wire.Contact, ...] = ()
         if self.wants_contacts and simulated:
             contacts = tuple(await self.client.simulation.contacts())
         self._note(contacts=contacts)
@@ -213,7 +211,7 @@ class StationLink:
             messages=messages,
         )
 
-    async def _elements_of(self, name: str) -> tuple[CommandElement, ...]:
+    async def _elements_of(self, name: str) -> tuple[wire.CommandElement, ...]:
         """Return the elements of a controller's set-point; empty without set-points.
 
         Raises:
@@ -264,7 +262,7 @@ class StationLink:
 
     async def _follow_base(self, _name: str) -> None:
         async for frame in self._frames(_SCENE, BASE_RATE, ("bases",)):
-            scene = Scene.model_validate({"objects": [], **frame.data})
+            scene = wire.Scene.model_validate({"objects": [], **frame.data})
             # The names of the drawn joints have no robot in them: one base can move.
             self._note(base=scene.bases[0] if scene.bases else None)
             self._moved.set()
@@ -281,7 +279,7 @@ class StationLink:
 
     async def _frames(
         self, topic: str, rate: float, fields: Sequence[str] = ()
-    ) -> AsyncIterator[StreamFrame]:
+    ) -> AsyncIterator[wire.StreamFrame]:
         """Yield a stream's frames; open the stream again when it ends or is refused.
 
         The client does not reconnect by itself, because the station may be another one
@@ -298,7 +296,7 @@ class StationLink:
             await self._pause(_RETRY, wakes)
 
 
-def _position_limits(hardware: Hardware) -> dict[str, tuple[float, float]]:
+def _position_limits(hardware: wire.Hardware) -> dict[str, tuple[float, float]]:
     return {
         limits.joint: (limits.min_position, limits.max_position)
         for limits in hardware.limits
@@ -306,17 +304,20 @@ def _position_limits(hardware: Hardware) -> dict[str, tuple[float, float]]:
     }
 
 
-def _joint_states(frame: StreamFrame) -> JointStates | None:
+def _joint_states(frame: wire.StreamFrame) -> wire.JointStates | None:
     """Return a frame's joints, or None, e.g. if a position is not finite."""
     try:
-        return JointStates.model_validate({"stamp": frame.stamp, **frame.data})
+        return wire.JointStates.model_validate({"stamp": frame.stamp, **frame.data})
     except ValidationError:
         return None
 
 
-def _controller_sample(frame: StreamFrame) -> ControllerSample | None:
+def _controller_sample(frame: wire.StreamFrame) -> wire.ControllerSample | None:
     """Return a frame's sample, or None if the controller has no sample."""
     try:
-        return ControllerSample.model_validate({"stamp": frame.stamp, **frame.data})
+        return wire.ControllerSample.model_validate({
+            "stamp": frame.stamp,
+            **frame.data,
+        })
     except ValidationError:
         return None

@@ -5,17 +5,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
+from station import wire
 from station.core.description.urdf import Pose, Vector3
-from station.wire import (
-    CommandElement,
-    Contact,
-    ControllerSample,
-    ControllerState,
-    ControllerType,
-    MovingBase,
-    SceneObject,
-    Status,
-)
 
 _IDENTITY = (*(1.0, 0.0, 0.0, 0.0, 0.0) * 3, 1.0)
 
@@ -101,10 +92,10 @@ Limits = Mapping[str, tuple[float, float]]
 """Lowest and highest position of joints by name [rad] or [m]."""
 _NO_LIMITS: Limits = MappingProxyType({})
 _NO_POSITIONS: Mapping[str, float] = MappingProxyType({})
-_NO_ELEMENTS: Mapping[str, tuple[CommandElement, ...]] = MappingProxyType({})
+_NO_ELEMENTS: Mapping[str, tuple[wire.CommandElement, ...]] = MappingProxyType({})
 _NO_MESSAGES: Mapping[str, str] = MappingProxyType({})
 _NO_ARMS: Mapping[str, ArmFacts] = MappingProxyType({})
-_NO_SAMPLES: Mapping[str, ControllerSample] = MappingProxyType({})
+_NO_SAMPLES: Mapping[str, wire.ControllerSample] = MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,21 +125,23 @@ class StationView:
     now: float = 0.0
     heard_at: float | None = None
     failure: str = ""
-    status: Status | None = None
-    controllers: tuple[ControllerState, ...] = ()
-    types: tuple[ControllerType, ...] = ()
+    status: wire.Status | None = None
+    controllers: tuple[wire.ControllerState, ...] = ()
+    types: tuple[wire.ControllerType, ...] = ()
     positions: Mapping[str, float] = field(default_factory=lambda: _NO_POSITIONS)
-    elements: Mapping[str, tuple[CommandElement, ...]] = field(
+    elements: Mapping[str, tuple[wire.CommandElement, ...]] = field(
         default_factory=lambda: _NO_ELEMENTS
     )
-    samples: Mapping[str, ControllerSample] = field(default_factory=lambda: _NO_SAMPLES)
+    samples: Mapping[str, wire.ControllerSample] = field(
+        default_factory=lambda: _NO_SAMPLES
+    )
     messages: Mapping[str, str] = field(default_factory=lambda: _NO_MESSAGES)
     sliding: frozenset[str] = frozenset()
     limits: Limits = field(default_factory=lambda: _NO_LIMITS)
     arms: Mapping[str, ArmFacts] = field(default_factory=lambda: _NO_ARMS)
-    base: MovingBase | None = None
-    objects: tuple[SceneObject, ...] = ()
-    contacts: tuple[Contact, ...] = ()
+    base: wire.MovingBase | None = None
+    objects: tuple[wire.SceneObject, ...] = ()
+    contacts: tuple[wire.Contact, ...] = ()
 
     @property
     def age(self) -> float | None:
@@ -174,7 +167,7 @@ class StationView:
         """Return whether the stop is engaged, or released without motion allowed."""
         return self.status is not None and self.status.stop_state != "armed"
 
-    def arms_of(self, controller: ControllerState) -> tuple[str, ...]:
+    def arms_of(self, controller: wire.ControllerState) -> tuple[str, ...]:
         """Return the arms that a controller claims, whole or some of their joints."""
         claimed = resources_of(controller)
         arms = () if self.status is None else self.status.robots
@@ -237,17 +230,17 @@ class StationView:
         return ""
 
 
-def moves_hand(elements: Sequence[CommandElement]) -> bool:
+def moves_hand(elements: Sequence[wire.CommandElement]) -> bool:
     """Return whether a set-point is a pose or a velocity of an end effector."""
     return bool(elements) and elements[0].name in {TWIST[0], POSE[0]}
 
 
-def moves_joints(elements: Sequence[CommandElement]) -> bool:
+def moves_joints(elements: Sequence[wire.CommandElement]) -> bool:
     """Return whether a set-point has one number per joint."""
     return bool(elements) and not moves_hand(elements)
 
 
-def resources_of(controller: ControllerState) -> frozenset[str]:
+def resources_of(controller: wire.ControllerState) -> frozenset[str]:
     """Return the resources that a controller claims."""
     return frozenset(
         resource
@@ -256,6 +249,6 @@ def resources_of(controller: ControllerState) -> frozenset[str]:
     )
 
 
-def _moves_to_positions(elements: Sequence[CommandElement]) -> bool:
+def _moves_to_positions(elements: Sequence[wire.CommandElement]) -> bool:
     in_position = all(element.unit in POSITION_UNITS for element in elements)
     return moves_joints(elements) and in_position

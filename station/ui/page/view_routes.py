@@ -3,7 +3,8 @@
 `POST /ui/ghost` shows a second, translucent robot in the browsers of the session that
 asks, e.g. a recorded or a planned pose; `DELETE /ui/ghost` hides it. A ghost is a
 picture: no controller hears of it, so a viewer may show one, too. `PUT /ui/layers`
-chooses the layers over the robots, `POST /ui/camera` the place from which to look.
+chooses the layers over the robots, `PUT /ui/object` the object that arrows move,
+`POST /ui/camera` the place from which to look.
 `POST /ui/opened` says how much of the view a page hides that has just opened.
 `PUT /ui/scheme` says whether the page is dark, so that its 3D view is, too.
 A page in which links can be pulled says with `POST /ui/alive` that it lives.
@@ -57,6 +58,16 @@ class LayersRequest(Body):
     """
 
     shown: list[str] = Field(max_length=32)
+
+
+class ObjectRequest(Body):
+    """The object that arrows in the view move.
+
+    Attributes:
+        name: Its name; empty for none.
+    """
+
+    name: str = Field(max_length=128)
 
 
 class SchemeRequest(Body):
@@ -124,6 +135,7 @@ class ViewRoutes:
             make.route_of("POST", "/ui/ghost", GhostRequest, self._show_ghost),
             make.route("DELETE", "/ui/ghost", self._hide_ghost),
             make.route_of("PUT", "/ui/layers", LayersRequest, self._layers),
+            make.route_of("PUT", "/ui/object", ObjectRequest, self._grip),
             make.route_of("PUT", "/ui/scheme", SchemeRequest, self._scheme),
             make.route("POST", "/ui/alive", self._alive),
             make.route_of("POST", "/ui/camera", CameraRequest, self._camera),
@@ -155,6 +167,10 @@ class ViewRoutes:
             raise RefusedError(422, "unknown_layer", detail)
         self._in_viser(partial(self._views.choose, session.key, wanted.shown))
         return JSONResponse({"shown": wanted.shown})
+
+    async def _grip(self, session: "Session", wanted: ObjectRequest) -> Response:
+        self._in_viser(partial(self._views.grip, session.key, wanted.name))
+        return JSONResponse({"name": wanted.name})
 
     async def _scheme(self, session: "Session", wanted: SchemeRequest) -> Response:
         self._in_viser(partial(self._views.paint, session.key, is_dark=wanted.dark))

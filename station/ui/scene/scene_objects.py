@@ -1,6 +1,6 @@
 """Draw the objects around a simulated robot once, then move them."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import trimesh
@@ -18,9 +18,6 @@ _OPACITY = 0.25
 """Of a place that is no body: what is behind it stays visible."""
 _WALL = 2.0
 """Edge of the part of a half-space's surface that is drawn [m]."""
-Draw = Callable[
-    [viser.SceneApi, str, SceneObject, tuple[int, int, int]], viser.SceneNodeHandle
-]
 
 
 class SceneObjects:
@@ -60,7 +57,7 @@ class SceneObjects:
         if handle is None:
             path = f"{_ROOT}/{thing.name}"
             colour = _colour_of(thing)
-            handle = _DRAW[thing.type](self._server.scene, path, thing, colour)
+            handle = _draw(self._server.scene, path, thing, colour)
             if not thing.solid and hasattr(handle, "opacity"):
                 handle.opacity = _OPACITY
             self._handles[thing.name] = handle
@@ -92,61 +89,29 @@ def _looks_the_same(shown: SceneObject | None, thing: SceneObject) -> bool:
     )
 
 
-def _draw_box(
+def _draw(
     scene: viser.SceneApi, path: str, thing: SceneObject, colour: tuple[int, int, int]
 ) -> viser.SceneNodeHandle:
-    x, y, z = thing.size
-    return scene.add_box(path, colour, (x, y, z), cast_shadow=False)
-
-
-def _draw_sphere(
-    scene: viser.SceneApi, path: str, thing: SceneObject, colour: tuple[int, int, int]
-) -> viser.SceneNodeHandle:
-    return scene.add_icosphere(path, thing.size[0], colour, cast_shadow=False)
-
-
-def _draw_cylinder(
-    scene: viser.SceneApi, path: str, thing: SceneObject, colour: tuple[int, int, int]
-) -> viser.SceneNodeHandle:
-    radius, height = thing.size
-    return scene.add_cylinder(path, radius, height, colour, cast_shadow=False)
-
-
-def _draw_capsule(
-    scene: viser.SceneApi, path: str, thing: SceneObject, colour: tuple[int, int, int]
-) -> viser.SceneNodeHandle:
-    radius, length = thing.size
-    mesh = trimesh.creation.capsule(height=length, radius=radius)
-    mesh.apply_translation(-mesh.bounds.mean(axis=0))
+    size = thing.size
+    match thing.type:
+        case "box" | "table":
+            edges = (size[0], size[1], size[2])
+            return scene.add_box(path, colour, edges, cast_shadow=False)
+        case "half_space":
+            plate = (_WALL, _WALL, 1e-3)
+            return scene.add_box(path, colour, plate, cast_shadow=False)
+        case "sphere":
+            return scene.add_icosphere(path, size[0], colour, cast_shadow=False)
+        case "cylinder":
+            return scene.add_cylinder(path, size[0], size[1], colour, cast_shadow=False)
+        case "capsule":
+            mesh = trimesh.creation.capsule(height=size[1], radius=size[0])
+            mesh.apply_translation(-mesh.bounds.mean(axis=0))
+        case _:
+            if not Path(thing.file).is_file():
+                words = f"{thing.name} (its mesh is on another machine)"
+                return scene.add_label(path, words)
+            mesh = trimesh.load_mesh(thing.file)
     return scene.add_mesh_simple(
         path, mesh.vertices, mesh.faces, color=colour, cast_shadow=False
     )
-
-
-def _draw_half_space(
-    scene: viser.SceneApi, path: str, thing: SceneObject, colour: tuple[int, int, int]
-) -> viser.SceneNodeHandle:
-    del thing
-    return scene.add_box(path, colour, (_WALL, _WALL, 1e-3), cast_shadow=False)
-
-
-def _draw_mesh(
-    scene: viser.SceneApi, path: str, thing: SceneObject, colour: tuple[int, int, int]
-) -> viser.SceneNodeHandle:
-    if not Path(thing.file).is_file():
-        return scene.add_label(path, f"{thing.name} (its mesh is on another machine)")
-    mesh = trimesh.load_mesh(thing.file)
-    return scene.add_mesh_simple(
-        path, mesh.vertices, mesh.faces, color=colour, cast_shadow=False
-    )
-
-
-_DRAW: Mapping[str, Draw] = {
-    "box": _draw_box,
-    "table": _draw_box,
-    "sphere": _draw_sphere,
-    "cylinder": _draw_cylinder,
-    "capsule": _draw_capsule,
-    "half_space": _draw_half_space,
-    "mesh": _draw_mesh,
-}

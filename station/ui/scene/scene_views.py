@@ -15,13 +15,16 @@ from typing_extensions import override
 
 from station.ui.scene.camera import look
 from station.ui.scene.joint_frames import is_drawn_moving
-from station.ui.scene.layers.commanded_layer import CommandedLayer
 from station.ui.scene.layers.forces_layer import ForcesLayer
-from station.ui.scene.layers.frames_layer import FramesLayer
 from station.ui.scene.layers.layer import Layer, PlacedRobot, SceneFacts
-from station.ui.scene.layers.limits_layer import LimitsLayer
+from station.ui.scene.layers.move_layer import MoveLayer
 from station.ui.scene.layers.push_layer import Pushing, PushLayer
-from station.ui.scene.layers.trail_layer import TrailLayer
+from station.ui.scene.layers.robot_layers import (
+    CommandedLayer,
+    FramesLayer,
+    LimitsLayer,
+    TrailLayer,
+)
 from station.ui.scene.robot_figure import RobotFigure
 
 _BRAND = (34, 110, 196)
@@ -34,6 +37,8 @@ MOST_KEPT = 512
 """Sessions whose choice is kept; those that chose longest ago are forgotten first."""
 PUSH = "push"
 """The layer in which links are pulled."""
+_MOVE = "move"
+"""The layer in which the object that a session has chosen is moved."""
 AT_FIRST = frozenset({"command", "forces", "limits"})
 """The layers of a session that has not chosen."""
 _GHOST_COLOUR = (138, 84, 214)
@@ -44,21 +49,14 @@ _UNPLACED = (3.0, 3.0, 3.0)
 
 
 class CollisionLayer(Layer):
-    """The collision geometry of all links, translucent over their visual shapes.
+    """The collision geometry of all links, translucent over their visual shapes."""
 
-    Args:
-        client: The browser.
-        robots: The robots in the scene.
-    """
-
-    def __init__(
-        self, client: viser.ClientHandle, robots: Sequence[PlacedRobot]
-    ) -> None:
-        super().__init__(client, robots)
+    @override
+    def begin(self) -> None:
         for robot in self.robots:
             for link, surface in robot.model.surfaces.items():
                 node = surface.draw(
-                    client.scene,
+                    self.client.scene,
                     f"{robot.node_of(link)}/collision",
                     _COLLISION_COLOUR,
                     _COLLISION_OPACITY,
@@ -129,6 +127,7 @@ class SceneViews:
         self._ghosts: dict[str, Ghost] = {}
         self._chosen: dict[str, frozenset[str]] = {}
         self._dark: dict[str, bool] = {}
+        self._gripped: dict[str, str] = {}
         self._covered: dict[str, float] = {}
         self._facts = SceneFacts()
         self._drawn: dict[int, _Drawn] = {}
@@ -180,6 +179,19 @@ class SceneViews:
         """
         _keep(self._chosen, key, frozenset(layers))
         for drawn in self._of(key):
+            self._lay(drawn)
+
+    def grip(self, key: str, name: str) -> None:
+        """Show arrows at an object, which move it, in the browsers of one session.
+
+        Args:
+            key: Key of the session.
+            name: The object; empty for none.
+        """
+        _keep(self._gripped, key, name)
+        for drawn in self._of(key):
+            if _MOVE in drawn.layers:
+                drawn.layers.pop(_MOVE).remove()
             self._lay(drawn)
 
     def look(self, key: str, preset: str, covered: float = 0.0) -> None:
@@ -264,7 +276,10 @@ class SceneViews:
             look(drawn.client, "fit", self._robots, positions, covered)
 
     def _lay(self, drawn: _Drawn) -> None:
-        wanted = self._chosen.get(self._key_of(drawn.client), AT_FIRST)
+        key = self._key_of(drawn.client)
+        wanted = self._chosen.get(key, AT_FIRST)
+        if self._gripped.get(key):
+            wanted |= {_MOVE}
         for name in drawn.layers.keys() - wanted:
             drawn.layers.pop(name).remove()
         for name in wanted - drawn.layers.keys():
@@ -272,8 +287,11 @@ class SceneViews:
             drawn.layers[name].show(self._facts)
 
     def _layer(self, name: str, client: viser.ClientHandle) -> Layer:
+        key = self._key_of(client)
         if name == PUSH:
-            return PushLayer(client, self._robots, self._pushing, self._key_of(client))
+            return PushLayer(client, self._robots, self._pushing, key)
+        if name == _MOVE:
+            return MoveLayer(client, self._pushing, key, self._gripped[key])
         return LAYERS[name](client, self._robots)
 
     def _show_ghost(self, drawn: _Drawn) -> None:

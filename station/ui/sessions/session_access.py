@@ -254,7 +254,7 @@ class SessionAccess:
 
 
 class SessionPusher:
-    """Pushes simulated arms for sessions. To be used from Viser's event loop only.
+    """Pushes arms and moves objects for sessions, in Viser's event loop alone.
 
     Args:
         access: The credentials of the sessions.
@@ -277,10 +277,32 @@ class SessionPusher:
         Raises:
             ApiError: The session has ended or only watches, or the station refuses.
         """
+        client = self._acting(key)
+        await client.robot(arm_id).apply_force(push)
+
+    async def move(self, key: str, name: str, position: list[float]) -> None:
+        """Move an object of the scene.
+
+        Args:
+            key: Key of the session that moves it.
+            name: The object.
+            position: Where it shall be [m].
+
+        Raises:
+            ApiError: The session has ended or only watches, or the station refuses.
+        """
+        await self._acting(key).put_object(name, position=[*position])
+
+    def _acting(self, key: str) -> AsyncStationClient:
+        """Return the client that acts for a session.
+
+        Raises:
+            ApiError: The session has ended or only watches.
+        """
         session = self._sessions.named(key)
         if session is None or session.role is not Role.OPERATOR:
             raise ApiError(
-                "Only a logged-in operator pushes.",
+                "Only a logged-in operator pushes robots and moves objects.",
                 status=403,
                 code="forbidden",
                 remedy="Log in as operator.",
@@ -289,7 +311,7 @@ class SessionPusher:
             self._client = self._access.client_of(session)
         # A client of its own: that of `acting_for` belongs to another event loop.
         self._access.renew(self._client, session)
-        await self._client.robot(arm_id).apply_force(push)
+        return self._client
 
     async def close(self) -> None:
         """Close the connection."""

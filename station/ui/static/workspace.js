@@ -5,7 +5,7 @@ import { alarms } from "./lib/alarms.js";
 import { h, isNarrow, kept, show } from "./lib/dom.js";
 import { control } from "./lib/control.js";
 import { refusals, remedyOf } from "./lib/refusals.js";
-import { act, teleoperation } from "./lib/station.js";
+import { act, api, teleoperation } from "./lib/station.js";
 import { enableSliders, stopController, store, switchTo } from "./lib/store.js";
 import { number } from "./lib/text.js";
 import { units } from "./lib/units.js";
@@ -44,7 +44,6 @@ const PRESETS = {
 };
 const TWO_COLUMNS = 1600; // as in the style sheet [px]
 const SHRUNK = 220; // a dock may be made so low for another one [px]
-const NAME = /^.{1,40}$/;
 
 const element = (id) => document.getElementById(id);
 const columns = () => (innerWidth >= TWO_COLUMNS ? 2 : 1);
@@ -73,34 +72,51 @@ function applySizes() {
   element("split-below").setAttribute("aria-valuenow", String(Math.round(below)));
 }
 
-/** The layouts of the station's makers, and those that somebody has kept in this browser. */
+let own = []; // names of the layouts that the station keeps
+let layoutsOf = ""; // the station that they are of
+const LAYOUTS = "/plot-layouts";
+const layoutPath = (name) => `${LAYOUTS}/${encodeURIComponent(name)}`;
+
+async function listLayouts() {
+  own = (await api("GET", LAYOUTS).catch(() => null))?.plot_layouts ?? own;
+  drawLayouts();
+}
+
+/** Return a layout of the station as this page has it; its plots are shown. */
+async function fetchLayout(name) {
+  const told = await act("GET", layoutPath(name));
+  if (told?.plots.length) element("dock-plots").showSettings(told.plots);
+  if (!told?.docks) return told && {};
+  const { folded, side, below, heights } = told.docks;
+  return { side, below, folded: Object.fromEntries(DOCKS.map(({ id }) => [id, folded.includes(id)])), heights: Object.fromEntries(Object.entries(heights).map(([id, size]) => [id, `${size}px`])) };
+}
+
+/** The layouts of the station's makers, and those that somebody has kept at the station. */
 function drawLayouts() {
-  const own = kept.get("layouts", {});
-  const choose = (name) => {
-    Object.assign(layout, { heights: {} }, name in own ? own[name] : arranged(PRESETS[name]), { preset: name });
+  const choose = async (name) => {
+    const chosen = name in PRESETS ? arranged(PRESETS[name]) : await fetchLayout(name);
+    if (!chosen) return;
+    Object.assign(layout, { heights: {} }, chosen, { preset: name });
     for (const { id } of DOCKS) sections.get(id).dispatchEvent(new CustomEvent("fold", { detail: Boolean(layout.folded[id]) }));
     layout.preset = name;
     applySizes();
     keepLayout();
     drawLayouts();
   };
-  const keep = (event) => {
-    const name = event.target.value.trim();
-    if (event.key !== "Enter" || !NAME.test(name) || name in PRESETS) return;
-    const { side, below, folded, heights } = layout;
-    kept.set("layouts", { ...own, [name]: { side, below, folded: { ...folded }, heights: { ...heights } } });
-    event.target.value = "";
+  const keep = async ({ key, target }) => {
+    const name = target.value.trim().replace(/\s+/g, "-");
+    if (key !== "Enter" || !name || name in PRESETS) return;
+    const heights = Object.entries(layout.heights).map(([id, size]) => [id, parseFloat(size)]);
+    const docks = { side: layout.side, below: layout.below, folded: DOCKS.map(({ id }) => id).filter((id) => layout.folded[id]), heights: Object.fromEntries(heights.filter(([, size]) => size > 0)) };
+    if (!(await act("PUT", layoutPath(name), { plots: element("dock-plots").settings(), docks }))) return;
+    target.value = "";
     layout.preset = name;
-    drawLayouts();
+    listLayouts();
   };
-  const forget = () => {
-    const { [layout.preset]: _, ...others } = own;
-    kept.set("layouts", others);
-    drawLayouts();
-  };
+  const forget = async () => (await act("DELETE", layoutPath(layout.preset))) && listLayouts();
   const button = (name) => html`<button class="s" type="button" aria-pressed=${String(name === layout.preset)} @click=${() => choose(name)}>${name}</button>`;
-  const remove = layout.preset in own ? html`<button class="s" type="button" aria-label="Forget the layout ${layout.preset}" @click=${forget}>✕</button>` : nothing;
-  render(html`${repeat([...Object.keys(PRESETS), ...Object.keys(own)], (name) => name, button)}${remove}<input class="name" placeholder="keep as …" aria-label="Keep this layout as" title="A name and Enter keep the folds and sizes in this browser." @keydown=${keep} />`, element("layouts"));
+  const remove = own.includes(layout.preset) && store.isOperator ? html`<button class="s" type="button" aria-label="Forget the layout ${layout.preset}" @click=${forget}>✕</button>` : nothing;
+  render(html`${repeat([...Object.keys(PRESETS), ...own], (name) => name, button)}${remove}<input class="name" placeholder="keep as …" aria-label="Keep this layout as" title="A name and Enter keep folds, sizes and plots at the station, for every browser." ?disabled=${!store.isOperator} @keydown=${keep} />`, element("layouts"));
 }
 
 function splitter(id, key, grow) {
@@ -339,6 +355,12 @@ function start() {
   store.addEventListener("docks", showEnable);
   store.addEventListener("docks", showTrouble);
   store.addEventListener("docks", showDocks);
+  store.addEventListener("bar", drawLayouts);
+  store.addEventListener("docks", () => {
+    if (store.docks.link !== "live" || layoutsOf === store.bootId) return;
+    layoutsOf = store.bootId;
+    listLayouts();
+  });
   store.start();
   setInterval(showAge, 100);
   store.addEventListener("joints", () => document.body.classList.contains("stale") && showAge());

@@ -150,6 +150,12 @@ class JointSliders:
         reporter: Shows refusals.
         limits: Position limits of the robot's joints, for disabled sliders that only
             show the robot; limits that the station reports take precedence.
+
+    Attributes:
+        teleoperation: The commands of this panel.
+        state: Says whether the sliders command, and why not.
+        speed: The highest speed of the joints [rad/s].
+        sliders: The sliders by joint.
     """
 
     def __init__(
@@ -160,26 +166,26 @@ class JointSliders:
         limits: Limits,
     ) -> None:
         self._gui = gui
-        self._teleoperation = teleoperation
+        self.teleoperation = teleoperation
         self._reporter = reporter
         self._limits = limits
-        self._state = gui.add_html(hint("Waiting for the station …"))
-        self._speed = gui.add_slider(
+        self.state = gui.add_html(hint("Waiting for the station …"))
+        self.speed = gui.add_slider(
             "Top speed [rad/s]", min=0.05, max=1.5, step=0.05, initial_value=0.5
         )
         self._folder = gui.add_folder("Joints")
-        self._sliders: dict[str, FollowingSlider] = {}
+        self.sliders: dict[str, FollowingSlider] = {}
         self._shown: tuple[CommandElement, ...] = ()
 
     def refresh(self, view: StationView) -> None:
         """Follow the robot, or show why the sliders are disabled."""
-        joints = self._teleoperation.joints
-        joints.set_speed(self._speed.value)
+        joints = self.teleoperation.joints
+        joints.set_speed(self.speed.value)
         elements = joints.elements or self._joint_elements(view)
         if elements != self._shown:
             self._build(elements)
         commanded = bool(joints.elements) and not joints.reason
-        for name, following in self._sliders.items():
+        for name, following in self.sliders.items():
             slider = following.slider
             slider.disabled = not commanded
             value = (
@@ -187,10 +193,10 @@ class JointSliders:
             )
             if value is not None:
                 following.show(round(min(max(value, slider.min), slider.max), 3))
-        self._state.content = self._state_markup()
+        self.state.content = self._state_markup()
 
     def _state_markup(self) -> str:
-        joints = self._teleoperation.joints
+        joints = self.teleoperation.joints
         if joints.reason:
             return warning(joints.reason)
         names = ", ".join(joints.controllers)
@@ -213,9 +219,9 @@ class JointSliders:
         )
 
     def _build(self, elements: tuple[CommandElement, ...]) -> None:
-        for old in self._sliders.values():
+        for old in self.sliders.values():
             old.slider.remove()
-        self._sliders = {}
+        self.sliders = {}
         self._shown = elements
         with self._folder:
             for element in elements:
@@ -232,14 +238,14 @@ class JointSliders:
                 )
                 touched = partial(self._on_touch, element.name)
                 slider.on_update(self._reporter.guarded(touched))
-                self._sliders[element.name] = FollowingSlider(slider)
+                self.sliders[element.name] = FollowingSlider(slider)
 
     async def _on_touch(self, name: str, event: Event[Any]) -> None:
         value = event.target.value
-        self._sliders[name].taken()
-        now = self._teleoperation.now()
+        self.sliders[name].taken()
+        now = self.teleoperation.now()
         # Viser does not enforce `disabled`: a disabled slider can be moved.
-        refusal = self._teleoperation.joints.go({name: value}, now)
+        refusal = self.teleoperation.joints.go({name: value}, now)
         if refusal:
             self._reporter.say("Not sent", refusal, event.client)
 
@@ -251,6 +257,12 @@ class GainSliders:
         gui: Where the sliders are built.
         link: The station.
         reporter: Shows refusals.
+
+    Attributes:
+        chosen: The choice of a controller.
+        group: The choice of a joint.
+        note: Says what a change does, or why there is nothing to change.
+        sliders: The sliders by gain.
     """
 
     def __init__(
@@ -261,14 +273,14 @@ class GainSliders:
         self._reporter = reporter
         self._gains: Gains | None = None
         self._gains_of = ""
-        self._chosen = gui.add_dropdown("Controller", (NONE,), disabled=True)
+        self.chosen = gui.add_dropdown("Controller", (NONE,), disabled=True)
         self._chosen_by_hand = False
-        self._chosen.on_update(reporter.guarded(self._on_choice))
-        self._group = gui.add_dropdown("Joint", (NONE,), disabled=True)
+        self.chosen.on_update(reporter.guarded(self._on_choice))
+        self.group = gui.add_dropdown("Joint", (NONE,), disabled=True)
         self._folder = gui.add_folder("Gains")
         with self._folder:
-            self._note = gui.add_html(hint("Waiting for the station …"))
-        self._sliders: dict[str, FollowingSlider] = {}
+            self.note = gui.add_html(hint("Waiting for the station …"))
+        self.sliders: dict[str, FollowingSlider] = {}
         self._built_for: tuple[str, str] = ("", "")
         self._touched_at = float("-inf")
         self._pending: dict[str, float] = {}
@@ -276,24 +288,24 @@ class GainSliders:
     def refresh(self, view: StationView) -> None:
         """Show the gains of the chosen joint."""
         tunable = tunable_controllers(view)
-        set_options(self._chosen, tuple(tunable))
+        set_options(self.chosen, tuple(tunable))
         # The running controller, until a person has chosen one.
         if tunable and not self._chosen_by_hand:
-            set_value(self._chosen, tunable[0])
-        gains = self._gains if self._gains_of == self._chosen.value else None
+            set_value(self.chosen, tunable[0])
+        gains = self._gains if self._gains_of == self.chosen.value else None
         groups = gain_groups(gains.values) if gains else {}
         if groups:  # Else keep the choice until they are known again.
-            set_options(self._group, tuple(groups))
+            set_options(self.group, tuple(groups))
         if gains is None:
             self._clear()
         else:
-            self._show_gains(gains, groups.get(self._group.value, []), view)
-        self._note.content = self._note_markup(view, gains)
+            self._show_gains(gains, groups.get(self.group.value, []), view)
+        self.note.content = self._note_markup(view, gains)
 
     async def run(self) -> None:
         """Ask for the gains of the chosen controller, until cancelled."""
         while True:
-            await self._read_gains(self._chosen.value)
+            await self._read_gains(self.chosen.value)
             await asyncio.sleep(_GAINS_PERIOD)
 
     async def _read_gains(self, name: str) -> None:
@@ -313,7 +325,7 @@ class GainSliders:
             self._build(gains, names)
             self._built_for = key
         following = view.now - self._touched_at > _FOLLOW_AGAIN
-        for name, slider in self._sliders.items():
+        for name, slider in self.sliders.items():
             slider.slider.disabled = view.link != "live"
             if following:
                 _follow_gain(slider, gains, name)
@@ -333,12 +345,12 @@ class GainSliders:
                     hint=_allowed_text(name, gains),
                 )
                 slider.on_update(self._reporter.guarded(partial(self._on_gain, name)))
-                self._sliders[name] = FollowingSlider(slider)
+                self.sliders[name] = FollowingSlider(slider)
 
     def _clear(self) -> None:
-        for old in self._sliders.values():
+        for old in self.sliders.values():
             old.slider.remove()
-        self._sliders.clear()
+        self.sliders.clear()
         self._built_for = ("", "")
 
     async def _on_choice(self, _event: Event[Any]) -> None:
@@ -349,8 +361,8 @@ class GainSliders:
         self._touched_at = self._link.now()
         controller = self._gains_of
         value = float(event.target.value)
-        if name in self._sliders:
-            self._sliders[name].taken()
+        if name in self.sliders:
+            self.sliders[name].taken()
         self._pending[name] = value
         await asyncio.sleep(_SETTLE)
         # The slider was moved again meanwhile; that value is sent.
@@ -365,10 +377,10 @@ class GainSliders:
     def _note_markup(self, view: StationView, gains: Gains | None) -> str:
         if view.link != "live":
             return warning(view.blocked())
-        if self._chosen.value == NONE:
+        if self.chosen.value == NONE:
             return hint("No controller that commands joints is loaded.")
         if gains is None or not gains.values:
-            return hint(f"{self._chosen.value} has no gains to tune.")
+            return hint(f"{self.chosen.value} has no gains to tune.")
         return hint("A change takes effect at once, in one cycle.")
 
 
@@ -380,6 +392,10 @@ class HandArrows:
         teleoperation: The commands of this panel.
         base: Scene node of the arm's base frame.
         arm: The arm of the end effector; empty where there are not several.
+
+    Attributes:
+        teleoperation: The commands of this panel.
+        gizmo: The arrows.
     """
 
     def __init__(
@@ -389,40 +405,40 @@ class HandArrows:
         base: str,
         arm: str = "",
     ) -> None:
-        self._teleoperation = teleoperation
+        self.teleoperation = teleoperation
         self._arm = arm
         self._dragged_at = float("-inf")
-        self._gizmo = server.scene.add_transform_controls(
+        self.gizmo = server.scene.add_transform_controls(
             f"{base}/target{arm and f'_{arm}'}",
             scale=_ARROWS_SIZE,
             visible=False,
             depth_test=False,
         )
-        self._gizmo.on_update(self._on_drag)
+        self.gizmo.on_update(self._on_drag)
 
     def refresh(self, view: StationView) -> None:
         """Let the arrows follow the arm until a person drags them."""
-        hand = self._teleoperation.hands.of(self._arm)
+        hand = self.teleoperation.hands.of(self._arm)
         usable = hand is not None and not hand.target.reason and bool(hand.desired)
-        self._gizmo.visible = usable
+        self.gizmo.visible = usable
         is_held = view.now - self._dragged_at < _HELD_FOR
         if hand is None or hand.desired is None or not usable:
             return
         # Arrows that followed while they are dragged would fight with the pointer.
         if not hand.is_pursuing and not is_held:
             x, y, z, qx, qy, qz, qw = hand.desired
-            self._gizmo.position = (x, y, z)
-            self._gizmo.wxyz = (qw, qx, qy, qz)
+            self.gizmo.position = (x, y, z)
+            self.gizmo.wxyz = (qw, qx, qy, qz)
 
     async def _on_drag(self, event: viser.TransformControlsEvent) -> None:
         """Let the hand go to the pose to which a person dragged the arrows."""
         # Viser also calls this when the arrows follow the arm.
         if event.client is None:
             return
-        self._dragged_at = self._teleoperation.now()
+        self._dragged_at = self.teleoperation.now()
         x, y, z = (float(value) for value in event.target.position)
         w, i, j, k = (float(value) for value in event.target.wxyz)
-        self._teleoperation.hands.go(self._arm, [x, y, z, i, j, k, w], self._dragged_at)
+        self.teleoperation.hands.go(self._arm, [x, y, z, i, j, k, w], self._dragged_at)
 
 
 def bases_of_hands(arms: Sequence[str], bases: Sequence[str]) -> dict[str, str]:

@@ -6,10 +6,11 @@ import pytest
 
 from station.api.foxglove.foxglove_port import FoxglovePort
 from station.api.foxglove.live_channels import LiveChannels
-from station.api.host_policy import HostPolicy
 from station.api.server import ApiServer
+from station.api.tool_port import Place
 from station.core.control.switching import SwitchRequest
 from station.core.description.urdf_parser import parse_urdf
+from station.web.host_policy import HostPolicy
 from tests.api.foxglove.words import URDF
 
 
@@ -31,10 +32,7 @@ def serve(app, station):
         port = FoxglovePort(
             app,
             LiveChannels(station, parse_urdf(URDF), {"/robot_description": URDF}),
-            host="127.0.0.1",
-            port=0,
-            policy=policy or HostPolicy(),
-            anonymous=anonymous,
+            Place("127.0.0.1", 0, policy or HostPolicy(), anonymous),
         )
         server = ApiServer(app, "127.0.0.1", 0, ports=[port])
         server.start()

@@ -9,8 +9,8 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
 from station.api.foxglove.foxglove_port import FoxglovePort
-from station.api.host_policy import HostPolicy
 from station.client import StationClient
+from station.web.host_policy import HostPolicy
 from tests.api.conftest import OPERATOR, VIEWER
 from tests.api.foxglove.words import call, running, set_gains, until
 

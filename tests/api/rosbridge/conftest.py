@@ -6,12 +6,13 @@ import pytest
 from websockets.sync.client import connect
 
 from station.api.app import create_app
-from station.api.host_policy import HostPolicy
 from station.api.rosbridge.rosbridge_port import RosbridgePort
 from station.api.server import ApiServer
+from station.api.tool_port import Place
 from station.app.composition import compose
 from station.config import load_config
 from station.core.description.urdf_parser import parse_urdf
+from station.web.host_policy import HostPolicy
 from tests.api.conftest import OPERATOR
 
 JOINTS = ["joint1", "joint2"]
@@ -128,10 +129,7 @@ def serve(app):
             app,
             parse_urdf(DESCRIPTION),
             {"/robot_description": DESCRIPTION},
-            host="127.0.0.1",
-            port=0,
-            policy=policy or HostPolicy(),
-            anonymous=anonymous,
+            Place("127.0.0.1", 0, policy or HostPolicy(), anonymous),
         )
         server = ApiServer(app, "127.0.0.1", 0, ports=[port])
         server.start()

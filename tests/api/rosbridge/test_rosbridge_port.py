@@ -1,6 +1,7 @@
 """The port of rosbridge: who gets in, who may change something, what events say."""
 
 import json
+import os
 import random
 
 import httpx
@@ -15,6 +16,8 @@ from tests.api.rosbridge.conftest import JOINTS, RosClient
 from tests.api.rosbridge.test_session import ACTION, TRAJECTORY
 
 GOAL = {"trajectory": TRAJECTORY}
+FRAMES = int(os.environ.get("FUZZED_FRAMES", "10000"))
+"""Frames of the long run."""
 PARAMETER = {"name": "a", "value": "1"}
 SWITCH = "/controller_manager/switch_controller"
 CHANGES = {
@@ -189,7 +192,7 @@ def fuzzed(seed):
 
 
 @pytest.mark.parametrize(
-    ("seed", "count"), [(1, 2_000), pytest.param(2, 20_000, marks=pytest.mark.slow)]
+    ("seed", "count"), [(1, 2_000), pytest.param(2, FRAMES, marks=pytest.mark.slow)]
 )
 def test_fuzzed_frames_end_no_other_connection(serve, station, seed, count):
     _, url = serve()

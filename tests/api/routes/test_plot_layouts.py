@@ -4,7 +4,7 @@ import pytest
 
 from station.api.app import Kept, create_app
 from station.client import ApiError
-from station.wire import PlotRequest
+from station.wire import DocksRequest, PlotRequest
 
 
 @pytest.fixture
@@ -20,6 +20,10 @@ def test_a_layout_is_saved_listed_read_and_deleted(client):
     assert client.plot_layouts.get("torques") == saved
     # What was read is saved again as it is.
     assert client.plot_layouts.save("copy", saved.plots).plots == saved.plots
+    docks = DocksRequest(folded=["plots"], side=468, below=236, heights={"joints": 9})
+    whole = client.plot_layouts.save("whole", [], docks)
+    assert (whole.docks.folded, whole.docks.heights) == (["plots"], {"joints": 9.0})
+    assert client.plot_layouts.save("again", [], whole.docks).docks == whole.docks
     assert client.plot_layouts.delete("torques").plots == saved.plots
     with pytest.raises(ApiError, match="torques") as caught:
         client.plot_layouts.get("torques")

@@ -187,3 +187,74 @@ def test_notes_become_events_of_recordings_and_incidents(client, station, record
     client.incidents.add_note(incident.identifier, "the cable", cause.time)
     texts = [event.text for event in client.incidents.events(incident.identifier)]
     assert sorted(texts) == sorted([incident.causes[0], "the cable"])
+
+
+def test_a_file_is_uploaded_and_listed_like_an_own_recording(
+    client, station, recorder, tmp_path
+):
+    client.recordings.start("pick")
+    _run(station, recorder, 400)
+    own = client.recordings.stop()
+    path = client.recordings.download(own.identifier, tmp_path / "x.mcap")
+    client.recordings.delete(own.identifier)
+
+    found = client.recordings.upload(path, "tuesday")
+
+    assert (found.name, found.state, found.is_uploaded) == ("tuesday", "stopped", True)
+    # Within a second: the station tells when the recording began, the file its first
+    # cycle.
+    assert found.started_at[:13] == own.started_at[:13]
+    same = ("cycles", "first_cycle", "last_cycle", "lost", "duration", "size")
+    assert [getattr(found, n) for n in same] == [getattr(own, n) for n in same]
+    assert client.recordings.list() == [found]
+    again = client.recordings.download(found.identifier, tmp_path / "again.mcap")
+    assert again.read_bytes() == path.read_bytes()
+    assert not list(recorder.store.folder.glob("*.part"))
+
+
+def _cut(data):
+    return data[: len(data) // 2]
+
+
+def _damaged(data):
+    middle = len(data) // 2
+    return data[:middle] + bytes(64) + data[middle + 64 :]
+
+
+@pytest.mark.parametrize(
+    ("change", "why"),
+    [
+        (_cut, "not whole"),
+        (_damaged, "not whole"),
+        (lambda _: b"", "no MCAP file"),
+        (lambda _: b"cycle,time\n1,2\n" * 100, "no MCAP file"),
+        (lambda data: data[:8] + data[-8:], "no cycles"),
+    ],
+)
+def test_a_file_that_is_no_whole_recording_is_not_kept(
+    client, station, recorder, tmp_path, change, why
+):
+    client.recordings.start()
+    _run(station, recorder, 400)
+    own = client.recordings.stop()
+    path = client.recordings.download(own.identifier, tmp_path / "x.mcap")
+    path.write_bytes(change(path.read_bytes()))
+
+    with pytest.raises(ApiError, match=why) as refused:
+        client.recordings.upload(path)
+
+    assert refused.value.status == 409
+    assert client.recordings.list() == [own]
+    assert not list(recorder.store.folder.glob("*.part"))
+
+
+def test_an_upload_is_for_operators_and_of_a_name_for_a_file(app, client, tmp_path):
+    path = tmp_path / "x.mcap"
+    path.write_bytes(b"x" * 300_000)  # more than any other body may have
+    with StationClient(URL, VIEWER, transport=AppTransport(app)) as watching:
+        with pytest.raises(ApiError) as refused:
+            watching.recordings.upload(path)
+        assert refused.value.code == "operator_needed"
+    with pytest.raises(ApiError) as refused:
+        client.recordings.upload(path, "../x")
+    assert refused.value.status == 422

@@ -3,7 +3,7 @@
 import pytest
 
 from station.client import ApiError
-from station.rehearsal.rehearsals import Policy, Rules
+from station.rehearsal.rehearsals import BURST, Policy, Rules
 from tests.api.conftest import VIEWER
 from tests.two_joint_station import JOINTS, TRAJECTORY, make_station
 
@@ -81,6 +81,24 @@ def test_policy_asks_for_a_rehearsal_or_advises_one(app, arm, operator):
     path = "/api/v1/controllers/arm/goals"
     answer = operator.post(path, json={"goal": GOAL})
     assert (answer.status_code, answer.headers["X-Rehearsal"]) == (201, "advised")
+
+
+def test_a_client_that_rehearses_too_often_is_told_when_to_come_again(
+    app, arm, operator
+):
+    rate = app.state.services.rehearsals.rate
+    for _ in range(BURST + 1):
+        arm.rehearse([], seconds=0.01)  # it is stepped: nothing is delayed
+    for _ in range(100):
+        rate.count("operator")
+    wish = {"controller": "arm", "positions": {JOINTS[0]: 0.2}}
+    for path, body in (("rehearse", {}), ("plan", wish)):
+        refused = operator.post(f"/api/v1/{path}", json=body)
+        assert (refused.status_code, refused.json()["code"]) == (
+            429,
+            "too_many_rehearsals",
+        )
+        assert 60 <= int(refused.headers["Retry-After"]) <= 96
 
 
 def test_viewer_may_not_rehearse(http):

@@ -1,9 +1,10 @@
 """The things around a simulated robot over HTTP."""
 
 import httpx
+import numpy as np
 import pytest
 
-from station.api.app import create_app
+from station.api.app import Kept, create_app
 from station.api.auth import Authenticator
 from station.client import ApiError, StationClient
 from tests.api.conftest import OPERATOR, URL, VIEWER, AppTransport
@@ -41,6 +42,70 @@ def test_things_are_where_the_simulation_has_them():
     assert all(abs(contact.position[2]) < 1e-3 for contact in contacts)
 
 
+def test_an_arm_carries_a_cube_and_leaves_it_elsewhere(tmp_path):
+    station = make_franka_station(objects=[{**CUBE, "position": [0.31, 0.0, 0.45]}])
+    app = create_app(
+        station, Authenticator(OPERATOR, VIEWER), kept=Kept(scenes=tmp_path)
+    )
+    with StationClient(URL, OPERATOR, transport=AppTransport(app)) as client:
+        box = {"type": "box", "size": [0.1, 0.1, 0.1], "position": [0.31, 0.0, 0.4]}
+        client.put_object("parcel", role="keep_out", **box)
+        client.put_object("wall", **{**box, "position": [0.9, 0, 0.4]}, role="keep_out")
+        held = client.attach_object("cube")
+        parcel = client.attach_object("parcel", "panda")
+        state = client.robot("panda").state()
+        assert (held.carried_by, parcel.carried_by) == ("panda", "panda")
+        assert state.m_load == pytest.approx(0.1)
+        # The hand points down: the cube is as far below the flange as above the floor.
+        flange = state.O_T_EE[14] + 0.1034
+        assert state.F_x_Cload[2] == pytest.approx(flange - 0.45, abs=2e-3)
+        station.loop.step()
+        (pair,) = client.clearances()
+        assert (pair.link, pair.object) == ("parcel", "wall")
+
+        station.simulation.reset({"panda_joint1": 0.5}, None)
+        station.loop.step()
+        turned = {one.name: one for one in client.scene()}["parcel"]
+        far = np.hypot(*parcel.position[:2])
+        assert turned.position[:2] == pytest.approx(
+            [far * np.cos(0.5), far * np.sin(0.5)], abs=2e-3
+        )
+        with pytest.raises(ApiError, match="carried by 'panda'"):
+            client.put_object("parcel", position=[0, 0, 0])
+        left = client.detach_object("parcel")
+        assert left.carried_by == ""
+        assert left.position == pytest.approx(turned.position)
+        client.detach_object("cube")
+        assert client.robot("panda").state().m_load == 0.0
+        for name, refusal in (("cub", "no object 'cub'"), ("cube", "No arm carries")):
+            with pytest.raises(ApiError, match=refusal):
+                client.detach_object(name)
+        with pytest.raises(ApiError, match="no arm 'left'"):
+            client.attach_object("cube", "left")
+
+
+def test_a_scene_is_saved_loaded_and_deleted(tmp_path):
+    station = make_franka_station(objects=[TABLE])
+    app = create_app(
+        station, Authenticator(OPERATOR, VIEWER), kept=Kept(scenes=tmp_path)
+    )
+    with StationClient(URL, OPERATOR, transport=AppTransport(app)) as client:
+        client.put_object("ball", type="sphere", size=[0.1], role="keep_out")
+        saved = client.scenes.save("cell")
+        assert [one["name"] for one in saved.objects] == ["ball"]
+        client.remove_object("ball")
+        client.put_object("other", type="sphere", size=[0.2], role="keep_out")
+        assert {one.name for one in client.scenes.load("cell")} == {"table", "ball"}
+        assert client.scenes.names() == ["cell"]
+        assert client.scenes.get("cell").objects == saved.objects
+        client.scenes.delete("cell")
+        with pytest.raises(ApiError, match="no scene 'cell'"):
+            client.scenes.load("cell")
+        (tmp_path / "bad.yaml").write_text("objects: [{name: x, type: cone}]")
+        with pytest.raises(ApiError, match=r"cannot be used: .*cone"):
+            client.scenes.load("bad")
+
+
 def test_a_robot_without_a_scene_has_no_things(operator: httpx.Client):
     assert operator.get("/api/v1/scene").json() == {
         "objects": [],
@@ -58,6 +123,10 @@ def test_places_are_put_moved_and_removed_while_the_station_runs():
         wall = client.put_object(
             "wall", type="box", size=[0.1, 1, 1], position=[1, 0, 0.5], role="keep_out"
         )
+        station.loop.step()
+        state, (pair,) = client.robot("panda").state(), client.clearances()
+        assert state.least_clearance == pair.distance
+        assert state.nearest_pair == [pair.link, "wall"]
         changed = client.put_object("wall", position=[0.9, 0, 0.5], margin=0.1)
         moved = client.put_object("table", position=[1.5, 0, 0.1])
 

@@ -149,3 +149,19 @@ def test_chains_are_listed_in_the_order_of_updates(run):
     assert first.split() == ["1", "diff", "running", "-", "wheel", "-"]
     assert second.split()[:5] == ["2", "wheel", "running", "chained", "-"]
     assert "wheel/joint/velocity (diff)" in second
+
+
+def test_hardware_components_are_listed(run):
+    lines = run("list_hardware_components").out.splitlines()
+    assert lines[0] == "left: inactive (no cable), system, franka_hw/FrankaHW"
+    assert lines[2].split() == ["j1", "EffortJoint", "commanded", "unavailable", "-"]
+    assert "JointState" in run("list_hardware_components -v").out
+    assert json.loads(run("list_hardware_components --json").out)[0]["name"] == "left"
+
+
+def test_a_hardware_component_is_brought_into_a_state(run, station):
+    outcome = run("set_hardware_component_state left active --stop-controllers")
+    assert (outcome.code, outcome.out) == (0, "left is active.\n")
+    options = {"stop_controllers": True}
+    assert station.calls == [("component", "left", "active", options)]
+    assert run("set_hardware_component_state left asleep").code == 2

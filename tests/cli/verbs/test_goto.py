@@ -67,6 +67,26 @@ def test_an_interrupt_cancels_the_goal(run, station, monkeypatch):
     assert station.calls[-1] == ("cancel_goal", "arm", "7")
 
 
+def test_a_planned_pose_of_the_hand_and_a_name_of_the_robot_reach_the_station(
+    run, station
+):
+    station.trajectory_controllers = ["arm"]
+    station.goals = [goal("succeeded"), goal("succeeded")]
+
+    assert run("goto arm 0.4 0.1 0.5 1 0 0 0 --pose --plan").code == 0
+    assert run("goto packed --plan").code == 0
+    pose, named = (one[2] for one in station.calls if one[0] == "plan")
+    assert (pose.position, pose.orientation) == ((0.4, 0.1, 0.5), (1.0, 0.0, 0.0, 0.0))
+    assert named == "packed"
+
+
+@pytest.mark.parametrize("numbers", ["1 2 --pose --plan", "1 2 3 --pose"])
+def test_a_pose_of_other_numbers_or_without_a_plan_is_refused(run, numbers):
+    outcome = run(f"goto arm {numbers}")
+    assert outcome.code == 2
+    assert "3 or 7 numbers" in outcome.err
+
+
 def test_a_pose_starts_a_trajectory_controller_and_goes_there(run, station):
     station.trajectory_controllers = ["effort_arm", "position_arm"]
     station.goals = [goal("succeeded")]

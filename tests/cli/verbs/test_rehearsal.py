@@ -16,6 +16,7 @@ REPORT = {
     "wall_time": 0.05,
     "joints": [],
     "contacts": [],
+    "clearances": [],
     "times": [],
     "positions": [],
     "digest": "ab",

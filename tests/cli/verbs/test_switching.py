@@ -120,3 +120,17 @@ def test_kill_stops_what_runs_and_unloads(run, station):
         ("unload", "arm"),
         ("unload", "leg"),
     ]
+
+
+def test_a_controller_is_brought_into_a_state_by_one_step(run, station):
+    assert run("set_controller_state leg active").code == 0
+    assert station.calls[-1][1]["start"] == ["leg"]
+    assert run("set_controller_state arm inactive").code == 0
+    assert station.calls[-1][1]["stop"] == ["arm"]
+    assert run("set_controller_state leg unconfigured").code == 0
+    assert station.calls[-1] == ("unload", "leg")
+    assert run("set_controller_state hand inactive").out == "hand is inactive.\n"
+    assert station.calls[-1][:2] == ("load", "hand")
+    outcome = run("set_controller_state arm unconfigured")
+    assert outcome.code == 2
+    assert "'arm' is active" in outcome.err

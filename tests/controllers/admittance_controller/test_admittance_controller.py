@@ -2,7 +2,7 @@
 
 import pytest
 
-from station.core.errors import ControllerLoadError, ParameterError
+from station.core.errors import ControllerLoadError, ParameterError, SwitchRefusedError
 from tests.conformance.benches import CONTROLLER_PARAMETERS, robot_bench
 
 KIND = "admittance_controller/AdmittanceController"
@@ -83,3 +83,36 @@ def test_an_axis_that_is_not_selected_takes_no_force():
 def test_what_does_not_fit_is_refused(more, error, words):
     with pytest.raises(error, match=words):
         load(**more)
+
+
+def test_trajectories_of_positions_and_velocities_are_its_references():
+    bench, controller = load()
+    joints = [f"it/{name}" for name in controller.joint_names]
+    jtc = bench.load_controller(
+        "jtc", "pos_vel_controllers/JointTrajectoryController", joints=joints
+    )
+    (status,) = (s for s in bench.manager.list_controllers() if s.name == "jtc")
+    assert not status.claimed_resources[0].resources  # none of the robot's
+    (info,) = (i.info for i in bench.manager.lifecycle.loaded if i.info.name == "jtc")
+    assert len(info.references) == 2 * len(joints)
+    with pytest.raises(SwitchRefusedError, match="'it'"):
+        bench.switch(["jtc"])
+    bench.switch(["it", "jtc"])
+    bench.step(5)
+    start = controller.sample.actual
+    point = {
+        "positions": [start[0] + 0.2, *start[1:]],
+        "velocities": [0.0] * 7,
+        "time_from_start": 0.5,
+    }
+    jtc.trajectories.follow_trajectory({"joint_names": joints, "points": [point]})
+    halfway = []
+    for _ in range(800):
+        bench.step()
+        halfway.append(controller._dq_ref[0])
+    assert bench.fault("jtc") is None
+    assert bench.fault("it") is None
+    assert controller.is_in_chained_mode
+    # A cubic is fastest in its middle, by 1.5 times the mean of 0.4 rad/s.
+    assert max(halfway) == pytest.approx(0.6, rel=0.05)
+    assert controller.sample.output[0] == pytest.approx(start[0] + 0.2, abs=2e-3)

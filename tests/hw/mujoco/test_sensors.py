@@ -1,6 +1,6 @@
 """Sensors on links read what physics says."""
 
-from math import cos, pi, sin
+from math import cos, inf, pi, sin
 
 import pytest
 
@@ -8,6 +8,8 @@ from station.core.errors import ParameterError
 from station.core.hardware.interfaces import (
     ForceTorqueSensorInterface,
     ImuSensorInterface,
+    MagneticFieldSensorInterface,
+    RangeSensorInterface,
 )
 from station.core.parameters import Parameters, ParameterTree
 from station.hw.mujoco.mujoco_robot_hw import MujocoRobotHW
@@ -27,6 +29,9 @@ ROBOT = """
   <link name="hand"><inertial><origin xyz="0.3 0 0"/><mass value="2"/>
     <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
   <joint name="h" type="fixed"><parent link="flange"/><child link="hand"/></joint>
+  <link name="probe"/>
+  <joint name="p" type="fixed"><parent link="flange"/><child link="probe"/>
+    <origin xyz="0.1 0 0.2" rpy="0 1.0471975512 0"/></joint>
 </robot>
 """
 
@@ -89,3 +94,24 @@ def test_robot_without_sensors_has_no_interface_for_them(make):
     hw = make("imu", "flange", sensors={})
     assert hw.get(ImuSensorInterface) is None
     assert hw.get(ForceTorqueSensorInterface) is None
+
+
+def test_range_sensor_measures_along_the_x_axis_of_its_link(make):
+    # The x axis of the probe, 0.7 m above the floor, points 60 degrees below the level.
+    sensor = make("range", "probe").get(RangeSensorInterface).get_handle("s")
+    assert sensor.get_frame_id() == "probe"
+    assert sensor.get_values() == {"range": pytest.approx(0.7 / sin(pi / 3), abs=1e-6)}
+
+
+def test_range_sensor_that_sees_nothing_measures_infinity(make):
+    level = make("range", "flange").get(RangeSensorInterface).get_handle("s")
+    assert level.get_values() == {"range": inf}
+
+
+def test_magnetometer_turns_with_its_link(make):
+    hw = make("magnetometer", "hand", initial_positions={"j": pi / 2})
+    values = hw.get(MagneticFieldSensorInterface).get_handle("s").get_values()
+    # To the north is the hand's x axis now, and up stays up.
+    expected = [20.3e-6, -1.4e-6, -44.8e-6]
+    assert [*values.values()] == pytest.approx(expected, abs=1e-10)
+    assert [*values] == [f"magnetic_field.{axis}" for axis in "xyz"]

@@ -5,6 +5,7 @@ The server makes a cycle whenever the client waits: nothing depends on the wall 
 
 import json
 import os
+from contextlib import nullcontext
 from itertools import count
 from types import SimpleNamespace
 
@@ -25,10 +26,11 @@ class PumpedClient(FciNetwork):
     Args:
         server: The server.
         port: Its TCP port.
+        late_at: Waits in which 30 cycles pass instead of one.
     """
 
-    def __init__(self, server, port):
-        self.server = server
+    def __init__(self, server, port, late_at):
+        self.server, self.late_at, self.waits = server, late_at, 0
         super().__init__(HOST, port)
 
     def pump(self, cycles=1):
@@ -36,7 +38,8 @@ class PumpedClient(FciNetwork):
         self.server.run(lambda: next(left, None) is None)
 
     def wait(self, buffer):
-        self.pump()
+        self.waits += 1
+        self.pump(30 if self.waits in self.late_at else 1)
         return super().wait(buffer)
 
     def receive(self, timeout):
@@ -59,6 +62,7 @@ def run_checks(
     library=lambda *_: None,
     model="",
     arguments=(),
+    late_at=(),
 ):
     """Return the report of the checks against an arm."""
     seconds = count()
@@ -70,10 +74,11 @@ def run_checks(
     now = SimpleNamespace(monotonic=lambda: arm.state.time, sleep=lambda _s: None)
     monkeypatch.setattr(dialog, "time", now)
     monkeypatch.setattr(
-        dialog, "open_network", lambda _host, port: PumpedClient(server, port)
+        dialog, "open_network", lambda _host, port: PumpedClient(server, port, late_at)
     )
     monkeypatch.setattr(f"{SUITE}.test_reading.open_network", dialog.open_network)
     monkeypatch.setattr(f"{SUITE}.plugin.request_realtime_priority", lambda: "")
+    monkeypatch.setattr(f"{SUITE}.plugin.realtime_interpreter", nullcontext)
     monkeypatch.chdir(tmp_path)  # where no conftest.py is
     report = tmp_path / "report.json"
     command = ["-c", os.devnull, "-p", "no:cacheprovider", "-p", f"{SUITE}.plugin"]

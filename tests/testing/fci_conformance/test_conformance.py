@@ -90,3 +90,27 @@ def test_arm_without_errors_is_found_out(tmp_path, monkeypatch):
     jump = rows["error by its cause: jump of a joint position by 5 mrad"]
     assert jump["seen"].startswith("success")
     assert "joint_motion_generator_velocity_discontinuity" in jump["expected"]
+
+
+@pytest.mark.parametrize(
+    ("late_at", "result", "told"),
+    [
+        ([300], "passed", "0.0800 rad further"),
+        (range(0, 10_000, 200), "failed", "this side was late in 28 cycles"),
+    ],
+)
+def test_check_is_made_again_if_this_side_was_late(
+    late_at, result, told, tmp_path, monkeypatch
+):
+    _, rows, _ = run_checks(
+        ScriptedArm(),
+        tmp_path,
+        monkeypatch,
+        protocols=[PANDA],
+        arguments=["--fci-move", "-k", "goes_where_it_is_told"],
+        late_at=late_at,
+    )
+    row = rows["motion goes where it is told"]
+    assert row["result"] == result
+    assert told in row["seen"]
+    assert told in row["seen"]

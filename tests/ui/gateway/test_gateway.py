@@ -10,7 +10,7 @@ from websockets.sync.client import connect
 
 from station.client import ApiError, StationUnreachableError
 from station.ui.gateway.gateway import GatewayParts, build_gateway
-from station.ui.gateway.guard import OriginPolicy
+from station.ui.gateway.guard import origin_policy
 from station.ui.link.station_access import StationAccess
 from station.ui.link.station_view import StationView
 from station.ui.page.page_state import BarState
@@ -100,7 +100,7 @@ def gateway():
             views=ShownViews(
                 SceneViews((), lambda _: "", None, tuple), lambda call: call()
             ),
-            origins=OriginPolicy("127.0.0.1"),
+            origins=origin_policy("127.0.0.1"),
             sessions=Sessions(),
             failed_logins=FailedLogins(sleep=station.sleep),
         )

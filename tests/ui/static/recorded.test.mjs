@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import test from "node:test";
-import { Run, columnOf, linkOf, ofLink, parsed, tableQuery } from "../../../station/ui/static/lib/recorded.js";
+import { Run, columnOf, linkOf, ofLink, parsed, runOfTrial, tableQuery } from "../../../station/ui/static/lib/recorded.js";
 
 const COLUMNS = [
   "cycle",
@@ -61,4 +61,16 @@ test("a link says recording, moment, comparison and plots, and is read again", (
   assert.deepEqual(ofLink(`#${link}`), { kind: "recordings", id: "x", time: 1.5, other: { kind: "recordings", id: "x", isOther: true, offset: 0.25 }, layout: '[{"keys":["position/a"]}]' });
   assert.deepEqual(ofLink("#incident=y"), { kind: "incidents", id: "y", time: null, other: null, layout: null });
   assert.equal(ofLink("#docks"), null);
+});
+
+test("a trial of an experiment is a run with the numbers of its response", () => {
+  const response = { role: "best", joints: ["a", "b"], time: [0, 0.1], position: [[1, 2], [3, 4]], effort: [[5, 6], [7, 8]], desired: [[null, null], [9, 10]] };
+  const found = runOfTrial("search:best", response);
+  assert.deepEqual(found.history("position/b").values, [2, 4]);
+  assert.deepEqual(found.history("effort/a").values, [5, 7]);
+  assert.deepEqual(found.history("sample/desired/a").values, [9]);
+  assert.deepEqual(found.pose(0.1), { a: 3, b: 4 });
+  assert.deepEqual(found.missing(["position/a", "velocity/a"]), []);
+  const { kind, id } = ofLink(linkOf([found], 0.05, ""));
+  assert.deepEqual([kind, id], ["experiments", "search:best"]);
 });

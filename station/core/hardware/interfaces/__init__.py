@@ -40,6 +40,17 @@ from station.core.hardware.interfaces.resource_manager import (
     ResourceHandle as ResourceHandle,
     ResourceManager as ResourceManager,
 )
+from station.core.hardware.interfaces.semantic import (
+    BatterySensorInterface as BatterySensorInterface,
+    GpioCommandHandle as GpioCommandHandle,
+    GpioCommandInterface as GpioCommandInterface,
+    GpioStateHandle as GpioStateHandle,
+    GpioStateInterface as GpioStateInterface,
+    GpsSensorInterface as GpsSensorInterface,
+    MagneticFieldSensorInterface as MagneticFieldSensorInterface,
+    RangeSensorInterface as RangeSensorInterface,
+    ValuesSensorHandle as ValuesSensorHandle,
+)
 from station.core.hardware.interfaces.sensors import (
     ForceTorqueSensorHandle as ForceTorqueSensorHandle,
     ForceTorqueSensorInterface as ForceTorqueSensorInterface,

@@ -1,6 +1,6 @@
 """The guard of a Franka arm: the capsules of its links, its limits, its scene."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from math import isfinite
 
 from typing_extensions import override
@@ -10,11 +10,16 @@ from station.core.errors import InvalidCommandError, ParameterError
 from station.core.franka.franka_robot_state import RobotState
 from station.core.franka.guard import CANNOT_STOP, PASSES, SLOWED, Guard
 from station.core.geometry.capsules import LinkCapsule
+from station.core.geometry.carried import enclosing_capsules
+from station.core.geometry.clearances import Clearances
 from station.core.geometry.scene import HAND, SceneObject, solid_of
 from station.core.hardware.robot_hw import SceneGuard
+from station.core.numerics.arm_chain import new_links, place_links
+from station.core.numerics.poses import quaternion_of
 from station.core.numerics.rigid_motion import displace
+from station.hw.franka.arm.arm_description import joint_names
 from station.hw.franka.arm.arm_limits import ArmLimits
-from station.hw.franka.arm.franka_kinematics import CHAIN
+from station.hw.franka.arm.franka_kinematics import CHAIN, FLANGE_OFFSET
 from station.hw.franka.commands.command_sender import CommandSender
 from station.hw.franka.commands.rate_limiter import PERIOD, rate_limits_of
 from station.memory.doubles import doubles, put
@@ -69,7 +74,10 @@ class ArmGuard(SceneGuard):
         sender: CommandSender,
     ) -> None:
         self.arm_id, self.base, self._sender = arm_id, base, sender
-        capsules = [one for one in CAPSULES if has_hand or one.link not in _OF_HAND]
+        self._own = [one for one in CAPSULES if has_hand or one.link not in _OF_HAND]
+        self._names = [*dict.fromkeys(one.link for one in self._own)]
+        self._q = state.doubles("q")
+        capsules = self._own
         rates = rate_limits_of(limits)
         fields = (
             "q_d", "dq_d", "ddq_d", "q", "dq", "tau_J_d", "O_T_EE_c", "O_dP_EE_c",
@@ -78,10 +86,7 @@ class ArmGuard(SceneGuard):
         self.guard = Guard(
             CHAIN,
             [number for one in capsules for number in one.numbers()],
-            [
-                6 if one.link in _OF_HAND else int(one.link.removeprefix("link")) - 1
-                for one in capsules
-            ],
+            _owners(capsules),
             [one.link for one in capsules],
             {name: state.doubles(name) for name in fields},
             velocity=[one.velocity for one in rates],
@@ -109,16 +114,58 @@ class ArmGuard(SceneGuard):
         self.guard.add_neighbour(other.guard, doubles(place), other.arm_id)
 
     @override
+    def hand(self) -> Pose:
+        links = new_links(CHAIN)
+        place_links(CHAIN, self._q, links)
+        flange = [*links[-16:]]
+        x, y, z, w = quaternion_of(flange)
+        px, py, pz = flange[12:15]
+        return self.base.compose(Pose((px, py, pz), (w, x, y, z)))
+
+    @override
+    def carry(self, objects: Sequence[SceneObject]) -> Callable[[], None]:
+        flange = Pose((0.0, 0.0, FLANGE_OFFSET))
+        carried = [
+            capsule
+            for one in objects
+            if one.carried_by == self.arm_id
+            for capsule in enclosing_capsules(one, flange.compose(one.grip))
+        ]
+        capsules = [*self._own, *carried]
+        numbers = [number for one in capsules for number in one.numbers()]
+        owners = [*_owners(self._own), *([6] * len(carried))]
+        clearances = Clearances(CHAIN, numbers, owners)
+
+        def apply() -> None:
+            self.guard.take(clearances, [one.link for one in capsules])
+
+        return apply
+
+    @override
+    def nearest_at(self, positions: Mapping[str, float]) -> Clearance | None:
+        q = [
+            positions.get(name, here)
+            for name, here in zip(joint_names(self.arm_id), self._q, strict=True)
+        ]
+        if self.guard.is_active:
+            self.guard.clearances.measure(doubles(q), 0.0)
+        return self.report()
+
+    @override
     def prepare(
         self, objects: Sequence[SceneObject], arm_margin: float | None
     ) -> Callable[[], None]:
         guard = self.guard
         triangles: list[float] = []
-        counting = [one for one in objects if one.role != "object"]
+        # What an arm carries moves: it counts for other arms as a part of that one.
+        counting = [
+            one for one in objects if one.role != "object" and not one.carried_by
+        ]
         rows = [
             number for one in counting for number in solid_of(one, self.base, triangles)
         ]
-        links = [self._links_of(one) for one in counting]
+        carried = [one.name for one in objects if one.carried_by == self.arm_id]
+        links = [self._links_of(one, carried) for one in counting]
         names = [one.name for one in counting]
 
         def apply() -> None:
@@ -130,8 +177,12 @@ class ArmGuard(SceneGuard):
 
         return apply
 
-    def _links_of(self, thing: SceneObject) -> list[str]:
+    def _links_of(self, thing: SceneObject, carried: Sequence[str]) -> list[str]:
         """Return the links for which a role counts; empty for all.
+
+        Args:
+            thing: The object with the role.
+            carried: Names of what the hand carries.
 
         Raises:
             ParameterError: A link is none of this arm.
@@ -140,14 +191,14 @@ class ArmGuard(SceneGuard):
         for name in thing.links:
             short = name.removeprefix(f"{self.arm_id}_")
             if short == HAND:
-                links += _OF_HAND
-            elif short in self.guard.names:
+                links += [*_OF_HAND, *carried]
+            elif short in self._names:
                 links.append(short)
             else:
                 raise ParameterError(
                     f"The object '{thing.name}' counts for the link '{name}', which "
                     f"arm '{self.arm_id}' does not have.",
-                    remedy=f"It has: {', '.join(dict.fromkeys(self.guard.names))}.",
+                    remedy=f"It has: {', '.join(self._names)}.",
                     details={"parameter": "links"},
                 )
         return links
@@ -168,6 +219,14 @@ class ArmGuard(SceneGuard):
             is_slowing=guard.is_slowing,
             interventions=guard.interventions,
         )
+
+
+def _owners(capsules: Sequence[LinkCapsule]) -> list[int]:
+    """Return the index of the link that each capsule of the arm is fixed to."""
+    return [
+        6 if one.link in _OF_HAND else int(one.link.removeprefix("link")) - 1
+        for one in capsules
+    ]
 
 
 def slowed(guard: Guard, field: str, values: Sequence[float]) -> list[float]:

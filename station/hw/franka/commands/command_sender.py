@@ -167,7 +167,10 @@ class CommandSender:
         Args:
             period: Time since the last cycle [s], >= 0.
         """
+        guard = self.guard
         if self.code[0] != _MOVE:
+            if guard is not None:
+                guard.look()
             return
         # Before limits and filters, which may turn a NaN into a number.
         for check in self.checks:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from station.core.description.urdf import Pose, Vector3
-from station.ui.scene.layers.layer import Layer, PlacedRobot, SceneFacts
+from station.ui.scene.layers.layer import Layer, SceneFacts
 from station.wire import Contact
 
 _LEAST = 2.0
@@ -33,19 +33,13 @@ class ForcesLayer(Layer):
     In simulation also the points at which bodies touch, with their forces. All arrows
     begin where the force acts: what pushes an arm lies behind such an arrow and would
     hide one that ends there.
-
-    Args:
-        client: The browser.
-        robots: The robots in the scene.
     """
 
-    def __init__(
-        self, client: viser.ClientHandle, robots: Sequence[PlacedRobot]
-    ) -> None:
-        super().__init__(client, robots)
+    @override
+    def begin(self) -> None:
         self._arrows: dict[str, _Arrow] = {}
         links = {name for robot in self.robots for name in robot.model.urdf.links}
-        self._contacts = _Contacts(client, links)
+        self._contacts = _Contacts(self.client, links)
 
     @override
     def show(self, facts: SceneFacts) -> None:

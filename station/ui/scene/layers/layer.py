@@ -10,7 +10,7 @@ from station.core.description.urdf import Pose, Vector3
 from station.ui.link.station_view import ArmFacts, Limits
 from station.ui.scene.joint_frames import is_drawn_moving, link_path, link_poses
 from station.ui.scene.robot_model import RobotModel
-from station.wire import Contact
+from station.wire import Contact, SceneObject
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +65,7 @@ class SceneFacts:
         arms: The tools of the Franka arms and the forces on them, by arm_id.
         contacts: The points at which bodies of a simulated world touch.
         trails: The path of the flange of each robot, oldest point first [m], world.
+        objects: The things around the robots.
     """
 
     positions: Mapping[str, float] = field(default_factory=dict)
@@ -73,6 +74,7 @@ class SceneFacts:
     arms: Mapping[str, ArmFacts] = field(default_factory=dict)
     contacts: Sequence[Contact] = ()
     trails: Sequence[Sequence[Vector3]] = ()
+    objects: Sequence[SceneObject] = ()
 
 
 class Layer(ABC):
@@ -91,6 +93,10 @@ class Layer(ABC):
         self.client = client
         self.robots = tuple(robots)
         self.nodes: list[viser.SceneNodeHandle] = []
+        self.begin()
+
+    def begin(self) -> None:  # noqa: B027 - a layer need not keep anything
+        """Make what the layer keeps from one call of `show` to the next."""
 
     @abstractmethod
     def show(self, facts: SceneFacts) -> None:

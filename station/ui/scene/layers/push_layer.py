@@ -8,7 +8,7 @@ browser, the dashboard or the way between them is lost.
 import asyncio
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Protocol
@@ -44,19 +44,31 @@ class Pusher(Protocol):
         ...
 
 
+async def move_nothing(key: str, name: str, position: list[float]) -> None:
+    """Refuse to move an object, as a dashboard without sessions does.
+
+    Raises:
+        ApiError: Always.
+    """
+    detail = f"Session '{key}' cannot move {name} to {position}."
+    raise ApiError(detail, status=403, code="forbidden")
+
+
 @dataclass(frozen=True, slots=True)
 class Pushing:
-    """The way in which the browsers of a session push.
+    """The way in which the browsers of a session push, and move objects.
 
     Attributes:
         send: Pushes for a session.
         refused: Called with a refusal and the browser that pulled.
         now: Monotonic clock [s].
+        move: Moves an object for a session to a position [m]; raises `ApiError`.
     """
 
     send: Pusher
     refused: Callable[[ApiError, viser.ClientHandle], None]
     now: Callable[[], float] = time.monotonic
+    move: Callable[[str, str, list[float]], Awaitable[None]] = move_nothing
 
 
 @dataclass(frozen=True, slots=True)

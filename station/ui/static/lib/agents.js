@@ -1,8 +1,9 @@
 // What agents ask for: who, what, with what, and a person's answer. It lies over the picture,
 // so that it moves nothing below the pointer.
+import { Forecast, stepOf } from "./forecast.js";
 import { act, api, follow } from "./station.js";
 import { store } from "./store.js";
-import { html, render } from "../vendor/lit/lit-html.js";
+import { html, nothing, render } from "../vendor/lit/lit-html.js";
 import { repeat } from "../vendor/lit/directives/repeat.js";
 
 const TICK_MS = 1000;
@@ -13,6 +14,18 @@ const ANSWERS = [
 ];
 
 let waiting = [];
+const forecasts = new Map(); // by the numbers of the requests
+
+/** Return what the request would do, tried as soon as it is seen; nothing of what moves nothing. */
+function forecastOf(asked) {
+  const step = store.docks?.simulation && store.isOperator ? stepOf(asked) : null;
+  if (!step) return nothing;
+  if (!forecasts.has(asked.number)) {
+    forecasts.set(asked.number, new Forecast());
+    forecasts.get(asked.number).rehearse([step], { isOfOther: true });
+  }
+  return forecasts.get(asked.number).element;
+}
 
 /** Return what an agent wants in words, and what goes with it as text. */
 export function wordsOf({ operation, target, request }) {
@@ -33,6 +46,7 @@ function card(asked) {
   return html`<section class="request" aria-label="Request of ${asked.agent}">
     <p><b>${asked.agent}</b> asks for <b>${what}</b> <small>refused in ${left} s</small></p>
     ${content ? html`<details><summary>With</summary><pre>${content}</pre></details>` : ""}
+    ${forecastOf(asked)}
     <div class="line">
       ${ANSWERS.map(([verdict, text, why]) => html`<button class="s" type="button" title=${why} ?disabled=${!store.isOperator} @click=${() => answer(verdict)}>${text}</button>`)}
     </div>
@@ -41,6 +55,11 @@ function card(asked) {
 
 function draw() {
   waiting = waiting.filter((one) => one.expires_at * 1e3 > Date.now());
+  for (const [number, forecast] of forecasts) {
+    if (waiting.some((one) => one.number === number)) continue;
+    forecast.close();
+    forecasts.delete(number);
+  }
   const place = document.getElementById("agents");
   place.hidden = !waiting.length;
   render(html`${repeat(waiting, ({ number }) => number, card)}`, place);

@@ -1,6 +1,6 @@
 // Who holds control, and how to take it, hand it over and give it back. The lease itself
 // stays in the gateway; this page only learns who holds control and whether it does.
-import { h, kept, show } from "./dom.js";
+import { button as plainButton, h, kept, show } from "./dom.js";
 import { refusals } from "./refusals.js";
 import { Refusal, send } from "./station.js";
 import { store } from "./store.js";
@@ -9,7 +9,7 @@ const LOOK_MS = 1000;
 const PATH = "/workspace/control";
 
 const element = (id) => document.getElementById(id);
-const button = (label, onclick, kind = "") => h("button", { class: `s ${kind}`, type: "button", onclick }, label);
+const button = (label, run, kind = "") => plainButton(label, undefined, run, { class: `s ${kind}` });
 
 class Control {
   constructor() {

@@ -16,7 +16,8 @@ POST /robots/(?:*/)?error_recovery: recover/recovered the robot; POST /robots/*/
 POST /robots/*/user_stop: switch/switched the user stop of $1; POST /robots/*/external_force: push/pushed $1
 POST /robots/*/faults: inject/injected a fault into $1; DELETE /robots/*/faults: end/ended the faults of $1
 PUT /robots/*/*: set/set $2 of $1; POST /robots/*/gripper/*: command/commanded the gripper of $1 to $2
-POST /recordings: begin/began a recording; POST /recordings/*/stop: end/ended the recording $1; POST /alarms/*/acknowledge: acknowledge/acknowledged an alarm
+PUT /plot-layouts/*: save/saved the layout $1; DELETE /plot-layouts/*: delete/deleted the layout $1; PUT /scene/*: change/changed the object $1; DELETE /scene/*: remove/removed the object $1; POST /rehearse: rehearse/rehearsed a motion; POST /plan: plan/planned a motion
+POST /recordings/upload: upload/uploaded a recording; POST /recordings: begin/began a recording; POST /recordings/*/stop: end/ended the recording $1; POST /alarms/*/acknowledge: acknowledge/acknowledged an alarm
 POST /experiments: begin/began an experiment; POST /experiments/*/cancel: cancel/cancelled the experiment $1; POST /experiments/*/apply: apply/applied the gains of the experiment $1
 (?:POST|PUT) /control(?:/.*)?: take/took control; PATCH /control(?:/.*)?: offer/offered control; DELETE /control(?:/.*)?: give back/gave back control`
   .trim()

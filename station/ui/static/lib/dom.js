@@ -6,6 +6,7 @@ import { repeat } from "../vendor/lit/directives/repeat.js";
 export function h(tag, props = {}, ...children) {
   const made = document.createElement(tag);
   for (const [key, value] of Object.entries(props)) {
+    if (value === undefined) continue;
     if (key === "class") made.className = value;
     else if (key === "data") Object.assign(made.dataset, value);
     else if (key.startsWith("on") || key in made) made[key] = value;
@@ -14,6 +15,18 @@ export function h(tag, props = {}, ...children) {
   made.append(...children.filter((child) => child != null));
   return made;
 }
+
+/** Return a button; `props` are more of its properties. */
+export const button = (label, title, run, props = {}) => h("button", { class: "s", type: "button", title, onclick: run, ...props }, label);
+
+/** Return a field for a number, `input`, and a label around it with its name and unit. */
+export function field(name, value, unit, label = `${name} [${unit}]`) {
+  const input = h("input", { class: "value", value, inputMode: "decimal", autocomplete: "off", ariaLabel: label });
+  return { input, label: h("label", {}, `${name} `, input, ` ${unit}`) };
+}
+
+/** Return a row of parts. */
+export const line = (...parts) => h("div", { class: "line" }, ...parts);
 
 /** Draw a template into an element and return it; drawn again, only what differs changes. */
 export function drawn(element, template) {

@@ -1,4 +1,5 @@
 // The base of all panels: a custom element that draws when the page's knowledge changes.
+import { Refusal } from "./station.js";
 import { store } from "./store.js";
 
 export class Panel extends HTMLElement {
@@ -20,6 +21,13 @@ export class Panel extends HTMLElement {
 
   /** Draw what has changed. */
   refresh() {}
+
+  /** Call `look` again and again, the next time so long after its end, while the dock is open. */
+  async every(ms, look) {
+    // The strip says when the station is lost; the next look may reach it.
+    if (this.isShown && !document.hidden && store.docks) await Promise.resolve(look()).catch((error) => error instanceof Refusal || console.error(error));
+    setTimeout(() => this.every(ms, look), ms);
+  }
 
   /** Call `draw` at most `rate` times a second while joints move and the dock is open. */
   drawWithJoints(rate, draw) {

@@ -95,6 +95,15 @@ export class Run {
   }
 }
 
+/** Return a trial of an experiment as a run; `id` names the experiment and the role of the trial. */
+export function runOfTrial(id, { joints, time, position, effort, desired }) {
+  const parts = Object.entries({ "joint_states/position": position, "joint_states/effort": effort, "controllers/trial/desired": desired });
+  const columns = ["cycle", "time", "period", "epoch", ...parts.flatMap(([part]) => joints.map((joint) => `${part}/${joint}`))];
+  const run = new Run({ kind: "experiments", id, name: id.replace(":", ", "), begin: time[0], end: time.at(-1), cycles: time.length, columns });
+  run.take({ names: columns, rows: time.map((at, k) => [k, at, 0, 0, ...parts.flatMap(([, rows]) => rows[k] ?? joints.map(() => null))]) });
+  return run;
+}
+
 /** Return the query of a table with some columns, thinned when there are too many rows. */
 export function tableQuery(columns, { duration, cycles }) {
   const query = new URLSearchParams(columns.map((column) => ["channels", column]));
@@ -105,7 +114,7 @@ export function tableQuery(columns, { duration, cycles }) {
 /** Return what of a link is a moment of a recording: {kind, id, time, other, layout}; null without a recording. */
 export function ofLink(hash) {
   const query = new URLSearchParams(hash.replace(/^#/, ""));
-  const kind = ["recording", "incident"].find((name) => query.get(name));
+  const kind = ["recording", "incident", "experiment"].find((name) => query.get(name));
   if (!kind) return null;
   const [otherKind, otherId, offset] = query.get("with")?.split("/") ?? [];
   const other = otherId ? { kind: otherKind, id: otherId, isOther: true, offset: Number(offset) || 0 } : null;

@@ -1,6 +1,6 @@
 // Recordings that are open: the time of the replay, and what is read of them. It moves nothing.
 import { hideGhost, showGhost } from "./ghost.js";
-import { Run, parsed, linkOf, tableQuery } from "./recorded.js";
+import { Run, parsed, linkOf, runOfTrial, tableQuery } from "./recorded.js";
 import { refusals } from "./refusals.js";
 import { act, api, Refusal } from "./station.js";
 import { store } from "./store.js";
@@ -16,6 +16,32 @@ async function table(run, query) {
   const answer = await fetch(`/api/v1${pathOf(run)}/table?${query}`);
   if (!answer.ok) throw new Refusal(answer.status, await answer.json().catch(() => ({})));
   return parsed(await answer.text());
+}
+
+/** Return a recording or an incident with its columns, its positions and its events. */
+async function recorded(kind, id) {
+  const info = await api("GET", pathOf({ kind, id }));
+  const run = new Run({ kind, id: info.identifier, name: kind === "incidents" ? info.identifier : info.name || info.identifier, cycles: info.cycles });
+  // Few rows of it say which columns there are.
+  run.columns = (await table(run, "rate=0.001")).names;
+  const first = await table(run, tableQuery([POSITION], { ...info }));
+  Object.assign(run, { begin: first.rows[0][1], end: first.rows.at(-1)[1] });
+  run.take(first);
+  await readEvents(run);
+  return run;
+}
+
+async function readEvents(run) {
+  run.events = (await api("GET", `${pathOf(run)}/events`)).events;
+}
+
+/** Return a trial of an experiment; the last one that was kept if none has that role. */
+async function trial(id) {
+  const [name, role] = id.split(":");
+  const { responses } = await api("GET", `/experiments/${encodeURIComponent(name)}/responses`);
+  const found = responses.find((one) => one.role === role) ?? responses.at(-1);
+  if (!found) throw new Refusal(404, { code: "no_trial", detail: `The experiment ${name} has kept no trial yet.`, remedy: "Wait until its first trial has ended." });
+  return runOfTrial(`${name}:${found.role}`, found);
 }
 
 class Replay extends EventTarget {
@@ -44,18 +70,11 @@ class Replay extends EventTarget {
     this.dispatchEvent(new Event(what));
   }
 
-  /** Open a recording or an incident, over the one that is open if it is a comparison; return it, or undefined. */
+  /** Open a recording, an incident or a trial, over the one that is open if it is a comparison; return it, or undefined. */
   async open({ kind, id, isOther = false, time = null, offset = null }) {
     this.say(`Reading ${id} …`);
     try {
-      const info = await api("GET", pathOf({ kind, id }));
-      const run = new Run({ kind, id: info.identifier, name: kind === "incidents" ? info.identifier : info.name || info.identifier, cycles: info.cycles });
-      // Few rows of it say which columns there are.
-      run.columns = (await table(run, "rate=0.001")).names;
-      const first = await table(run, tableQuery([POSITION], { ...info }));
-      Object.assign(run, { begin: first.rows[0][1], end: first.rows.at(-1)[1] });
-      run.take(first);
-      await this.readEvents(run);
+      const run = await (kind === "experiments" ? trial(id) : recorded(kind, id));
       this.put(run, { isOther, time, offset });
       return run;
     } catch (error) {
@@ -65,10 +84,6 @@ class Replay extends EventTarget {
     } finally {
       this.say("");
     }
-  }
-
-  async readEvents(run) {
-    run.events = (await api("GET", `${pathOf(run)}/events`)).events;
   }
 
   /** Show a run; an incident begins at the moment of its cause. */
@@ -164,7 +179,7 @@ class Replay extends EventTarget {
     const clamp = (time) => Math.min(Math.max(time + run.begin, run.begin), run.end);
     const note = await act("POST", `${pathOf(run)}/notes`, { text, time: clamp(begin), until: until === null ? null : clamp(until) });
     if (!note) return false;
-    await this.readEvents(run);
+    await readEvents(run);
     this.tell("runs");
     return true;
   }

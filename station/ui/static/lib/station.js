@@ -87,11 +87,12 @@ export async function send(method, path, body, headers = {}) {
   const isRefused = isForStation(path) && path !== `${API}/stop`;
   if (link === "lost" && isRefused) throw linkIsLost();
   let answer;
+  const isFile = body instanceof Blob;
   try {
     answer = await fetched(method, path, {
       method,
-      headers: body === undefined ? headers : { "Content-Type": "application/json", ...headers },
-      body: body === undefined ? undefined : typeof body === "string" ? body : JSON.stringify(body),
+      headers: body === undefined ? headers : { "Content-Type": isFile ? "application/octet-stream" : "application/json", ...headers },
+      body: body === undefined || isFile || typeof body === "string" ? body : JSON.stringify(body),
     });
   } catch {
     if (link === "lost" && isRefused) throw linkIsLost();

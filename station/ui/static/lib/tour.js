@@ -1,5 +1,5 @@
 // Four steps for somebody who sees the page for the first time; gone after a click.
-import { h, isNarrow, kept } from "./dom.js";
+import { button, h, isNarrow, kept } from "./dom.js";
 
 const STEPS = [
   { mark: "#stop", text: "STOP, Escape or Space stops the robot at any time, from every dock. Afterwards: Release stop, then Allow motion." },
@@ -23,13 +23,13 @@ export function showTour(card, openDock) {
     if (dock && isNarrow()) openDock(dock);
     document.querySelector(mark)?.classList.add("toured");
     const last = at === STEPS.length - 1;
-    const next = h("button", { class: "s primary", type: "button" }, last ? "Done" : "Next");
-    next.addEventListener("click", () => {
+    const go = () => {
       at += 1;
       if (last) end();
       else step();
-    });
-    const skip = h("button", { class: "s", type: "button", onclick: end }, "Skip the tour");
+    };
+    const next = button(last ? "Done" : "Next", undefined, go, { class: "s primary" });
+    const skip = button("Skip the tour", undefined, end);
     card.replaceChildren(
       h("b", {}, `${at + 1} of ${STEPS.length}`),
       h("p", {}, text),

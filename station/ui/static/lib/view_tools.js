@@ -1,6 +1,6 @@
 // The toolbar over the 3D view: from where to look, and what to lay over the robots.
 // The choice is this browser's; the gateway draws it in the views of this session alone.
-import { h, holdButton, isNarrow, kept, offer } from "./dom.js";
+import { button, h, holdButton, isNarrow, kept, offer } from "./dom.js";
 import { refusals } from "./refusals.js";
 import { act, send } from "./station.js";
 import { store } from "./store.js";
@@ -25,14 +25,8 @@ const LAYERS = [
 const OF_FRANKA = ["force"];
 const AT_FIRST = ["command", "forces", "limits"];
 
-function button(label, title, run) {
-  return h("button", { class: "s", type: "button", title, onclick: run }, label);
-}
-
-function group(name, ...children) {
-  const made = h("div", { class: "tools-group", role: "group", ariaLabel: name }, h("span", { ariaHidden: "true" }, name), ...children);
-  return made;
-}
+const group = (name, ...children) => h("div", { class: "tools-group", role: "group", ariaLabel: name }, h("span", { ariaHidden: "true" }, name), ...children);
+const quietly = (method, path, body) => send(method, path, body).catch((error) => console.warn(error.message));
 
 const PUSH_S = 0.3; // one request pushes so long; a held button repeats it sooner
 const ALIVE_MS = 100;
@@ -94,11 +88,9 @@ function covered(place) {
 /** Build the toolbar into `place`. */
 export function showViewTools(place) {
   let shown = kept.get("layers", AT_FIRST);
-  const tell = () => send("PUT", "/ui/layers", { shown: pushing.isOn() ? [...shown, "push"] : shown }).catch((error) => console.warn(error.message));
+  const tell = () => quietly("PUT", "/ui/layers", { shown: pushing.isOn() ? [...shown, "push"] : shown });
   const pushing = pushTools(() => tell());
-  const cameras = CAMERAS.map(([name, label, title]) =>
-    button(label, title, () => send("POST", "/ui/camera", { preset: name, covered: covered(place) }).catch((error) => console.warn(error.message))),
-  );
+  const cameras = CAMERAS.map(([name, label, title]) => button(label, title, () => quietly("POST", "/ui/camera", { preset: name, covered: covered(place) })));
   const key = h("ul", { class: "key", ariaLabel: "What the colours mean" });
   const isThere = (sign) => store.docks?.arms.length || !OF_FRANKA.includes(sign);
   const explain = () =>
@@ -129,9 +121,9 @@ export function showViewTools(place) {
   folder.addEventListener("toggle", () => kept.set("view-tools", folder.open));
   place.append(folder);
   const system = matchMedia("(prefers-color-scheme: dark)");
-  const paint = () => send("PUT", "/ui/scheme", { dark: system.matches }).catch((error) => console.warn(error.message));
+  const paint = () => quietly("PUT", "/ui/scheme", { dark: system.matches });
   system.addEventListener("change", paint);
-  const opened = () => send("POST", "/ui/opened", { covered: covered(place) }).catch((error) => console.warn(error.message));
+  const opened = () => quietly("POST", "/ui/opened", { covered: covered(place) });
   // A dashboard that was started anew knows no choice any more.
   let link = "";
   window.addEventListener("station-bar", (event) => {

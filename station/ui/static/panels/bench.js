@@ -1,5 +1,5 @@
 // The bench: tests of one joint, gains that a relay test proposes, and the kept runs.
-import { drawn, h, kept, show } from "../lib/dom.js";
+import { button as plainButton, drawn, field, h, kept, line, show } from "../lib/dom.js";
 import { BodePlot } from "../lib/bode.js";
 import { History } from "../lib/history.js";
 import { Panel } from "../lib/panel.js";
@@ -28,17 +28,12 @@ const FIGURES = [
 ];
 const isSpectral = ({ bode }) => bode != null;
 
+/** Return a choice among texts. */
+const choice = (label, options) => h("select", { ariaLabel: label }, ...options.map((text) => h("option", {}, text)));
+
 class Bench extends Panel {
   build() {
-    const button = (label, title, run, look = "s") => h("button", { class: look, type: "button", title, onclick: run, disabled: true }, label);
-    const choice = (label, options) => {
-      const select = h("select", { ariaLabel: label }, ...options.map((text) => h("option", {}, text)));
-      return select;
-    };
-    const field = (label, value, unit) => {
-      const input = h("input", { class: "value", value, inputMode: "decimal", ariaLabel: `${label} [${unit}]` });
-      return { input, label: h("label", {}, `${label} `, input, ` ${unit}`) };
-    };
+    const button = (label, title, run, look = "s") => plainButton(label, title, run, { class: look, disabled: true });
     this.kind = choice("Kind of test", Object.keys(EXCITATIONS));
     this.fields = {
       amplitude: field("size", "", "rad"),
@@ -80,7 +75,7 @@ class Bench extends Panel {
     bode.append(h("div", { class: "line" }, h("b", {}, "Bode plot"), this.curve), gain, phase);
     Object.assign(this, { time, bode, table: h("div", { class: "scroll runs" }), proposals: h("div", {}) });
     this.state = h("p", { class: "hint", role: "status" });
-    this.append(h("div", { class: "line" }, h("b", {}, "Test"), this.kind, ...Object.values(this.fields).map(({ label }) => label), this.runName, this.runButton, this.findButton), this.state, this.proposals, time, bode, this.table, this.buildPart(choice, field));
+    this.append(line(h("b", {}, "Test"), this.kind, ...Object.values(this.fields).map(({ label }) => label), this.runName, this.runButton, this.findButton), this.state, this.proposals, time, bode, this.table, this.buildPart());
     this.runs = [];
     this.curves = new Map();
     this.shown = new Set();
@@ -91,18 +86,17 @@ class Bench extends Panel {
   }
 
   /** The form that reads a part of a recording as a test. */
-  buildPart(choice, field) {
+  buildPart() {
     this.source = choice("Recording to read", []);
     const kind = choice("Read as", Object.keys(EXCITATIONS));
     const [begin, end, low, high] = [field("from time", "", "s"), field("to time", "", "s"), field("lowest", "0.5", "Hz"), field("highest", "8", "Hz")];
-    const read = h("button", { class: "s", type: "button", title: "Reads the chosen part as a test of the joint above; the robot does not move." }, "Read");
-    read.addEventListener("click", async () => {
+    const read = plainButton("Read", "Reads the chosen part as a test of the joint above; the robot does not move.", async () => {
       const [b, e, l, u] = [begin, end, low, high].map(({ input }) => typed(input.value));
       const body = { ...this.tuning.chosen, kind: kind.value, begin: begin.input.value ? b : null, end: end.input.value ? e : null, low: l, high: u };
       if (this.runName.value.trim()) body.name = this.runName.value.trim();
       this.add(await act("POST", `${this.source.value}/bench`, body));
     });
-    const part = h("details", {}, h("summary", {}, "A part of a recording"), h("div", { class: "line" }, this.source, kind, ...[begin, end, low, high].map(({ label }) => label), read));
+    const part = h("details", {}, h("summary", {}, "A part of a recording"), line(this.source, kind, ...[begin, end, low, high].map(({ label }) => label), read));
     part.addEventListener("toggle", async () => {
       if (!part.open) return;
       const lists = await Promise.all(["/recordings", "/incidents"].map((path) => api("GET", path).then(({ recordings }) => recordings.map((r) => [`${path}/${r.identifier}`, r.identifier])).catch(() => [])));

@@ -15,11 +15,12 @@ class Chains extends Panel {
 
   async look() {
     const told = await api("GET", "/controllers/chains").catch(() => null); // a lost station is in the strip
-    if (!told) return;
+    if (!told) return (this.states = ""); // asked again
     const all = new Map(told.controllers.map((c) => [c.name, c]));
     const commanded = new Set(told.controllers.flatMap((c) => c.following));
     const heads = told.controllers.filter((c) => c.following.length && !commanded.has(c.name));
     this.replaceChildren(...heads.map((head) => h("p", { class: "hint" }, levelsOf(head, all).map(drawn).join(" → "))));
+    return undefined;
   }
 }
 

@@ -1,5 +1,5 @@
 // Sets of gains, kept by the station: save, compare with the gains in force, apply.
-import { h, offer, show } from "../lib/dom.js";
+import { button as plainButton, h, line, offer, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { refusals } from "../lib/refusals.js";
 import { act, api } from "../lib/station.js";
@@ -15,19 +15,11 @@ class GainSets extends Panel {
     this.setName = h("input", { class: "name", placeholder: "name", ariaLabel: "Name of the set", oninput: () => this.refresh() });
     this.setName.addEventListener("keydown", (event) => event.key === "Enter" && this.save());
     this.diff = h("p", { class: "hint" });
-    const button = (label, title, run) => h("button", { class: "s", type: "button", title, onclick: run, disabled: true }, label);
+    const button = (label, title, run) => plainButton(label, title, run, { disabled: true });
     this.applyButton = button("Apply set", "Put the set into force, all controllers in one cycle", () => this.apply());
     this.deleteButton = button("Delete", "Delete the set", () => this.remove());
     this.saveButton = button("Save", "Save the gains of all controllers now", () => this.save());
-    this.append(
-      h(
-        "details",
-        {},
-        h("summary", {}, "Sets of gains"),
-        h("div", { class: "line" }, this.sets, this.applyButton, this.deleteButton, this.setName, this.saveButton),
-        this.diff,
-      ),
-    );
+    this.append(h("details", {}, h("summary", {}, "Sets of gains"), line(this.sets, this.applyButton, this.deleteButton, this.setName, this.saveButton), this.diff));
   }
 
   get path() {

@@ -1,5 +1,5 @@
 // Gripper: how wide it is, and open, close, grasp with a force, home.
-import { h, show } from "../lib/dom.js";
+import { button, field, h, line, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { act, api } from "../lib/station.js";
 import { store } from "../lib/store.js";
@@ -12,37 +12,23 @@ class Gripper extends Panel {
     this.arms = new Map();
     this.none = h("p", { class: "hint" }, "This robot has no gripper.");
     this.append(this.none);
-    this.look();
-  }
-
-  async look() {
-    if (this.isShown && store.docks && !document.hidden)
-      for (const { arm_id: arm } of store.docks.arms) await this.lookAt(arm);
-    setTimeout(() => this.look(), LOOK_MS);
+    // An arm without a hand has no gripper.
+    this.every(LOOK_MS, () => Promise.allSettled(store.docks.arms.map(({ arm_id: arm }) => this.lookAt(arm))));
   }
 
   async lookAt(arm) {
-    let told;
-    try {
-      told = await api("GET", `/robots/${arm}/gripper`);
-    } catch {
-      return; // An arm without a hand has no gripper; a lost station is in the strip.
-    }
+    const told = await api("GET", `/robots/${arm}/gripper`);
     if (!this.arms.has(arm)) this.add(arm, told);
     const { state, buttons } = this.arms.get(arm);
     const last = told.command ?? told.last;
     const doing = told.command ? `${told.command.action} …` : last ? `${last.action} ${last.status}${last.message ? `: ${last.message}` : ""}` : told.activity;
     const held = told.is_grasped ? `holds an object with ${number(Math.abs(told.force), 0)} N` : "holds nothing";
     show(state, `${number(told.width * 1e3, 1)} mm of ${number(told.max_width * 1e3, 0)} mm · ${held} · ${doing}`);
-    for (const button of buttons) button.disabled = !store.isOperator;
+    for (const each of buttons) each.disabled = !store.isOperator;
   }
 
   add(arm, told) {
     this.none.hidden = true;
-    const field = (label, value, unit) => {
-      const input = h("input", { class: "value", value, inputMode: "decimal", ariaLabel: `${label} [${unit}]` });
-      return { input, label: h("label", {}, `${label} `, input, ` ${unit}`) };
-    };
     const width = field("object", "40", "mm");
     const force = field("force", "20", "N");
     const tolerance = field("±", "10", "mm");
@@ -63,16 +49,11 @@ class Gripper extends Panel {
       ["Home", "Close and open all the way, to learn the width", go("homing")],
       ["Hold still", "Stop the fingers; releases an object", go("stop")],
     ];
-    const buttons = actions.map(([label, title, run]) => {
-      const button = h("button", { class: label === "Grasp" ? "s primary" : "s", type: "button", title, onclick: run, ariaLabel: store.docks.arms.length > 1 ? `${label}, ${arm}` : label }, label);
-      return button;
-    });
+    const buttons = actions.map(([label, title, run]) => button(label, title, run, { class: label === "Grasp" ? "s primary" : "s", ariaLabel: store.docks.arms.length > 1 ? `${label}, ${arm}` : label }));
     const state = h("p", { class: "state" });
     const title = store.docks.arms.length > 1 ? h("b", {}, arm) : null;
     const [open, close, grasp, home, hold] = buttons;
-    this.append(
-      h("div", {}, title, state, h("div", { class: "line" }, open, close, home, hold), h("div", { class: "line" }, grasp, width.label, tolerance.label, force.label)),
-    );
+    this.append(h("div", {}, title, state, line(open, close, home, hold), line(grasp, width.label, tolerance.label, force.label)));
     this.arms.set(arm, { state, buttons });
   }
 }

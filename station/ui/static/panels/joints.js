@@ -1,5 +1,6 @@
 // Joints: where each is, what it is told, exact typed values, and hold-to-run buttons.
-import { h, holdButton, kept, offer, show, valueField } from "../lib/dom.js";
+import { button, h, holdButton, kept, line as lineOf, offer, show, valueField } from "../lib/dom.js";
+import { Forecast } from "../lib/forecast.js";
 import { hideGhost, showGhost } from "../lib/ghost.js";
 import { JointSlider } from "../lib/joint_slider.js";
 import { Panel } from "../lib/panel.js";
@@ -23,12 +24,7 @@ class Joints extends Panel {
     this.rows = new Map();
     this.desired = new Map(); // what each joint is told, by its controller
     this.endsOfSamples = [];
-    const choose = (unit) => {
-      const button = h("button", { class: "s", type: "button", onclick: () => units.choose(unit) }, unit);
-      button.dataset.unit = unit;
-      return button;
-    };
-    this.units = [choose("deg"), choose("rad")];
+    this.units = ["deg", "rad"].map((unit) => button(unit, undefined, () => units.choose(unit), { data: { unit } }));
     this.speed = h("input", { type: "range", min: 2, max: 85, step: 1, value: kept.get("speed", 29), title: "Top speed of a joint on its way to a typed value, or while its button is held.", ariaLabel: "Top speed in degrees per second" });
     this.speedText = h("output", {});
     this.speed.addEventListener("input", () => {
@@ -40,7 +36,8 @@ class Joints extends Panel {
     this.body = h("tbody", {});
     this.state = h("p", { class: "hint state" }, "Waiting for the station …");
     this.far = h("div", { class: "line far", role: "alert", hidden: true });
-    this.append(h("div", { class: "scroll" }, h("table", { class: "joints" }, h("thead", {}, this.head), this.body)), this.far, this.state, this.poses());
+    this.forecast = new Forecast();
+    this.append(h("div", { class: "scroll" }, h("table", { class: "joints" }, h("thead", {}, this.head), this.body)), this.far, this.forecast.element, this.state, this.poses());
     units.addEventListener("change", () => this.showUnit());
     this.showUnit();
     this.showSpeed();
@@ -50,16 +47,24 @@ class Joints extends Panel {
 
   /** The poses are the waypoints of a path at the station. */
   poses() {
-    const button = (label, title, run) => h("button", { class: "s", type: "button", title, onclick: run, disabled: true }, label);
     this.poseName = h("input", { class: "name", placeholder: "name", title: "Name under which the station keeps the present joints.", ariaLabel: "Name of the pose", oninput: () => this.showPoses() });
     this.poseName.addEventListener("keydown", (event) => event.key === "Enter" && this.savePose());
     this.poseList = h("select", { title: "Poses that the station keeps, as the waypoints of the path “poses”.", ariaLabel: "Pose" });
     this.poseList.addEventListener("pointerdown", () => this.readPoses());
-    this.goButton = button("Go", "Move all joints to the pose, at the top speed above.", () => this.goToPose());
+    this.goButton = button("Go", "Move all joints to the pose, at the top speed above.", () => this.isAgreed(this.pose) && this.move(this.pose));
+    this.trialButtons = this.trials(() => this.pose);
     this.saveButton = button("Save pose", "Keep where the joints are under this name.", () => this.savePose());
     this.forgetButton = button("Forget", "Delete the pose from the station.", () => this.writePoses(this.kept.filter(({ name }) => name !== this.poseList.value)));
     this.kept = [];
-    return h("div", { class: "line" }, "Poses", this.poseList, this.goButton, this.forgetButton, this.poseName, this.saveButton);
+    return lineOf("Poses", this.poseList, this.goButton, ...this.trialButtons, this.forgetButton, this.poseName, this.saveButton);
+  }
+
+  /** The buttons that try a motion before it is made; `targets()` are its ends. */
+  trials(targets) {
+    return [
+      button("Rehearse", "Try the motion in a copy of the station: how it would end, and a ghost of it. Nothing moves.", () => this.forecast.rehearseMove(targets(), this.wantedSpeed.joints)),
+      button("Go around", "Search for a way that touches nothing, try it, and show its ghost. Nothing moves yet.", () => this.forecast.goAround(targets())),
+    ];
   }
 
   async readPoses() {
@@ -77,6 +82,7 @@ class Joints extends Panel {
   showPoses() {
     offer(this.poseList, this.kept.map(({ name }) => name));
     this.goButton.disabled = !this.kept.length || !this.may;
+    for (const each of this.trialButtons) each.disabled = !this.kept.length || !store.isOperator || !store.docks.simulation;
     this.forgetButton.disabled = !this.kept.length || !store.isOperator;
     this.saveButton.disabled = !this.poseName.value.trim() || !store.isOperator;
   }
@@ -98,10 +104,10 @@ class Joints extends Panel {
     this.showPoses();
   }
 
-  goToPose() {
+  /** The joints of the chosen pose. */
+  get pose() {
     const pose = this.kept.find(({ name }) => name === this.poseList.value)?.positions ?? {};
-    const known = Object.fromEntries(Object.entries(pose).filter(([joint]) => this.rows.has(joint)));
-    if (this.isAgreed(known)) this.move(known);
+    return Object.fromEntries(Object.entries(pose).filter(([joint]) => this.rows.has(joint)));
   }
 
   /** Whether these values may be sent now: a far one is shown as a ghost, and sent when it is asked for again. */
@@ -115,19 +121,18 @@ class Joints extends Panel {
     this.asked = key;
     const names = shortNames([...this.rows.keys()]);
     const ways = far.map(([joint, { text }]) => `${names.get(joint)} by ${text}`);
-    const go = h("button", { class: "s primary", type: "button" }, "Move there");
-    go.addEventListener("click", () => {
-      this.forgetFar();
-      this.move(targets);
-    });
-    const leave = h("button", { class: "s", type: "button" }, "Leave it");
-    leave.addEventListener("click", () => {
-      this.forgetFar();
-      if (this.contains(document.activeElement)) document.activeElement.select?.(); // to be typed over
-    });
+    const decide = (label, run, look = "s") =>
+      button(label, undefined, () => {
+        this.forgetFar();
+        run();
+      }, { class: look });
+    const go = decide("Move there", () => this.move(targets), "s primary");
+    const leave = decide("Leave it", () => this.contains(document.activeElement) && document.activeElement.select?.()); // to be typed over
+    const trials = store.docks.simulation ? this.trials(() => targets) : [];
+    for (const each of trials) each.addEventListener("click", () => this.forgetFar(), true);
     // The field keeps the focus, and with it Enter, while one of the two is clicked.
-    for (const button of [go, leave]) button.addEventListener("mousedown", (event) => event.preventDefault());
-    this.far.replaceChildren(h("span", {}, `This moves ${ways.join(", ")}. The ghost shows where; the same again moves the robot.`), go, leave);
+    for (const each of [go, leave, ...trials]) each.addEventListener("mousedown", (event) => event.preventDefault());
+    this.far.replaceChildren(h("span", {}, `This moves ${ways.join(", ")}. The ghost shows where; the same again moves the robot.`), go, ...trials, leave);
     this.far.hidden = false;
     this.far.scrollIntoView({ block: "nearest" });
     showGhost(targets, "not sent yet");

@@ -1,5 +1,5 @@
 // Loading a controller: its type, and its parameters in fields or as YAML.
-import { h, show } from "../lib/dom.js";
+import { button as plainButton, h, line, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { fieldsOf, valuesOf } from "../lib/parameter_fields.js";
 import { refusals } from "../lib/refusals.js";
@@ -16,12 +16,7 @@ class LoadForm extends Panel {
     const fill = () => {
       const words = search.value.toLowerCase().split(/\s+/);
       const fits = store.docks.types.filter((type) => suitsRobot(type) && words.every((word) => type.toLowerCase().includes(word)));
-      list.replaceChildren(
-        ...fits.map((type) => {
-          const choice = h("button", { class: "type", type: "button", role: "option", onclick: () => this.chooseType(type) }, type);
-          return choice;
-        }),
-      );
+      list.replaceChildren(...fits.map((type) => plainButton(type, undefined, () => this.chooseType(type), { class: "type", role: "option" })));
       if (!fits.length) list.append(h("p", { class: "hint" }, `No type has “${search.value.trim()}” in its name. Try fewer words, e.g. position.`));
     };
     search.addEventListener("input", fill);
@@ -42,26 +37,17 @@ class LoadForm extends Panel {
     this.typeList.hidden = true;
     this.view = h("div", { class: "fields" });
     this.text = h("textarea", { rows: 8, value: example.yaml, spellcheck: false, ariaLabel: "Parameters in YAML" });
-    this.other = h("button", { class: "s", type: "button", onclick: () => this.changeView() });
+    this.other = plainButton("", undefined, () => this.changeView());
     this.fill(example.params);
     this.other.hidden = !this.inputs.length;
     this.showView(!this.inputs.length);
     const name = h("input", { value: example.name, ariaLabel: "Name of the controller" });
-    const button = (label, andStart) =>
-      h("button", { class: andStart ? "s primary" : "s", type: "button", onclick: () => this.load(name.value.trim(), type, andStart), disabled: !store.isOperator }, label);
-    const back = h("button", { class: "s", type: "button" }, "Back");
-    back.addEventListener("click", () => {
+    const button = (label, andStart) => plainButton(label, undefined, () => this.load(name.value.trim(), type, andStart), { class: andStart ? "s primary" : "s", disabled: !store.isOperator });
+    const back = plainButton("Back", undefined, () => {
       this.typeList.hidden = false;
       this.chosen.replaceChildren();
     });
-    const parts = [
-      h("p", {}, h("b", {}, type), " ", known?.description ?? ""),
-      this.armChoice(type, arm),
-      h("label", {}, "name", name),
-      this.view,
-      this.text,
-      h("div", { class: "line" }, button("Load", false), button("Load and start", true), this.other, back),
-    ];
+    const parts = [h("p", {}, h("b", {}, type), " ", known?.description ?? ""), this.armChoice(type, arm), h("label", {}, "name", name), this.view, this.text, line(button("Load", false), button("Load and start", true), this.other, back)];
     this.chosen.replaceChildren(...parts.filter(Boolean));
   }
 

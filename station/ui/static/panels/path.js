@@ -1,6 +1,7 @@
 // Waypoint paths: captured, edited and played at the station, so they outlive this page.
+import { Forecast } from "../lib/forecast.js";
 import { hideGhost, showGhost } from "../lib/ghost.js";
-import { h, offer, show } from "../lib/dom.js";
+import { button, h, line, offer, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { refusals } from "../lib/refusals.js";
 import { act, api, Refusal } from "../lib/station.js";
@@ -19,7 +20,6 @@ class Path extends Panel {
   build() {
     this.path = { name: "", waypoints: [] };
     this.list = h("ol", { class: "waypoints" });
-    const button = (label, title, run, look = "s") => h("button", { class: look, type: "button", title, onclick: run }, label);
     this.choice = h("select", { title: "Paths kept by the station.", ariaLabel: "Waypoint path", onchange: () => this.open(this.choice.value) });
     this.newName = h("input", { class: "name", placeholder: "new path", ariaLabel: "Name of a new path" });
     this.newName.addEventListener("keydown", (event) => event.key === "Enter" && this.make());
@@ -27,9 +27,11 @@ class Path extends Panel {
     this.newButton = button("New", "Begin a path of this name", () => this.make());
     this.deleteButton = button("Delete", "Delete the chosen path from the station", () => this.remove());
     this.captureButton = button("+ Capture", "Keep the present joints as the next waypoint", () => this.capture());
-    this.playButton = button("▶ Play", "Move through all waypoints in order", () => this.play(), "s primary");
+    this.playButton = button("▶ Play", "Move through all waypoints in order", () => this.play(), { class: "s primary" });
     this.previewButton = button("Preview", "Let a translucent robot pass the waypoints; the robot does not move", () => this.preview());
     this.previewButton.setAttribute("aria-pressed", "false");
+    this.forecast = new Forecast();
+    this.rehearseButton = button("Rehearse", "Try one round in a copy of the station: how it would end, and a ghost of it. Nothing moves.", () => this.forecast.rehearsePath(this.path, { speed: this.speed.value / 100 }));
     this.pauseButton = button("Pause", "Hold where the arm is; Resume goes on", () => this.change({ paused: this.playback.state === "playing" }));
     this.cancelButton = button("Cancel", "End the motion; the joints hold where they are", () => this.cancel());
     this.loop = button("Loop", "Begin again at the end, until it is switched off", () => this.setLoop());
@@ -41,14 +43,15 @@ class Path extends Panel {
     this.progress = h("progress", { max: 1, value: 0, hidden: true, ariaLabel: "Progress of the path" });
     this.state = h("p", { class: "hint state", role: "status" }, "Capture where the arm is, move it, capture again, then Play.");
     this.append(
-      h("div", { class: "line" }, this.choice, this.newName, this.newButton, this.deleteButton),
-      h("div", { class: "line" }, this.captureButton, this.previewButton, this.playButton, this.pauseButton, this.cancelButton, this.loop),
-      h("div", { class: "line" }, h("label", { class: "speed" }, "speed ", this.speed, this.speedText), this.progress),
+      line(this.choice, this.newName, this.newButton, this.deleteButton),
+      line(this.captureButton, this.previewButton, this.rehearseButton, this.playButton, this.pauseButton, this.cancelButton, this.loop),
+      line(h("label", { class: "speed" }, "speed ", this.speed, this.speedText), this.progress),
+      this.forecast.element,
       this.list,
       this.state,
     );
     this.showPlayback(null);
-    this.watch();
+    this.every(LOOK_MS, () => this.look());
     // Both hands are at the arm while it is guided: one key, wherever the focus is.
     addEventListener("keydown", ({ key, target, repeat }) => {
       const isFree = !repeat && !target.matches?.("input:not([type=range]), textarea, select");
@@ -137,7 +140,7 @@ class Path extends Panel {
     const { waypoints } = this.path;
     const prefix = sharedPrefix(Object.keys(point.positions));
     const changed = (change) => waypoints.map((other, j) => (j === i ? { ...other, ...change } : other));
-    const button = (label, title, run, disabled = false) => html`<button class="s" type="button" title=${title} aria-label="${title}: ${point.name}" ?disabled=${disabled || !store.isOperator} @click=${run}>${label}</button>`;
+    const tool = (label, title, run, disabled = false) => html`<button class="s" type="button" title=${title} aria-label="${title}: ${point.name}" ?disabled=${disabled || !store.isOperator} @click=${run}>${label}</button>`;
     // What was typed and refused is put back, so the field itself is compared.
     const field = (look, value, label, change) => html`<input class=${look} .value=${live(value)} aria-label=${label}
       @change=${({ target }) => { target.blur(); change(target); }} @keydown=${({ key, target }) => key === "Enter" && target.blur()}>`;
@@ -164,7 +167,7 @@ class Path extends Panel {
     const look = () => isFree() && showGhost(point.positions, `waypoint ${point.name}`);
     const leave = () => isFree() && hideGhost();
     return html`<li title=${title}>${name}${seconds} s
-      <span @pointerover=${look} @focusin=${look} @pointerout=${leave} @focusout=${leave}>${button("Go", "Move to this waypoint", () => this.play(i))}</span>${button("Set", "Replace by where the arm is now", set)}${button("↑", "Move up", swap(i - 1), i === 0)}${button("↓", "Move down", swap(i + 1), i === waypoints.length - 1)}${button("✕", "Remove", () => this.save(waypoints.filter((_, j) => j !== i)))}
+      <span @pointerover=${look} @focusin=${look} @pointerout=${leave} @focusout=${leave}>${tool("Go", "Move to this waypoint", () => this.play(i))}</span>${tool("Set", "Replace by where the arm is now", set)}${tool("↑", "Move up", swap(i - 1), i === 0)}${tool("↓", "Move down", swap(i + 1), i === waypoints.length - 1)}${tool("✕", "Remove", () => this.save(waypoints.filter((_, j) => j !== i)))}
     </li>`;
   }
 
@@ -228,19 +231,11 @@ class Path extends Panel {
     if (told) this.showPlayback(told);
   }
 
-  async watch() {
-    if (this.isShown && !document.hidden) {
-      try {
-        this.showPlayback((await api("GET", "/playback")).playback);
-        if (!(performance.now() - this.readAt < LIST_MS)) {
-          this.readAt = performance.now();
-          await this.read();
-        }
-      } catch {
-        // The strip says when the station is lost; the next look may reach it.
-      }
-    }
-    setTimeout(() => this.watch(), LOOK_MS);
+  async look() {
+    this.showPlayback((await api("GET", "/playback")).playback);
+    if (performance.now() - this.readAt < LIST_MS) return;
+    this.readAt = performance.now();
+    await this.read();
   }
 
   showPlayback(playback) {
@@ -251,6 +246,7 @@ class Path extends Panel {
     this.newButton.disabled = !store.isOperator || !this.newName.value.trim();
     this.deleteButton.disabled = !store.isOperator || !this.choice.value;
     this.playButton.disabled = !store.isOperator || !this.path.waypoints.length;
+    this.rehearseButton.disabled = this.playButton.disabled || !store.docks?.simulation;
     this.previewButton.disabled = !this.path.waypoints.length;
     show(this.pauseButton, playback?.state === "paused" ? "Resume" : "Pause");
     this.progress.hidden = !active;

@@ -2,7 +2,7 @@
 import "./replay_bar.js";
 import { described, numbersIn } from "../lib/channel_maths.js";
 import { Channels, sample, sources } from "../lib/channels.js";
-import { h, kept, show } from "../lib/dom.js";
+import { button, h, kept, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { History } from "../lib/history.js";
 import { layoutMenu, layoutOf } from "../lib/plot_layouts.js";
@@ -28,9 +28,8 @@ class Plots extends Panel {
     this.streamed = new Channels((key, time, value) => this.history(key).add(time, value));
     this.plots = [];
     this.paused = false;
-    this.pause = h("button", { class: "s", type: "button", title: "Hold the picture; the robot goes on.", onclick: () => this.setPaused(!this.paused) }, "Pause");
-    const add = h("button", { class: "s", type: "button" }, "+ plot");
-    add.addEventListener("click", () => {
+    this.pause = button("Pause", "Hold the picture; the robot goes on.", () => this.setPaused(!this.paused));
+    const add = button("+ plot", undefined, () => {
       this.addPlot([]);
       this.keep();
     });
@@ -208,7 +207,6 @@ class Plots extends Panel {
     const legend = h("div", { class: "legend", tabIndex: 0 }); // long names are scrolled to
     legend.setAttribute("role", "group");
     legend.setAttribute("aria-label", "Channels of the plot");
-    const button = (label, title, run) => h("button", { class: "s", type: "button", title, onclick: run }, label);
     const entry = { keys, legend, values: [], how };
     entry.plot = new Plot(canvas, { group: "plots", moved: () => this.tell(entry), chosen: (begin, end) => this.zoomTo(begin, end), zoomed: () => this.paused && this.zoomTo(entry.plot.end - entry.plot.span, entry.plot.end) });
     Object.assign(entry.plot, { xy, span });

@@ -1,6 +1,6 @@
 // The bar of an open recording over the plots: time, play, speed, comparison, notes, link.
 // Its `tools` belong beside the title of the dock.
-import { h, show } from "../lib/dom.js";
+import { button, h, line, show } from "../lib/dom.js";
 import { replay } from "../lib/replay.js";
 import { store } from "../lib/store.js";
 import { number } from "../lib/text.js";
@@ -13,7 +13,6 @@ class ReplayBar extends HTMLElement {
   connectedCallback() {
     if (this.slider) return;
     this.hidden = true;
-    const button = (label, title, run) => h("button", { class: "s", type: "button", title, onclick: run }, label);
     this.play = button("Play", "Let the ghost in the 3D view move as recorded; the robot does not move.", () => (replay.isPlaying ? replay.pause() : replay.play()));
     this.slider = h("input", { type: "range", min: 0, max: 1, step: 0.001, value: 0, ariaLabel: "Time of the replay", oninput: () => replay.seek(Number(this.slider.value)) });
     this.time = h("output", {});
@@ -38,7 +37,7 @@ class ReplayBar extends HTMLElement {
     this.play.disabled = !replay.isOpen;
     this.slider.max = replay.duration;
     this.slider.value = replay.time;
-    this.noteButton.disabled = !store.isOperator;
+    this.noteButton.disabled = !store.isOperator || replay.runs[0]?.kind === "experiments"; // a trial is no file
     show(this.play, replay.isPlaying ? "Pause" : "Play");
     show(this.time, replay.reading || `${number(replay.time, 2)} of ${number(replay.duration, 2)} s`);
   }

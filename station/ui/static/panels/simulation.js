@@ -1,20 +1,17 @@
 // Simulation: pause, step, speed, reset, pushes and faults, and where the objects of the
-// scene are; absent on a real robot.
-import { h, offer, show } from "../lib/dom.js";
+// scene are (their own panel); absent on a real robot.
+import "./scene_objects.js";
+import { button, h, line, offer, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { refusals } from "../lib/refusals.js";
-import { act, api } from "../lib/station.js";
+import { act } from "../lib/station.js";
 import { store } from "../lib/store.js";
 import { number, typed } from "../lib/text.js";
-import { html, render } from "../vendor/lit/lit-html.js";
-import { repeat } from "../vendor/lit/directives/repeat.js";
 
-const LOOK_MS = 500;
 const FAULTS = ["collision", "lost_packets", "delayed_cycle", "nan_sensor", "stuck_joint"];
 
 class Simulation extends Panel {
   build() {
-    const button = (label, title, run) => h("button", { class: "s", type: "button", title, onclick: run }, label);
     this.state = h("p", { class: "hint state" });
     this.done = h("p", { class: "hint", role: "status" });
     this.pause = button("Pause", "Simulated time stands still; stops and switches still work.", () => this.changePause());
@@ -37,30 +34,7 @@ class Simulation extends Panel {
       h("div", { class: "line arms" }, this.arm, button("Push hand", "Push the hand for 0.3 s.", () => this.push()), this.force, " N"),
       h("div", { class: "line arms" }, button("Inject fault", "For exercises: the arm reacts as to a real one.", () => this.inject()), this.fault, button("End faults", "End all faults and pushes.", () => act("DELETE", `/robots/${this.arm.value}/faults`)), button("User stop", "Press the user stop of the arm.", () => act("POST", `/robots/${this.arm.value}/user_stop`, { pressed: true }))),
     );
-    this.objects = h("tbody", {});
-    const heads = ["object", "x, y, z [m]", "kg"].map((text) => h("th", {}, text));
-    this.scene = h("table", { class: "objects", hidden: true }, h("thead", {}, h("tr", {}, ...heads)), this.objects);
-    this.append(this.controls, this.scene);
-    this.look();
-  }
-
-  /** Show where the objects are; Reset puts them back, and hands and pushes move them. */
-  async look() {
-    if (this.isShown && !document.hidden) {
-      try {
-        this.drawObjects((await api("GET", "/scene")).objects);
-      } catch {
-        // The strip says when the station is lost.
-      }
-    }
-    setTimeout(() => this.look(), LOOK_MS);
-  }
-
-  drawObjects(objects) {
-    this.scene.hidden = !objects.length;
-    const row = ({ name, type, size, position, mass }) =>
-      html`<tr><th scope="row" title="${type} ${size.join(" × ")}">${name}</th><td>${position.map((value) => number(value, 3)).join(", ")}</td><td>${mass ? number(mass, 2) : "fixed"}</td></tr>`;
-    render(repeat(objects, ({ name }) => name, row), this.objects);
+    this.append(this.controls, h("st-scene-objects"));
   }
 
   /** Say what was done; nothing when it was refused, which the log says. */

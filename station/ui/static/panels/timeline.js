@@ -1,9 +1,10 @@
 // Timeline: what happened, recordings and incidents, as far as the station offers them.
 import { alarmRows, alarms } from "../lib/alarms.js";
-import { h, show } from "../lib/dom.js";
+import { button, h, show } from "../lib/dom.js";
 import { deedOf } from "../lib/deeds.js";
 import { Panel } from "../lib/panel.js";
 import { replay } from "../lib/replay.js";
+import { refusals } from "../lib/refusals.js";
 import { act, api, follow } from "../lib/station.js";
 import { store } from "../lib/store.js";
 import { html, nothing, render } from "../vendor/lit/lit-html.js";
@@ -12,29 +13,30 @@ import { repeat } from "../vendor/lit/directives/repeat.js";
 const LOOK_MS = 2000;
 const SHOWN = 60;
 const KEPT = 500;
+const MOST_UPLOADED = 500e6; // as the station takes [bytes]
 const SOURCES = [
   { id: "events", title: "Events" },
   { id: "alarms", title: "Alarms" },
   { id: "recordings", title: "Recordings" },
   { id: "incidents", title: "Incidents" },
+  { id: "experiments", title: "Experiments" },
 ];
 
 class Timeline extends Panel {
   build() {
     this.chosen = "events";
-    this.buttons = SOURCES.map((source) => {
-      const button = h("button", { class: "s", type: "button", onclick: () => this.choose(source.id) }, source.title);
-      button.dataset.id = source.id;
-      return button;
-    });
-    this.record = h("button", { class: "s", type: "button", hidden: true, onclick: () => this.toggleRecording() }, "Record");
+    this.buttons = SOURCES.map(({ id, title }) => button(title, undefined, () => this.choose(id), { data: { id } }));
+    this.record = button("Record", "Record every cycle, until it is clicked again.", () => this.toggleRecording());
+    this.file = h("input", { type: "file", accept: ".mcap", hidden: true, onchange: () => this.upload(this.file.files[0]) });
+    this.uploadButton = button("Upload …", "Keep the .mcap file of this station or another one among the recordings.", () => this.file.click());
+    this.fileTools = h("span", { class: "file-tools", hidden: true }, this.record, this.uploadButton, this.file);
     this.list = h("div", { class: "log", tabIndex: 0, ariaLabel: "What happened" });
-    this.append(h("div", { class: "tabs" }, ...this.buttons, this.record), this.list);
+    this.append(h("div", { class: "tabs" }, ...this.buttons, this.fileTools), this.list);
     replay.addEventListener("runs", () => this.ask());
     alarms.addEventListener("change", () => this.chosen === "alarms" && this.drawAlarms());
     this.events = new Map(); // by number: a frame may come twice after a reconnection
     this.choose("events");
-    this.look();
+    this.every(LOOK_MS, () => this.ask());
     follow("events", "rate=10", (frame) => this.hear([frame.data]));
   }
 
@@ -56,11 +58,6 @@ class Timeline extends Panel {
     this.ask();
   }
 
-  async look() {
-    if (this.isShown && !document.hidden) await this.ask();
-    setTimeout(() => this.look(), LOOK_MS);
-  }
-
   drawAlarms() {
     render(alarmRows(), this.list);
   }
@@ -72,20 +69,17 @@ class Timeline extends Panel {
 
   async ask() {
     const id = this.chosen;
-    if (id === "alarms") {
-      this.record.hidden = true;
-      return this.drawAlarms();
-    }
+    this.fileTools.hidden = id !== "recordings" || !store.isOperator;
+    if (id === "alarms") return this.drawAlarms();
     try {
       const path = id === "events" ? `/events?limit=${SHOWN}` : `/${id}`;
       const told = await api("GET", path, undefined, { Accept: "application/json" });
       if (id !== this.chosen) return;
-      this.record.hidden = id !== "recordings" || !store.isOperator;
       if (id === "events") this.hear(told.events);
+      else if (id === "experiments") this.draw(told.experiments.map((one) => ({ ...one, identifier: one.name, started_at: one.created_at })).sort((a, b) => a.started_at.localeCompare(b.started_at)));
       else this.draw(told.recordings);
     } catch (error) {
       if (id !== this.chosen || error.status === 0 || error.status >= 500) return; // The strip says so.
-      this.record.hidden = true;
       this.tell(`${error.detail} ${error.remedy}`);
     }
   }
@@ -111,20 +105,48 @@ class Timeline extends Panel {
       return row(html`${who}<span>${sign}${deed}${since}</span>`);
     }
     const name = item.identifier;
+    if (this.chosen === "experiments") {
+      const failed = item.failed ? `${item.failed} failed` : "";
+      const what = [name, item.kind, item.controller, item.state, `${item.ended} of ${item.trials} trials`, failed, item.reason].filter(Boolean).join(" · ");
+      return row(html`<span>${what} </span>${item.ended ? this.openers(name, "Open the best trial in the plots, and that at the start over it; as a ghost in the 3D view.") : nothing}`);
+    }
     const size = `${(item.size / 1e6).toFixed(1)} MB, ${item.duration.toFixed(1)} s`;
     const lost = item.lost ? `${item.lost} cycles lost` : "";
-    const what = [item.name || name, item.state, size, lost, ...(item.causes ?? []), item.error].filter(Boolean).join(" · ");
+    const what = [item.name || name, item.is_uploaded ? "uploaded" : item.state, size, lost, ...(item.causes ?? []), item.error].filter(Boolean).join(" · ");
     // The file is whole once the recording has ended; until then there is nothing to load.
     if (item.state === "recording") return row(html`<span>${what}</span>`);
     const file = `/api/v1/${this.chosen}/${encodeURIComponent(name)}/file`;
-    return row(html`<span>${what} </span><a href=${file} download="${name}.mcap">download</a>
-      <button class="s" type="button" title="Open it in the plots, and as a ghost in the 3D view." aria-label="Replay ${name}" @click=${() => this.open(name, false)}>Replay</button>
-      ${replay.isOpen && replay.runs[0].id !== name ? html`<button class="s" type="button" title="Lay it over the recording that is open." aria-label="Compare with ${name}" @click=${() => this.open(name, true)}>Compare</button>` : nothing}`);
+    return row(html`<span>${what} </span><a href=${file} download="${name}.mcap">download</a> ${this.openers(name, "Open it in the plots, and as a ghost in the 3D view.")}`);
   }
 
-  open(id, isOther) {
+  /** The buttons that open a recording or a trial in the plots. */
+  openers(name, title) {
+    return html`<button class="s" type="button" title=${title} aria-label="Replay ${name}" @click=${() => this.open(name, false)}>Replay</button>
+      ${replay.isOpen && replay.runs[0].id.split(":")[0] !== name ? html`<button class="s" type="button" title="Lay it over the recording that is open." aria-label="Compare with ${name}" @click=${() => this.open(name, true)}>Compare</button>` : nothing}`;
+  }
+
+  async open(name, isOther) {
     window.dispatchEvent(new CustomEvent("show-dock", { detail: "plots" }));
-    return replay.open({ kind: this.chosen, id, isOther });
+    const kind = this.chosen;
+    if (kind !== "experiments") return replay.open({ kind, id: name, isOther });
+    const best = await replay.open({ kind, id: `${name}:best`, isOther });
+    return best && !isOther && best.id.endsWith(":best") && replay.open({ kind, id: `${name}:first`, isOther: true });
+  }
+
+  /** Send a file to the station, which says why when it is none. */
+  async upload(file) {
+    this.file.value = "";
+    if (!file) return;
+    const size = Math.ceil(file.size / 1e6);
+    if (file.size > MOST_UPLOADED) return refusals.add({ code: "body_too_large", detail: `${file.name} has ${size} MB; ${MOST_UPLOADED / 1e6} MB are taken at most.`, remedy: "Record less at a time." });
+    // Without the time that the station which recorded it put before the name.
+    const name = file.name.replace(/\.mcap$/i, "").replace(/^\d{8}T\d{9}-?/, "").replace(/^[^A-Za-z0-9_]+/, "").replace(/[^A-Za-z0-9_.-]+/g, "_").slice(0, 80);
+    this.uploadButton.disabled = true;
+    show(this.uploadButton, `Uploading ${size} MB …`);
+    await act("POST", `/recordings/upload?${new URLSearchParams({ name })}`, file);
+    this.uploadButton.disabled = false;
+    show(this.uploadButton, "Upload …");
+    await this.ask();
   }
 
   async toggleRecording() {

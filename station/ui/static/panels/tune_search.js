@@ -1,6 +1,6 @@
 // "Tune for me": a search for better gains in a simulated copy of the station, its
 // progress and its best so far; nothing is applied before a person has seen the change.
-import { h, show } from "../lib/dom.js";
+import { button, field, h, line, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { History } from "../lib/history.js";
 import { Plot } from "../lib/plot.js";
@@ -20,20 +20,11 @@ const SHOWN = [
 
 class TuneSearch extends Panel {
   build() {
-    const button = (label, title, run, look = "s") => h("button", { class: look, type: "button", title, onclick: run }, label);
-    const field = (label, value, unit) => {
-      const input = h("input", { class: "value", value, inputMode: "decimal", ariaLabel: `${label} of the search [${unit}]` });
-      return [input, h("label", {}, `${label} `, input, ` ${unit}`)];
-    };
-    const [trials, trialsLabel] = field("trials", "40", "");
-    const [size, sizeLabel] = field("step", "0.1", "rad");
-    const [seconds, secondsLabel] = field("for", "1", "s");
-    this.inputs = { trials, size, seconds };
-    trials.setAttribute("aria-label", "Number of trials of the search");
-    this.startButton = button("Tune for me", "Search better gains of the chosen joint in a simulated copy of this station; the robot does not move", () => this.start(), "s primary");
+    this.fields = { trials: field("trials", "40", "", "Number of trials of the search"), size: field("step", "0.1", "rad", "step of the search [rad]"), seconds: field("for", "1", "s", "for of the search [s]") };
+    this.startButton = button("Tune for me", "Search better gains of the chosen joint in a simulated copy of this station; the robot does not move", () => this.start(), { class: "s primary" });
     this.cancelButton = button("Cancel search", "End the search; the best so far stays", () => this.act("cancel"));
     this.previewButton = button("Preview gains …", "Show which gains would change", () => this.preview());
-    this.applyButton = button("Apply these", "Put the shown gains into force in one cycle; Undo takes them back", () => this.apply(), "s primary");
+    this.applyButton = button("Apply these", "Put the shown gains into force in one cycle; Undo takes them back", () => this.apply(), { class: "s primary" });
     this.progress = h("progress", { max: 1, value: 0, ariaLabel: "Progress of the search" });
     this.state = h("p", { class: "hint state", role: "status" }, "");
     this.diff = h("p", { class: "hint" });
@@ -43,22 +34,22 @@ class TuneSearch extends Panel {
     const heads = ["", "at the start", "best so far"].map((text) => h("th", {}, text));
     this.results = h("div", { hidden: true }, chart, h("table", { class: "metrics" }, h("thead", {}, h("tr", {}, ...heads)), this.rows));
     this.append(
-      h("div", { class: "line" }, h("b", {}, "Search"), trialsLabel, sizeLabel, secondsLabel, this.startButton, this.cancelButton),
+      line(h("b", {}, "Search"), ...Object.values(this.fields).map(({ label }) => label), this.startButton, this.cancelButton),
       this.progress,
       this.state,
       this.results,
-      h("div", { class: "line" }, this.previewButton, this.applyButton),
+      line(this.previewButton, this.applyButton),
       this.diff,
     );
     this.name = "";
     this.show(null);
     setInterval(() => this.isShown && !this.results.hidden && this.plot.draw(this.plot.end), 250);
-    this.watch();
+    this.every(LOOK_MS, () => this.look());
   }
 
   async start() {
     const { controller, joint } = this.tuning.chosen;
-    const [trials, size, seconds] = ["trials", "size", "seconds"].map((key) => typed(this.inputs[key].value));
+    const [trials, size, seconds] = ["trials", "size", "seconds"].map((key) => typed(this.fields[key].input.value));
     if ([trials, size, seconds].includes(null)) return refusals.add({ code: "not_a_number", detail: "Type trials, step and seconds as numbers." });
     this.startButton.disabled = true;
     show(this.state, "Starting a process for the trials …");
@@ -86,18 +77,13 @@ class TuneSearch extends Panel {
     if (told) this.show(told);
   }
 
-  async watch() {
-    if (this.isShown && !document.hidden && (!this.shown || this.shown.state === "running")) {
-      try {
-        if (!this.name) this.name = await newest();
-        if (this.name) this.show(await api("GET", this.url));
-        else this.shown = undefined;
-      } catch (error) {
-        // The strip says when the station is lost; an experiment that was deleted is none.
-        if (error.status === 404) this.name = "";
-      }
-    }
-    setTimeout(() => this.watch(), LOOK_MS);
+  async look() {
+    if (this.shown && this.shown.state !== "running") return;
+    this.name ||= await newest();
+    // An experiment that was deleted is none.
+    const told = this.name && (await api("GET", this.url).catch((error) => error.status === 404 && (this.name = "")));
+    if (told) this.show(told);
+    else this.shown = undefined;
   }
 
   refresh() {

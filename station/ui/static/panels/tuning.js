@@ -2,7 +2,7 @@
 import "./bench.js";
 import "./gain_sets.js";
 import "./tune_search.js";
-import { h, offer, show } from "../lib/dom.js";
+import { button, h, line, offer, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { refusals } from "../lib/refusals.js";
 import { act, api, Refusal } from "../lib/station.js";
@@ -18,12 +18,8 @@ class Tuning extends Panel {
       this.bench.choose();
       this.bench.drawProposals();
     });
-    this.undo = h("button", { class: "s", type: "button", title: "Take the last change of gains back." }, "Undo");
-    this.undo.addEventListener("click", async () => {
-      await act("POST", "/gain-sets/undo");
-      this.reread();
-    });
-    this.apply = h("button", { class: "s primary", type: "button", title: "All changed values take effect in the same cycle.", onclick: () => this.patch() }, "Apply");
+    this.undo = button("Undo", "Take the last change of gains back.", () => act("POST", "/gain-sets/undo").then(() => this.reread()));
+    this.apply = button("Apply", "All changed values take effect in the same cycle.", () => this.patch(), { class: "s primary" });
     this.fields = h("div", { class: "gains", oninput: () => this.showApply() });
     this.state = h("p", { class: "hint state" }, "");
     this.sets = h("st-gain-sets");
@@ -31,14 +27,7 @@ class Tuning extends Panel {
     this.bench.tuning = this;
     this.search = h("st-tune-search");
     this.search.tuning = this;
-    this.append(
-      h("div", { class: "line" }, this.choice, this.joint, this.apply, this.undo),
-      this.fields,
-      this.state,
-      this.sets,
-      this.bench,
-      this.search,
-    );
+    this.append(line(this.choice, this.joint, this.apply, this.undo), this.fields, this.state, this.sets, this.bench, this.search);
     // Gains are changed by scripts and other pages, too, and are others after a restart.
     store.addEventListener("gains", () => {
       if (!this.isShown) return (this.names = null); // read when the dock is opened

@@ -1,7 +1,7 @@
 """The commanded pose."""
 
-from station.ui.scene.layers.commanded_layer import CommandedLayer
 from station.ui.scene.layers.layer import SceneFacts
+from station.ui.scene.layers.robot_layers import CommandedLayer
 
 
 def _facts(apart):

@@ -4,8 +4,8 @@ import pytest
 
 from station.core.description.urdf import Pose
 from station.ui.link.station_view import ArmFacts
-from station.ui.scene.layers.frames_layer import FramesLayer
 from station.ui.scene.layers.layer import SceneFacts
+from station.ui.scene.layers.robot_layers import FramesLayer
 
 TOOL = Pose((0.0, 0.0, 0.1034))
 

@@ -3,7 +3,7 @@
 import pytest
 
 from station.ui.scene.layers.layer import SceneFacts
-from station.ui.scene.layers.limits_layer import LimitsLayer, nearness
+from station.ui.scene.layers.robot_layers import LimitsLayer, nearness
 
 LIMITS = {"panda_joint4": (-3.0, 0.0), "panda_finger_joint1": (0.0, 0.04)}
 LINK = "/robot/panda_link0/panda_link1/panda_link2/panda_link3/panda_link4"

@@ -3,7 +3,7 @@
 import pytest
 
 from station.ui.scene.layers.layer import SceneFacts
-from station.ui.scene.layers.trail_layer import TrailLayer, Trails
+from station.ui.scene.layers.robot_layers import TrailLayer, Trails
 
 
 def test_a_trail_grows_with_the_way_of_the_flange(panda):

@@ -121,6 +121,11 @@ class FciGuest(_Guest[RobotSession]):
         """Return whether a motion of the client runs."""
         return self._session is not None and self._session.is_moving
 
+    @property
+    def is_answering(self) -> bool:
+        """Return whether the client owes a command to every cycle of the arm."""
+        return self._session is not None and self._session.is_answering
+
     def take_reason(self) -> str:
         """Return the reason for the last refusal once; empty if there is none."""
         return "" if self._session is None else self._session.take_reason()
@@ -194,6 +199,8 @@ class GuestReading:
     Args:
         guest: The guest of the arm.
         read: Reads the robot.
+        wait: Lets the arm wait for a late loop, or not: for cycles that it makes up
+            for, a client has got no state, and so has no command.
         hand: The guest of the hand; None without a hand.
     """
 
@@ -201,14 +208,16 @@ class GuestReading:
         self,
         guest: FciGuest,
         read: Callable[[float, float], None],
+        wait: Callable[[bool], None],
         hand: HandGuest | None = None,
     ) -> None:
-        self._guest, self._hand, self._read = guest, hand, read
+        self._guest, self._hand, self._read, self._wait = guest, hand, read, wait
 
     def read(self, time: float, period: float) -> None:
         """Read the robot; see `RobotHW.read`."""
         self._guest.before_read()
         self._read(time, period)
         self._guest.after_read()
+        self._wait(self._guest.is_answering)
         if self._hand is not None:
             self._hand.after_read()

@@ -39,7 +39,8 @@ class BesideNetwork:
             is_commanded=lambda: self.hw.is_commanded,
             may_move=lambda: self.may_move,
         )
-        self._reading = GuestReading(self.guest, self.hw.read)
+        self.waits = []
+        self._reading = GuestReading(self.guest, self.hw.read, self.waits.append)
         self._answers = bytearray()
         self.guest.open()
 
@@ -99,6 +100,17 @@ def test_client_moves_an_arm_that_no_controller_commands(network, client):
     client.read_once()
     assert client.state.robot_mode is RobotMode.IDLE
     assert not client.failure()
+
+
+def test_arm_waits_for_a_late_loop_while_a_client_owes_commands(network, client):
+    client.start_motion(JOINT, POSITION)
+    client.read_once()
+    assert not any(network.waits)  # the first command may come whenever it does
+    move(client)
+    assert network.waits[-1]
+    client.stop_motion()
+    client.read_once()
+    assert not network.waits[-1]
 
 
 def test_switch_is_refused_while_a_client_moves(network, client):
@@ -212,7 +224,7 @@ def hand(network):
         SharedPage(memory),
         may_move=lambda: network.may_move,
     )
-    network._reading = GuestReading(network.guest, network.hw.read, guest)
+    network._reading = GuestReading(network.guest, network.hw.read, bool, guest)
     guest.open()
     assert ask(guest, GripperCommand.CONNECT, version=3, udp_port=1) == [0]
     return guest, SharedPage(memory)

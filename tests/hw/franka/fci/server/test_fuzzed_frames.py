@@ -1,13 +1,15 @@
 """Whatever a client sends, the server serves the next one and the arm keeps its limits.
 
 A frame is a request, a command or noise: fields with numbers of all kinds, wrong sizes,
-flipped bits, the end of one frame before another. They go over the real sockets, and
-the server makes a cycle of a simulated arm after each.
+flipped bits, the end of one frame before another. A sample goes over real sockets to
+the server; the long run gives the same frames to the session of a client, which is what
+reads them. A simulated arm makes its cycles meanwhile.
 """
 
 import os
 import random
 import socket
+from collections import Counter
 from contextlib import suppress
 from itertools import count
 
@@ -17,6 +19,8 @@ from station.core.description.robot_files import load_robot_files
 from station.core.franka import RobotMode
 from station.hw.franka.arm.franka_kinematics import IDENTITY
 from station.hw.franka.fci.server.fci_server import FciServer, FciSettings
+from station.hw.franka.fci.server.robot_session import RobotSession
+from station.hw.franka.fci.wire.messages import FciProtocolError
 from station.hw.franka.fci.wire.robot_protocol import (
     HEADER,
     PROTOCOLS,
@@ -44,29 +48,27 @@ SETTINGS = {
         for phase in ("acceleration", "nominal")
     },
 }
+_RECOVERY = RobotMode.AUTOMATIC_ERROR_RECOVERY
 FRAMES = int(os.environ.get("FUZZED_FRAMES", "5000"))
 """Frames of each version in the long run."""
 
 
-class Fuzzer:
-    """A client of one version that sends what no client should.
+class Sockets:
+    """A server whose clients come over the network, in the thread of the test.
 
     Args:
-        version: The version that it connects with.
-        seed: Where its random numbers begin.
+        arm: The arm.
+        protocol: The version that is spoken.
     """
 
-    def __init__(self, version, seed):
-        self.protocol = PROTOCOLS[version]
-        self.random = random.Random(seed)
-        description = load_robot_files("example-robot-data:panda")
-        self.arm = simulate([ArmPlacement("panda", description)]).arms["panda"]
+    def __init__(self, arm, protocol):
+        self.protocol = protocol
         # A clock that is always late: the server polls once, and makes its cycle.
         seconds = count()
         self.server = FciServer(
-            self.arm,
+            arm,
             None,
-            FciSettings(HOST, protocols=[self.protocol]),
+            FciSettings(HOST, protocols=[protocol]),
             lambda _architecture, _system: b"library",
             lambda: float(next(seconds)),
             robot_model="<robot/>",
@@ -77,7 +79,10 @@ class Fuzzer:
         self.tcp = None
         self.server_address = None
         self.message_id = 0
-        self.moved = set()
+
+    @property
+    def is_connected(self):
+        return self.tcp is not None
 
     def close(self):
         self.server.close()
@@ -85,55 +90,37 @@ class Fuzzer:
         if self.tcp is not None:
             self.tcp.close()
 
-    def cycle(self, cycles=1):
-        """Let the server run, and look whether the arm is within its limits."""
+    def run(self, cycles):
         left = iter(range(cycles))
         self.server.run(lambda: next(left, None) is None)
-        state, limits = self.arm.state, self.arm.limits
-        for i in range(7):
-            assert limits.lower[i] - POSITION_ROOM < state.theta[i]
-            assert state.theta[i] < limits.upper[i] + POSITION_ROOM
-            assert abs(state.dtheta[i]) < VELOCITY_ROOM * limits.velocity[i]
-        if state.robot_mode is RobotMode.MOVE:
-            self.moved.add(self.arm._modes.generator)
+        self.hear()
 
     def connect(self):
-        """Connect as a client should; return the answer."""
+        """Connect as a client should; return the bytes of the answer."""
         if self.tcp is not None:
             self.tcp.close()
-            self.cycle(2)
+            self.tcp = None
+            self.run(2)
         self.tcp = socket.create_connection((HOST, self.protocol.port), timeout=5.0)
-        port = self.udp.getsockname()[1]
-        values = {"version": self.protocol.version, "udp_port": port}
-        self.tcp.sendall(request(Command.CONNECT, 1, values, self.protocol))
-        self.cycle(3)
-        found = answers(self.tcp.recv(100), self.protocol)
+        left = iter(range(3))
+        self.tcp.sendall(connection(self.protocol, self.udp.getsockname()[1]))
+        self.server.run(lambda: next(left, None) is None)
+        data = self.tcp.recv(100)
         self.tcp.settimeout(0.0)
-        return found
-
-    def fuzz(self, frames):
-        """Send frames."""
-        draw = self.random
-        for _ in range(frames):
-            if self.tcp is None:
-                self.connect()
-            is_moving = self.arm.state.robot_mode is RobotMode.MOVE
-            over_udp = draw.random() < (0.9 if is_moving else 0.1)
-            if over_udp and self.server_address is not None:
-                self.udp.sendto(self.datagram(), self.server_address)
-            else:
-                self.send(self.message())
-            self.cycle(draw.choice((1, 1, 1, 5)))
-            self.hear()
+        return data
 
     def send(self, data):
-        """Send bytes over TCP; a server that hung up is connected to again."""
+        """Send bytes over TCP; a server that has hung up is noticed."""
         with suppress(BlockingIOError):
             try:
                 self.tcp.sendall(data)
             except (BrokenPipeError, ConnectionResetError):
                 self.tcp.close()
                 self.tcp = None
+
+    def send_datagram(self, data):
+        if self.server_address is not None:
+            self.udp.sendto(data, self.server_address)
 
     def hear(self):
         """Take what has come."""
@@ -151,6 +138,105 @@ class Fuzzer:
             if not data:
                 self.tcp.close()
                 self.tcp = None
+
+
+class Session:
+    """The server's side of a client without sockets; as `Sockets`."""
+
+    def __init__(self, arm, protocol):
+        self.arm, self.protocol = arm, protocol
+        self.session = None
+        self.message_id = 0
+
+    @property
+    def is_connected(self):
+        return self.session is not None
+
+    def close(self):
+        if self.session is not None:
+            self.session.close()
+            self.session = None
+
+    def run(self, cycles):
+        for _ in range(cycles):
+            self.message_id += 1
+            if self.session is None:
+                self.arm.read_once()
+                continue
+            self.session.before_cycle()
+            self.arm.read_once()
+            self.arm.refresh_state()
+            self.session.after_cycle()
+            self.session.state(self.message_id)
+
+    def connect(self):
+        self.close()
+        self.session = RobotSession(
+            self.arm,
+            lambda _architecture, _system: b"library",
+            [self.protocol],
+            robot_model="<robot/>",
+        )
+        return self.session.receive(connection(self.protocol, 4711))
+
+    def send(self, data):
+        try:
+            self.session.receive(data)
+        except FciProtocolError:
+            self.close()
+
+    def send_datagram(self, data):
+        self.session.receive_command(data)
+
+
+def connection(protocol, udp_port):
+    """Return the request with which a client connects."""
+    values = {"version": protocol.version, "udp_port": udp_port}
+    return request(Command.CONNECT, 1, values, protocol)
+
+
+class Fuzzer:
+    """A client of one version that sends what no client should.
+
+    Args:
+        version: The version that it connects with.
+        seed: Where its random numbers begin.
+        kind: How its frames reach the server: `Sockets` or `Session`.
+    """
+
+    def __init__(self, version, seed, kind):
+        self.protocol = PROTOCOLS[version]
+        self.random = random.Random(seed)
+        description = load_robot_files("example-robot-data:panda")
+        self.arm = simulate([ArmPlacement("panda", description)]).arms["panda"]
+        self.peer = kind(self.arm, self.protocol)
+        self.moved = Counter()
+
+    def cycle(self, cycles=1):
+        """Let the server run, and look whether the arm is within its limits."""
+        self.peer.run(cycles)
+        state, limits = self.arm.state, self.arm.limits
+        for i in range(7):
+            assert limits.lower[i] - POSITION_ROOM < state.theta[i]
+            assert state.theta[i] < limits.upper[i] + POSITION_ROOM
+            assert abs(state.dtheta[i]) < VELOCITY_ROOM * limits.velocity[i]
+        if state.robot_mode is RobotMode.MOVE:
+            self.moved[self.arm._modes.generator] += 1
+
+    def fuzz(self, frames):
+        """Send frames."""
+        draw, peer = self.random, self.peer
+        for _ in range(frames):
+            if not peer.is_connected:
+                peer.connect()
+            is_moving = self.arm.state.robot_mode is RobotMode.MOVE
+            if draw.random() < (0.9 if is_moving else 0.1):
+                peer.send_datagram(self.datagram())
+            else:
+                peer.send(self.message())
+            # A recovery lasts up to 500 cycles, and is no motion.
+            is_recovering = self.arm.state.robot_mode is _RECOVERY
+            self.cycle(20 if is_recovering else draw.choice((1, 1, 1, 5)))
 
     def message(self):
         """Return a request that may be anything."""
@@ -192,7 +278,7 @@ class Fuzzer:
         """Return a command, or something of its kind."""
         draw, layout, state = self.random, self.protocol.command, self.arm.state
         values = self.values(layout)
-        values["message_id"] = self.message_id + draw.choice((0, 0, 0, 1, -3, 10))
+        values["message_id"] = self.peer.message_id + draw.choice((0, 0, 0, 1, -3, 10))
         values["message_id"] = max(0, values["message_id"])
         if draw.random() < 0.7:  # most motions shall begin
             values |= {
@@ -238,33 +324,35 @@ class Fuzzer:
         return data
 
 
-def survive(version, frames):
+def survive(version, frames, kind):
     """Fuzz, and then do what a client should do."""
-    fuzzer = Fuzzer(version, seed=1000 + version)
+    fuzzer = Fuzzer(version, 1000 + version, kind)
+    peer = fuzzer.peer
     try:
         fuzzer.fuzz(frames)
-        assert fuzzer.connect()[0][2]["status"] == 0
+        answer = answers(peer.connect(), fuzzer.protocol)
+        assert answer[0][2]["status"] == 0
         # With thresholds and a load of chance the arm would err at rest.
         for command, values in SETTINGS.items():
-            fuzzer.send(request(command, 2, values, fuzzer.protocol))
-        recovery = Command.AUTOMATIC_ERROR_RECOVERY
-        fuzzer.send(request(recovery, 2, {}, fuzzer.protocol))
+            peer.send(request(command, 2, values, fuzzer.protocol))
+        peer.send(request(Command.AUTOMATIC_ERROR_RECOVERY, 2, {}, fuzzer.protocol))
         fuzzer.cycle(1000)
         assert fuzzer.arm.state.robot_mode is RobotMode.IDLE
-        fuzzer.send(request(Command.MOVE, 3, {}, fuzzer.protocol))
+        peer.send(request(Command.MOVE, 3, {}, fuzzer.protocol))
         fuzzer.cycle(2)
         assert fuzzer.arm.state.robot_mode is RobotMode.MOVE
         assert len(fuzzer.moved) >= 2  # it was not refused all the time
     finally:
-        fuzzer.close()
+        peer.close()
+    return fuzzer
 
 
 @pytest.mark.parametrize("version", PROTOCOLS)
-def test_a_thousand_frames_end_nothing(version):
-    survive(version, 1000)
+def test_a_thousand_frames_over_sockets_end_nothing(version):
+    survive(version, 1000, Sockets)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("version", PROTOCOLS)
 def test_a_long_run_of_frames_ends_nothing(version):
-    survive(version, FRAMES)
+    survive(version, FRAMES, Session)

@@ -1,4 +1,4 @@
-"""Addresses and web pages that may talk to the station.
+"""Addresses and web pages that may talk to a server of the station.
 
 A web page elsewhere must not drive a robot on this machine: neither by a request of
 its own (the Origin tells) nor under a name that its DNS server points here (the Host
@@ -10,40 +10,12 @@ from collections.abc import Iterable
 from ipaddress import ip_address
 from urllib.parse import urlsplit
 
-from station.web.request_id import HEADER as REQUEST_ID_HEADER
-from station.wire.protocol import (
-    CLOCK_HEADER,
-    KEY_HEADER,
-    LEASE_HEADER,
-    NOT_AFTER_HEADER,
-    REHEARSAL_HEADER,
-    REPLAYED_HEADER,
-)
-
-METHODS = ("GET", "HEAD", "POST", "PUT", "PATCH", "DELETE")
-"""Methods that pages of an allowed origin may use."""
-REQUEST_HEADERS = (
-    "Authorization",
-    "Content-Type",
-    KEY_HEADER,
-    "If-Match",
-    "If-None-Match",
-    "Last-Event-ID",
-    LEASE_HEADER,
-    NOT_AFTER_HEADER,
-    REQUEST_ID_HEADER,
-)
-"""Headers that they may send. They have no cookie: they show a token."""
-ANSWER_HEADERS = (
-    "ETag", REPLAYED_HEADER, REQUEST_ID_HEADER, CLOCK_HEADER, REHEARSAL_HEADER
-)  # fmt: skip
-"""Headers that they may read."""
 _HOST = re.compile(r"(?P<name>\[[0-9a-f:.]+\]|[a-z0-9._-]+)(:\d{1,5})?", re.ASCII)
 
 
 def _is_numeric(name: str) -> bool:
     try:
-        ip_address(name.strip("[]"))
+        ip_address(name)
     except ValueError:
         return False
     return True
@@ -53,12 +25,24 @@ class HostPolicy:
     """Judges Host and Origin headers.
 
     Args:
-        hosts: Names under which the station is reached, besides localhost and
+        hosts: Names under which the server is reached, besides localhost and
             numeric addresses.
-        origins: Origins of web pages that may use the API, besides its own.
+        origins: Origins of web pages that may use it, besides its own.
+        any_address: Whether every numeric address is allowed.
+        programs: Whether a request without Origin is allowed: it comes from a program,
+            or from a page that reads from its own server.
     """
 
-    def __init__(self, hosts: Iterable[str] = (), origins: Iterable[str] = ()) -> None:
+    def __init__(
+        self,
+        hosts: Iterable[str] = (),
+        origins: Iterable[str] = (),
+        *,
+        any_address: bool = True,
+        programs: bool = True,
+    ) -> None:
+        self._any_address = any_address
+        self._programs = programs
         self.hosts = {"localhost", *(host.lower() for host in hosts)}
         self.origins = {origin.lower().rstrip("/") for origin in origins}
 
@@ -67,16 +51,13 @@ class HostPolicy:
         match = _HOST.fullmatch((host or "").lower())
         if match is None:
             return False
-        name = match["name"]
-        return name in self.hosts or _is_numeric(name)
+        name = match["name"].strip("[]")
+        return name in self.hosts or (self._any_address and _is_numeric(name))
 
     def allows_origin(self, origin: str | None, host: str | None) -> bool:
-        """Return whether a page of `origin` may use the station at `host`.
-
-        A request without Origin comes from a program, not from a web page.
-        """
+        """Return whether a page of `origin` may use the server at `host`."""
         if origin is None:
-            return True
+            return self._programs
         if origin.lower().rstrip("/") in self.origins:
             return True
         try:

@@ -1,6 +1,11 @@
-"""The errors of a route, as the OpenAPI document describes them."""
+"""Routes: for whom they are, and their errors as the OpenAPI document has them."""
 
 from typing import Any
+
+from fastapi import APIRouter
+
+from station.api.dependencies import Operator, Viewer
+from station.api.json_route import JsonRoute
 
 MEANINGS = {
     401: "No token or session that the station knows.",
@@ -14,9 +19,23 @@ MEANINGS = {
     423: "The station is stopped, or somebody else holds control.",
     426: "This is a WebSocket.",
     428: "The motion has to be rehearsed first.",
+    429: "Too many of them; the detail says when the next one is possible.",
     503: "The control loop does not run, or the station cannot be copied.",
     504: "The switch missed its deadline and was withdrawn.",
 }
+
+
+def routes_of(
+    tag: str, prefix: str = "", kind: type[JsonRoute] = JsonRoute
+) -> APIRouter:
+    """Return a router for routes that need the viewer role at least.
+
+    Args:
+        tag: Tag of the routes in the OpenAPI document.
+        prefix: Beginning of their paths.
+        kind: Kind of the routes.
+    """
+    return APIRouter(prefix=prefix, tags=[tag], dependencies=[Viewer], route_class=kind)
 
 
 def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
@@ -29,3 +48,8 @@ def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
         status: {"description": MEANINGS[status]}
         for status in sorted({401, 403, *statuses, *with_body})
     }
+
+
+def change(*statuses: int) -> dict[str, Any]:
+    """Return the options of a route that changes something: its role, its errors."""
+    return {"dependencies": [Operator], "responses": problems(*statuses)}

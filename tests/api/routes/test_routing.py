@@ -1,6 +1,6 @@
 """What OpenAPI says about errors."""
 
-from station.api.routes.problems import MEANINGS, problems
+from station.api.routes.routing import MEANINGS, problems
 
 
 def test_every_protected_route_may_answer_401_and_403():

@@ -1,0 +1,150 @@
+"""Plot layouts and waypoint paths, kept by name, and the playing of paths."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Path
+
+from station import wire
+from station.api.dependencies import ServicesDep
+from station.api.routes.rehearsals import ByRehearsalDep
+from station.api.routes.routing import change, problems, routes_of
+from station.library.path_player import PlayOptions
+from station.reports import (
+    DockSettings,
+    Playback,
+    PlotLayout,
+    PlotSettings,
+    Waypoint,
+    WaypointPath,
+)
+from station.wire import PlotLayoutRequest, PlotLayouts
+from station.wire.base import FileName
+
+_layouts = routes_of("plot-layouts")
+LayoutName = Annotated[
+    FileName, Path(description="Name of the layout.", examples=["torques"])
+]
+
+
+@_layouts.get("/plot-layouts", responses=problems())
+def list_plot_layouts(services: ServicesDep) -> PlotLayouts:
+    """List the saved plot layouts."""
+    return PlotLayouts(plot_layouts=services.plot_layouts.names())
+
+
+@_layouts.get("/plot-layouts/{name}", responses=problems(404, 422))
+def get_plot_layout(name: LayoutName, services: ServicesDep) -> PlotLayout:
+    """Return a layout with its plots."""
+    return services.plot_layouts.get(name)
+
+
+@_layouts.put("/plot-layouts/{name}", **change(404, 413, 422))
+def save_plot_layout(
+    name: LayoutName, request: PlotLayoutRequest, services: ServicesDep
+) -> PlotLayout:
+    """Save the plots of a layout, and its docks; a layout of that name is replaced."""
+    plots = [PlotSettings(**plot.model_dump()) for plot in request.plots]
+    asked = request.docks
+    docks = None if asked is None else DockSettings(**asked.model_dump())
+    return services.plot_layouts.save(name, plots, docks)
+
+
+@_layouts.delete("/plot-layouts/{name}", **change(404, 422))
+def delete_plot_layout(name: LayoutName, services: ServicesDep) -> PlotLayout:
+    """Delete a layout; return its last content."""
+    return services.plot_layouts.delete(name)
+
+
+_paths = routes_of("waypoint-paths")
+PathName = Annotated[FileName, Path(description="Name of the path.", examples=["wave"])]
+
+
+@_paths.get("/waypoint-paths", responses=problems())
+def list_waypoint_paths(services: ServicesDep) -> wire.WaypointPaths:
+    """List the saved waypoint paths."""
+    return wire.WaypointPaths(waypoint_paths=services.waypoint_paths.names())
+
+
+@_paths.get("/waypoint-paths/{name}", responses=problems(404, 422))
+def get_waypoint_path(name: PathName, services: ServicesDep) -> WaypointPath:
+    """Return a path with its waypoints."""
+    return services.waypoint_paths.get(name)
+
+
+@_paths.put("/waypoint-paths/{name}", **change(404, 413, 422))
+def save_waypoint_path(
+    name: PathName, request: wire.WaypointPathRequest, services: ServicesDep
+) -> WaypointPath:
+    """Save the waypoints of a path; a path of that name is replaced."""
+    found = [
+        Waypoint(each.name, each.duration, each.positions) for each in request.waypoints
+    ]
+    return services.waypoint_paths.save(name, found)
+
+
+@_paths.delete("/waypoint-paths/{name}", **change(404, 422))
+def delete_waypoint_path(name: PathName, services: ServicesDep) -> WaypointPath:
+    """Delete a path; return its last content."""
+    return services.waypoint_paths.delete(name)
+
+
+@_paths.post("/waypoint-paths/{name}/capture", **change(404, 413, 422, 503))
+def capture_waypoint(
+    name: PathName, services: ServicesDep, request: wire.CaptureRequest | None = None
+) -> WaypointPath:
+    """Add where the joints are now to the end of a path; the first one makes it.
+
+    Captured are the joints that loaded trajectory controllers move; without such a
+    controller, all joints.
+    """
+    wanted = request or wire.CaptureRequest()
+    return services.waypoint_paths.capture(name, wanted.name or "", wanted.duration)
+
+
+@_paths.post(
+    "/waypoint-paths/{name}/play", **change(404, 409, 412, 413, 422, 423, 428, 503)
+)
+def play_waypoint_path(
+    name: PathName,
+    services: ServicesDep,
+    by_rehearsal: ByRehearsalDep,
+    request: wire.PlayRequest | None = None,
+) -> Playback:
+    """Move along a path; a path that plays is replaced.
+
+    The robot follows goals of a trajectory controller that runs, one a round. A stop,
+    another goal, a switch or a violated tolerance ends the path; nothing resumes it.
+    Joints that go on in the same direction do not stand still at a waypoint.
+    """
+    wanted = request or wire.PlayRequest()
+    options = wanted.model_dump()
+    with by_rehearsal.giving("path", path=name, options=options) as receipt:
+        return services.path_player.play(name, PlayOptions(**options), receipt)
+
+
+@_paths.get("/playback", responses=problems())
+def get_playback(services: ServicesDep) -> wire.LastPlayback:
+    """Return the path that plays, or how the last one ended."""
+    found = services.path_player.state()
+    return wire.LastPlayback.model_validate({"playback": found})
+
+
+@_paths.patch("/playback", **change(404, 409, 413, 422, 423, 503))
+def change_playback(request: wire.PlaybackPatch, services: ServicesDep) -> Playback:
+    """Pause or resume the path that plays; change its speed, or whether it loops."""
+    player = services.path_player
+    found = player.adjust(speed=request.speed, loop=request.loop)
+    if request.paused is not None:
+        found = player.pause() if request.paused else player.resume()
+    return found
+
+
+@_paths.delete("/playback", **change(404, 409))
+def cancel_playback(services: ServicesDep) -> Playback:
+    """End the path that plays; the robot holds where it is."""
+    return services.path_player.cancel()
+
+
+router = APIRouter()
+router.include_router(_layouts)
+router.include_router(_paths)

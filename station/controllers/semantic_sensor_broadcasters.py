@@ -1,0 +1,353 @@
+"""Publish what range sensors, magnetometers, satellite receivers and batteries measure.
+
+Source: ros2_controllers@6.x range_sensor_broadcaster, magnetometer_broadcaster,
+gps_sensor_broadcaster, battery_state_broadcaster; sensor_msgs Range.msg,
+MagneticField.msg, NavSatFix.msg, BatteryState.msg.
+"""
+
+from collections.abc import Mapping, Sequence
+from math import isfinite, nan
+from typing import Any, ClassVar
+
+from typing_extensions import override
+
+from station.controllers.force_torque_sensor_controller import FRAME_ID, SENSOR_NAME
+from station.core.control.controller import Controller
+from station.core.declared_parameter import DeclaredParameter, ParameterType
+from station.core.errors import ParameterError, ResourceNotFoundError, suggest
+from station.core.hardware.interfaces import (
+    BatterySensorInterface,
+    GpsSensorInterface,
+    MagneticFieldSensorInterface,
+    RangeSensorInterface,
+    ValuesSensorHandle,
+)
+from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
+from station.core.parameters import Parameters
+
+
+def _number(name: str, default: float, unit: str, text: str) -> DeclaredParameter:
+    return DeclaredParameter(
+        name=name,
+        type=ParameterType.NUMBER,
+        unit=unit,
+        default=default,
+        description=text,
+    )
+
+
+def _covariance(name: str) -> DeclaredParameter:
+    return DeclaredParameter(
+        name=name,
+        type=ParameterType.NUMBERS,
+        default=(0.0,) * 9,
+        size=9,
+        description="covariance, row-major about x, y, z",
+    )
+
+
+class ValuesBroadcaster(Controller[HardwareResourceManager[ValuesSensorHandle]]):
+    """Publishes one sensor in every cycle; commands nothing.
+
+    Attributes:
+        topic: Name of the publication.
+        fields: The values in each field of the message: one, or a vector.
+        constants: The parameter in each field that does not change.
+    """
+
+    topic: ClassVar[str]
+    fields: ClassVar[Mapping[str, str | tuple[str, ...]]]
+    constants: ClassVar[Mapping[str, DeclaredParameter]]
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._published: dict[str, dict[str, object]] = {}
+
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        return (
+            *super().declared_parameters(),
+            SENSOR_NAME,
+            FRAME_ID,
+            *cls.constants.values(),
+        )
+
+    @override
+    def init(
+        self, interface: HardwareResourceManager[ValuesSensorHandle], params: Parameters
+    ) -> None:
+        self._sensor = interface.get_handle(SENSOR_NAME.read_str(params))
+        self._fixed: dict[str, object] = {
+            "frame_id": FRAME_ID.read_str(params) or self._sensor.get_frame_id()
+        }
+        for field, declared in self.constants.items():
+            is_list = declared.type is ParameterType.NUMBERS
+            read = declared.read_float_list if is_list else declared.read_float
+            self._fixed[field] = read(params)
+
+    @override
+    def update(self, time: float, period: float) -> None:
+        values = self._sensor.get_values()
+        measured = {
+            field: values[names]
+            if isinstance(names, str)
+            else [values[name] for name in names]
+            for field, names in self.fields.items()
+        }
+        self._published = {self.topic: {"stamp": time, **self._fixed, **measured}}
+
+    @override
+    def published(self) -> Mapping[str, Mapping[str, object]]:
+        return self._published
+
+
+class RangeSensorBroadcaster(ValuesBroadcaster):
+    """Publishes the distance that a range sensor measures, as sensor_msgs/Range."""
+
+    hardware_interface: ClassVar[type] = RangeSensorInterface
+    topic = "range"
+    fields: ClassVar = {"range": "range"}
+    constants: ClassVar = {
+        "radiation_type": _number("radiation_type", 0.0, "", "0: sound, 1: infrared"),
+        "field_of_view": _number("field_of_view", 0.52, "rad", "size of the arc"),
+        "min_range": _number("min_range", 0.52, "m", "smallest distance"),
+        "max_range": _number("max_range", 4.0, "m", "largest distance"),
+        "variance": _number("variance", 0.0, "m^2", "variance of the distance"),
+    }
+
+    @override
+    def init(
+        self, interface: HardwareResourceManager[ValuesSensorHandle], params: Parameters
+    ) -> None:
+        super().init(interface, params)
+        # The message has a whole number.
+        kind = self.constants["radiation_type"].read_float(params)
+        self._fixed["radiation_type"] = int(kind)
+
+
+class MagnetometerBroadcaster(ValuesBroadcaster):
+    """Publishes what a magnetometer measures, as sensor_msgs/MagneticField."""
+
+    hardware_interface: ClassVar[type] = MagneticFieldSensorInterface
+    topic = "magnetic_field"
+    fields: ClassVar = {
+        "magnetic_field": tuple(f"magnetic_field.{axis}" for axis in "xyz")
+    }
+    constants: ClassVar = {
+        "magnetic_field_covariance": _covariance("static_covariance")
+    }
+
+
+_COVARIANCES = tuple(
+    f"{each}_covariance" for each in ("latitude", "longitude", "altitude")
+)
+_READS_COVARIANCE = DeclaredParameter(
+    name="read_covariance_from_interface",
+    type=ParameterType.BOOLEAN,
+    default=False,
+    description="whether the sensor measures the covariance",
+)
+_DIAGONAL_KNOWN, _KNOWN = 2, 3
+"""Numbers of sensor_msgs/NavSatFix."""
+
+
+class GPSSensorBroadcaster(ValuesBroadcaster):
+    """Publishes the place of a satellite receiver, as sensor_msgs/NavSatFix."""
+
+    hardware_interface: ClassVar[type] = GpsSensorInterface
+    topic = "gps/fix"
+    fields: ClassVar = {each: each for each in ("latitude", "longitude", "altitude")}
+    constants: ClassVar = {
+        "position_covariance": _covariance("static_position_covariance")
+    }
+
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        return (*super().declared_parameters(), _READS_COVARIANCE)
+
+    @override
+    def init(
+        self, interface: HardwareResourceManager[ValuesSensorHandle], params: Parameters
+    ) -> None:
+        super().init(interface, params)
+        self._reads_covariance = _READS_COVARIANCE.read_bool(params)
+        self._fixed["position_covariance_type"] = _KNOWN
+        if self._reads_covariance:
+            self._fixed["position_covariance_type"] = _DIAGONAL_KNOWN
+            for name in _COVARIANCES:
+                _require(self._sensor, name)
+
+    @override
+    def update(self, time: float, period: float) -> None:
+        super().update(time, period)
+        values, message = self._sensor.get_values(), self._published[self.topic]
+        message["status"] = {key: int(values[key]) for key in ("status", "service")}
+        if self._reads_covariance:
+            diagonal = [0.0] * 9
+            diagonal[::4] = [values[name] for name in _COVARIANCES]
+            message["position_covariance"] = diagonal
+
+
+_BATTERIES = DeclaredParameter(
+    name="batteries",
+    type=ParameterType.STRINGS,
+    description="the batteries",
+)
+_MEANS = ("temperature", "current", "percentage")
+"""Of several batteries the means are published; charges and capacities are added."""
+_FLAGS = (*_MEANS, "charge", "power_supply_status", "power_supply_health", "present")
+_INTERFACES = tuple(f"battery_{key}" for key in _FLAGS)
+_PROPERTIES = ("capacity", "design_capacity", "minimum_voltage", "maximum_voltage")
+_MORE = ("power_supply_technology", "location", "serial_number")
+
+
+class BatteryStateBroadcaster(Controller[BatterySensorInterface]):
+    """Publishes batteries, each and all as one, as sensor_msgs/BatteryState.
+
+    Source:
+        BatteryStateBroadcaster; differs: the older parameter `sensor_name` is refused,
+        and the values of `interfaces` must be values that the battery has.
+    """
+
+    hardware_interface: ClassVar[type] = BatterySensorInterface
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._published: dict[str, dict[str, object]] = {}
+
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        return (*super().declared_parameters(), _BATTERIES)
+
+    @override
+    def init(self, interface: BatterySensorInterface, params: Parameters) -> None:
+        names = _BATTERIES.read_str_list(params)
+        if not names or len(set(names)) != len(names):
+            _BATTERIES.refuse(params, names, "names, each once")
+        # Their keys are checked below, because their names are those of batteries.
+        accepted = ("interfaces", *names)
+        self.accepted_parameters = accepted  # type: ignore[misc]  # of this one alone
+        self._batteries = [
+            _Battery(
+                interface.get_handle(name),
+                _mapping(params, f"interfaces/{name}", _INTERFACES),
+                _mapping(params, name, (*_PROPERTIES, *_MORE)),
+            )
+            for name in names
+        ]
+
+    @override
+    def update(self, time: float, period: float) -> None:
+        each = [battery.message(time) for battery in self._batteries]
+        whole: dict[str, Any] = {**each[0], "frame_id": ""}
+        whole["voltage"] = sum(one["voltage"] for one in each) / len(each)
+        for key in _MEANS:
+            known = [one[key] for one in each if isfinite(one[key])]
+            whole[key] = sum(known) / len(known) if known else nan
+        for key in ("charge", "capacity", "design_capacity"):
+            known = [one[key] for one in each if isfinite(one[key])]
+            whole[key] = sum(known) if known else nan
+        for key in ("power_supply_status", "power_supply_health"):
+            whole[key] = max(one[key] for one in each)
+        whole["present"] = any(one["present"] for one in each)
+        kinds = {one["power_supply_technology"] for one in each}
+        whole["power_supply_technology"] = kinds.pop() if len(kinds) == 1 else 0
+        for key in ("location", "serial_number"):
+            whole[key] = ", ".join(one[key] for one in each if one[key])
+        raw = {"stamp": time, "battery_states": each}
+        self._published = {"battery_state": whole, "raw_battery_states": raw}
+
+    @override
+    def published(self) -> Mapping[str, Mapping[str, object]]:
+        return self._published
+
+
+class _Battery:
+    """One battery: what is measured, and what its parameters say."""
+
+    def __init__(
+        self,
+        sensor: ValuesSensorHandle,
+        flags: Mapping[str, object],
+        own: Mapping[str, object],
+    ) -> None:
+        self._sensor = sensor
+        self._measured = [key for key in _FLAGS if flags.get(f"battery_{key}") is True]
+        for key in self._measured:
+            _require(sensor, f"battery_{key}")
+        # A property that nobody knows may be written as NaN.
+        numbers = {
+            key: float(value) if isinstance(value := own.get(key), int | float) else nan
+            for key in _PROPERTIES
+        }
+        self._low = numbers.pop("minimum_voltage")
+        self._high = numbers.pop("maximum_voltage")
+        if self._low >= self._high:
+            raise ParameterError(
+                f"Battery '{sensor.name}' has a maximum_voltage of {self._high:g} V; "
+                f"it must be above the minimum of {self._low:g} V.",
+                remedy="Correct one of the two.",
+                details={"parameter": f"{sensor.name}/maximum_voltage"},
+            )
+        self._fixed: dict[str, Any] = {
+            "frame_id": sensor.name,
+            **dict.fromkeys(("temperature", "current", "charge", "percentage"), nan),
+            "power_supply_status": 0,
+            "power_supply_health": 0,
+            **numbers,
+            "power_supply_technology": own.get("power_supply_technology", 0),
+            "location": str(own.get("location", "")),
+            "serial_number": str(own.get("serial_number", "")),
+        }
+
+    def message(self, time: float) -> dict[str, Any]:
+        """Return the state of the battery; NaN for what is not known.
+
+        Args:
+            time: Station time [s].
+        """
+        values = self._sensor.get_values()
+        voltage = values["battery_voltage"]
+        found = {**self._fixed, "stamp": time, "voltage": voltage}
+        # Without a measurement the voltage tells both.
+        found["present"] = isfinite(voltage) and voltage != 0.0
+        found["percentage"] = 100.0 * (voltage - self._low) / (self._high - self._low)
+        for key in self._measured:
+            found[key] = values[f"battery_{key}"]
+        for key in ("power_supply_status", "power_supply_health"):
+            found[key] = int(found[key])
+        found["present"] = bool(found["present"])
+        return found
+
+
+def _mapping(
+    params: Parameters, key: str, known: Sequence[str]
+) -> Mapping[str, object]:
+    """Return what a parameter says of a battery.
+
+    Raises:
+        ParameterError: It is no mapping, or has an unknown key.
+    """
+    place = params.resolve(key)
+    value = params.tree.get(place, {})
+    unknown = sorted(set(value) - set(known)) if isinstance(value, dict) else [""]
+    if not isinstance(value, dict) or unknown:
+        raise ParameterError(
+            f"Parameter '{place}' has the unknown key '{unknown[0]}'. "
+            f"{suggest(unknown[0], known)}",
+            remedy=f"Known are {', '.join(known)}.",
+            details={"parameter": place},
+        )
+    return value
+
+
+def _require(sensor: ValuesSensorHandle, value: str) -> None:
+    if not sensor.has(value):
+        raise ResourceNotFoundError(
+            f"Sensor '{sensor.name}' has no value '{value}'.",
+            remedy="Leave the parameter out that asks for it.",
+            details={"resource": f"{sensor.name}/{value}"},
+        )
