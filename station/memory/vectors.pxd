@@ -1,15 +1,6 @@
-cimport cython
-
 cpdef void copy_into(
-    double[::1] target, Py_ssize_t start, double[::1] source, Py_ssize_t size
-) noexcept
-@cython.locals(i=Py_ssize_t)
+    double[::1] target, Py_ssize_t start, double[::1] source, Py_ssize_t size) noexcept
 cpdef bint differ(double[::1] first, double[::1] second, Py_ssize_t size) noexcept
-@cython.locals(i=Py_ssize_t, total=double)
 cpdef bint are_finite(double[::1] numbers, Py_ssize_t size) noexcept
-@cython.locals(i=Py_ssize_t)
 cpdef bint any_of(double[::1] numbers, Py_ssize_t size) noexcept
-@cython.locals(i=Py_ssize_t, total=double, relative=double)
-cpdef bint are_within(
-    double[::1] numbers, double[::1] shares, Py_ssize_t size
-) noexcept
+cpdef bint are_within(double[::1] numbers, double[::1] shares, Py_ssize_t size) noexcept

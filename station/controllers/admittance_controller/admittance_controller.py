@@ -352,23 +352,16 @@ class AdmittanceController(ChainableController):
         }
         schema, values = {}, {}
         for key, numbers in lists.items():
-            tunable = _TUNED[key]
             for axis, value in zip(_AXES, numbers, strict=True):
-                schema[f"{key}/{axis}"] = Tunable(
-                    tunable.unit,
-                    tunable.minimum,
-                    max(tunable.maximum, value),
-                    tunable.description,
-                )
+                schema[f"{key}/{axis}"] = _TUNED[key].including(value)
                 values[f"{key}/{axis}"] = value
         for name, declared, most in (
             ("joint_damping", _JOINT_DAMPING, 100.0),
             ("tool_weight", _WEIGHT, 200.0),
         ):
             value = declared.read_float(params)
-            schema[name] = Tunable(
-                declared.unit, 0.0, max(most, value), declared.description
-            )
+            tunable = Tunable(declared.unit, 0.0, most, declared.description)
+            schema[name] = tunable.including(value)
             values[name] = value
         self.tunables = Tunables(schema, values, apply=self._apply)
         self._apply(values)

@@ -1,9 +1,5 @@
 from station.core.numerics.arm_chain cimport (
-    torques_of,
-    turn_to_inner_axes,
-    turn_to_outer_axes,
-    twist_of,
-)
+    torques_of, turn_to_inner_axes, turn_to_outer_axes, twist_of)
 from station.core.numerics.joint_chain cimport JointChain
 from station.core.numerics.rigid_motion cimport twist_between
 from station.core.numerics.wrench_equation cimport WrenchEquation
@@ -17,8 +13,6 @@ cdef class AdmittanceRule:
     cdef readonly double[::1] damping, stiffness, force, error, velocity
     cdef readonly double[::1] positions, velocities, accelerations
     cdef public double smoothing, inverse_damping, joint_damping
-
     cdef void smooth_force(self) noexcept
     cpdef void compute_motion(
-        self, double[::1] q, double[::1] q_ref, double period
-    ) noexcept
+        self, double[::1] q, double[::1] q_ref, double period) noexcept

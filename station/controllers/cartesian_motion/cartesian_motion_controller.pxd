@@ -1,6 +1,5 @@
 from station.controllers.cartesian_motion.cartesian_motion_generator cimport (
-    CartesianMotionGenerator,
-)
+    CartesianMotionGenerator)
 from station.controllers.cartesian_motion.end_effector_sample cimport EndEffectorSample
 from station.controllers.cartesian_motion.joint_lookahead cimport JointLookahead
 from station.core.ports.set_point cimport ActiveSetPoint, SetPointPort

@@ -28,9 +28,8 @@ from station.controllers.franka_arm import (
     find_model,
     read_arm_id,
     read_arm_joints,
-    require,
 )
-from station.core.control.controller import MultiInterfaceController
+from station.core.control.controller import MultiInterfaceController, require_interface
 from station.core.control.sample_columns import SampleColumns
 from station.core.declared_parameter import DeclaredParameter
 from station.core.description.robot_description import require_robot_description
@@ -211,7 +210,7 @@ class CartesianMotionController(MultiInterfaceController):
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:
         arm_id, names = read_arm_id(params), read_arm_joints(params)
-        poses = require(hw, FrankaPoseCartesianInterface)
+        poses = require_interface(hw, FrankaPoseCartesianInterface)
         description = require_robot_description(params)
         self.handle: FrankaCartesianPoseHandle = poses.get_handle(f"{arm_id}_robot")
         self.model: FrankaModelHandle = find_model(hw, arm_id)

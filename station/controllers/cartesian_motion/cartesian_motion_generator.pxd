@@ -7,7 +7,6 @@ cdef class CartesianMotionGenerator:
     cdef object _target, _wanted
     cdef readonly PoseMotion motion
     cdef tuple _last
-
     cpdef go_to(self, object pose)
     cpdef go_at(self, list twist)
     cpdef bint is_still(self)

@@ -1,4 +1,3 @@
-cimport cython
 from station.core.numerics.arm_chain cimport turn_to_inner_axes, twist_of
 from station.memory.vectors cimport copy_into
 from station.core.franka.model_sources cimport ModelSource
@@ -12,17 +11,14 @@ cdef class EndEffectorSample:
     cdef readonly double[::1] desired, actual, errors
     cdef readonly SampleColumns sampled
     cpdef measure(self)
-    @cython.locals(i=Py_ssize_t)
     cpdef keep(self, double time)
 
 cdef class PoseSample(EndEffectorSample):
     cdef double[::1] pose, actual_pose, quaternion
     cdef ModelSource source
     cdef readonly double[::1] near
-    cpdef measure(self)
 
 cdef class TwistSample(EndEffectorSample):
     cdef double[::1] pose, twist, dq, actual_pose, jacobian
     cdef ModelSource measured_pose, source
     cdef public bint is_inner
-    cpdef measure(self)

@@ -1,6 +1,5 @@
 from station.controllers.cartesian_motion.cartesian_motion_generator cimport (
-    CartesianMotionGenerator,
-)
+    CartesianMotionGenerator)
 from station.controllers.cartesian_motion.linear_kinematics cimport LinearKinematics
 from station.controllers.cartesian_motion.pose_motion cimport PoseMotion
 from station.controllers.cartesian_motion.stop_prediction cimport StopPrediction
@@ -14,7 +13,6 @@ cdef class ArmConfiguration:
     cdef double[::1] _q, _jacobian
     cdef ModelSource _pose_source, _jacobian_source
     cdef readonly LinearKinematics motion
-
     cpdef move_to(self, double[::1] q)
     cpdef place(self, double[::1] pose)
 
@@ -24,7 +22,6 @@ cdef class JointLookahead:
     cdef readonly object obstacle, joint
     cdef ArmConfiguration _present, _resting, _other
     cdef double _dexterity, _clearance
-
     cpdef bint passes(self, CartesianMotionGenerator motion) except -1
     cpdef bint allows(self, CartesianMotionGenerator motion) except -1
     cdef _obstacle_at(self, ArmConfiguration resting)

@@ -8,32 +8,23 @@ cdef class LinearKinematics:
     cdef Py_ssize_t size
     cdef double[::1] q, jacobian, dq, motion, inverse, others, columns, lengths, arms
     cdef WrenchEquation equation
-
     cpdef void invert(self) noexcept
     cpdef void put_others(self, double[::1] columns) noexcept
     cpdef bint is_dexterous(self, double least) noexcept
-    cpdef void joint_step(self, double[::1] way, double elbow, double[::1] step) noexcept
+    cpdef void joint_step(
+        self, double[::1] way, double elbow, double[::1] step) noexcept
     cpdef void write_joint_rates(self, double[::1] motion, double[::1] result) noexcept
     cpdef void drift(self, double[::1] dq, double[::1] result) noexcept
     cpdef bint are_slow(
-        self,
-        double[::1] twist,
-        double push,
-        double[::1] velocity,
-        double[::1] acceleration,
-    ) noexcept
+        self, double[::1] twist, double push, double[::1] velocity,
+        double[::1] acceleration) noexcept
     cpdef bint are_pushed_little(self, double push, double[::1] acceleration) noexcept
     cpdef long fastest_joint(
-        self,
-        double[::1] twist,
-        double[::1] accelerations,
-        double[::1] velocity,
-        double[::1] acceleration,
-    ) noexcept
+        self, double[::1] twist, double[::1] accelerations, double[::1] velocity,
+        double[::1] acceleration) noexcept
 
 cpdef double length_of(double[::1] vector) noexcept
 cpdef double way_between(double[::1] first, double[::1] second) noexcept
 cpdef long limited_joint(
-    double[::1] q, double[::1] last, double[::1] lower, double[::1] upper
-) noexcept
+    double[::1] q, double[::1] last, double[::1] lower, double[::1] upper) noexcept
 cpdef double moved(double[::1] q, double[::1] step, double[::1] result) noexcept

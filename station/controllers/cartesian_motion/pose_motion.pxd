@@ -2,24 +2,14 @@ from station.memory.functions cimport square_root
 from station.memory.vectors cimport copy_into
 from station.core.numerics.rigid_motion cimport displace, rotation_between
 
-
 cpdef void resting_ways(
-    double[::1] velocities,
-    double[::1] accelerations,
-    double[::1] largest,
-    double[::1] jerks,
-    double[::1] ways,
-) noexcept
+    double[::1] velocities, double[::1] accelerations, double[::1] largest,
+    double[::1] jerks, double[::1] ways) noexcept
 cpdef void braking_peaks(
-    double[::1] velocities,
-    double[::1] accelerations,
-    double[::1] largest,
-    double[::1] jerks,
-    double[::1] peaks,
-) noexcept
+    double[::1] velocities, double[::1] accelerations, double[::1] largest,
+    double[::1] jerks, double[::1] peaks) noexcept
 cpdef double peak_speed(
-    double[::1] velocities, double[::1] accelerations, double[::1] jerks
-) noexcept
+    double[::1] velocities, double[::1] accelerations, double[::1] jerks) noexcept
 
 cdef double _AT_REST
 cdef Py_ssize_t _POSE, _AXES
@@ -31,7 +21,6 @@ cdef class PoseMotion:
     cdef double fastest, fastest_turn
     cdef readonly double[::1] resting
     cdef list aimed_at
-
     cpdef list aim(self)
     cpdef list coordinates(self)
     cpdef list move(self, list positions, list velocities, list accelerations)

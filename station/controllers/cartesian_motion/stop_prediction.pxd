@@ -1,11 +1,6 @@
 from station.memory.vectors cimport copy_into
 from station.controllers.cartesian_motion.linear_kinematics cimport (
-    LinearKinematics,
-    length_of,
-    limited_joint,
-    moved,
-    way_between,
-)
+    LinearKinematics, length_of, limited_joint, moved, way_between)
 from station.controllers.cartesian_motion.pose_motion cimport PoseMotion
 from station.core.numerics.rigid_motion cimport twist_between
 
@@ -17,13 +12,13 @@ cdef class StopPrediction:
     cdef double elbow, room
     cdef public LinearKinematics present, resting
     cdef Py_ssize_t size
-
     cpdef bint passes(self, PoseMotion motion) noexcept
     cpdef bint has_left(self) noexcept
     cpdef bint leads_away(self, PoseMotion motion) noexcept
     cpdef long limited_joint(self) noexcept
     cpdef bint may_collide(self) noexcept
     cpdef bint are_slow(self, PoseMotion motion) noexcept
-    cpdef long fastest_joint(self, LinearKinematics kinematics, PoseMotion motion) noexcept
+    cpdef long fastest_joint(
+        self, LinearKinematics kinematics, PoseMotion motion) noexcept
     cpdef void accept(self) noexcept
     cpdef void note_clearance(self, double room) noexcept

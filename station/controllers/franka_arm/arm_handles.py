@@ -1,13 +1,17 @@
 """Parameters and handles of a Franka arm, and the rate limit of its torques."""
 
 from collections.abc import Sequence
-from typing import TypeVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import override
 
+from station.core.control.controller import (
+    MultiInterfaceController,
+    require_interface,
+)
 from station.core.declared_parameter import DeclaredParameter, NameKind, ParameterType
-from station.core.errors import ControllerLoadError
 from station.core.franka import (
     FrankaModelHandle,
     FrankaModelInterface,
@@ -16,7 +20,6 @@ from station.core.franka import (
 )
 from station.core.franka.command_rates import limit_steps
 from station.core.hardware.interfaces import EffortJointInterface, JointGroup
-from station.core.hardware.interfaces.interface_manager import interface_type_name
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
 from station.memory.doubles import doubles
@@ -39,7 +42,23 @@ JOINT_NAMES = DeclaredParameter(
     description="the seven joints of the arm, from base to flange",
 )
 
-InterfaceT = TypeVar("InterfaceT")
+
+class ArmTorqueController(MultiInterfaceController):
+    """A controller that commands torques to the joints of one arm by its model.
+
+    Parameters: `arm_id`; `joint_names`, 7 names.
+    """
+
+    required_interfaces: ClassVar[tuple[type, ...]] = (
+        EffortJointInterface,
+        FrankaModelInterface,
+        FrankaStateInterface,
+    )
+
+    @classmethod
+    @override
+    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
+        return (*super().declared_parameters(), ARM_ID, JOINT_NAMES)
 
 
 def read_arm_id(params: Parameters) -> str:
@@ -63,23 +82,6 @@ def read_arm_joints(params: Parameters) -> list[str]:
     return names
 
 
-def require(hw: RobotHW, interface_type: type[InterfaceT]) -> InterfaceT:
-    """Return the robot's interface of a type.
-
-    Raises:
-        ControllerLoadError: The robot has no interface of that type.
-    """
-    interface = hw.get(interface_type)
-    if interface is None:
-        name = interface_type_name(interface_type)
-        raise ControllerLoadError(
-            f"The robot has no interface '{name}'.",
-            remedy=f"It offers: {', '.join(hw.get_names()) or 'none'}.",
-            details={"hardware_interface": name},
-        )
-    return interface
-
-
 def claim_torques(hw: RobotHW, joint_names: Sequence[str]) -> JointGroup:
     """Claim the joints of an arm for torque commands and return them.
 
@@ -87,7 +89,7 @@ def claim_torques(hw: RobotHW, joint_names: Sequence[str]) -> JointGroup:
         ControllerLoadError: The robot has no effort interface.
         ResourceNotFoundError: The robot has no joint of that name.
     """
-    efforts = require(hw, EffortJointInterface)
+    efforts = require_interface(hw, EffortJointInterface)
     return JointGroup([efforts.get_handle(name) for name in joint_names])
 
 
@@ -98,7 +100,7 @@ def find_state(hw: RobotHW, arm_id: str) -> FrankaStateHandle:
         ControllerLoadError: The robot has no states of Franka arms.
         ResourceNotFoundError: The robot has no arm of that name.
     """
-    return require(hw, FrankaStateInterface).get_handle(f"{arm_id}_robot")
+    return require_interface(hw, FrankaStateInterface).get_handle(f"{arm_id}_robot")
 
 
 def find_model(hw: RobotHW, arm_id: str) -> FrankaModelHandle:
@@ -108,7 +110,7 @@ def find_model(hw: RobotHW, arm_id: str) -> FrankaModelHandle:
         ControllerLoadError: The robot has no models of Franka arms.
         ResourceNotFoundError: The robot has no arm of that name.
     """
-    return require(hw, FrankaModelInterface).get_handle(f"{arm_id}_model")
+    return require_interface(hw, FrankaModelInterface).get_handle(f"{arm_id}_model")
 
 
 def saturate_torque_rate(

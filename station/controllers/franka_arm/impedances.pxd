@@ -10,16 +10,12 @@ cdef double logistic(double value) noexcept
 cdef class Friction:
     cdef double[::1] dq, height, slope, shift
     cdef public double share
-
     cdef void compensate(self, double[::1] torques) noexcept
 
 cdef class PoseImpedance(PoseSpring):
     cdef readonly double[::1] axes, wanted_axes, dampings, posture
     cdef public Friction friction
     cdef public double slowing, largest_force, largest_torque
-
-    cpdef void balance_error(self) noexcept
-    cpdef void approach_targets(self) noexcept
     cdef double bounded(self, Py_ssize_t first, double largest) noexcept
 
 cdef class JointImpedance:
@@ -29,5 +25,4 @@ cdef class JointImpedance:
     cdef Friction friction
     cdef readonly double[::1] stiffness, wanted, dampings, desired, target, coriolis
     cdef readonly double[::1] errors, torques
-
     cpdef void compute_torques(self) noexcept

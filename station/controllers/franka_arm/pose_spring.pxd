@@ -15,7 +15,6 @@ cdef class PoseSpring:
     cdef readonly double[::1] pose, jacobian, coriolis, torques, equilibrium, target
     cdef readonly double[::1] stiffness, wanted, error, rest
     cdef WrenchEquation equation
-
     cpdef void compute_torques(self) noexcept
     cpdef void measure_error(self) noexcept
     cpdef void balance_error(self) noexcept

@@ -6,9 +6,14 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
+from station.controllers.franka_arm.cartesian_spring import (
+    CartesianSpring,
+    SpringUpdate,
+)
 from station.controllers.franka_arm.pose_port import PosePort
 from station.core.parameters import Parameters
 from station.core.ports.set_point import ActiveSetPoint, read_command_timeout
+from station.core.toolbox.publish_timer import PublishTimer
 
 _LENGTH_TOLERANCE = 1e-3
 
@@ -52,3 +57,13 @@ class PoseTarget:
         self._followed = pose
         rotation = np.array(pose[3:])
         return np.array(pose[:3]), rotation / np.linalg.norm(rotation)
+
+    def follow(self, spring: CartesianSpring) -> SpringUpdate:
+        """Return the update of a controller whose one spring goes to the poses."""
+
+        def retarget() -> None:
+            pose = self.newest()
+            if pose is not None:
+                spring.set_target(*pose)
+
+        return SpringUpdate(self.port, retarget, [spring], PublishTimer(0.0))

@@ -6,13 +6,11 @@ a set-point of 7 numbers that may expire, and the stiffnesses are run-time param
 """
 
 from collections.abc import Mapping
-from typing import ClassVar
 
 from typing_extensions import override
 
 from station.controllers.franka_arm import (
-    ARM_ID,
-    JOINT_NAMES,
+    ArmTorqueController,
     claim_torques,
     find_model,
     find_state,
@@ -21,18 +19,13 @@ from station.controllers.franka_arm import (
 )
 from station.controllers.franka_arm.cartesian_spring import (
     CartesianSpring,
-    SpringUpdate,
 )
 from station.controllers.franka_arm.pose_target import PoseTarget
-from station.core.control.controller import MultiInterfaceController
 from station.core.control.tunables import Tunable, Tunables
 from station.core.declared_parameter import DeclaredParameter
-from station.core.franka import FrankaModelInterface, FrankaStateInterface
-from station.core.hardware.interfaces import EffortJointInterface
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
 from station.core.ports.set_point import timeout_parameters
-from station.core.toolbox.publish_timer import PublishTimer
 
 _DEFAULTS = {
     "translational_stiffness": 200.0,
@@ -46,7 +39,7 @@ _SCHEMA = {
 }
 
 
-class CartesianImpedanceExampleController(MultiInterfaceController):
+class CartesianImpedanceExampleController(ArmTorqueController):
     """A spring between the end effector and an equilibrium pose.
 
     Parameters: `arm_id`; `joint_names`, 7 names; `command_timeout` and
@@ -55,21 +48,10 @@ class CartesianImpedanceExampleController(MultiInterfaceController):
     base frame. When the set-point expires, the equilibrium stays where it is then.
     """
 
-    required_interfaces: ClassVar[tuple[type, ...]] = (
-        EffortJointInterface,
-        FrankaModelInterface,
-        FrankaStateInterface,
-    )
-
     @classmethod
     @override
     def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
-        return (
-            *super().declared_parameters(),
-            ARM_ID,
-            JOINT_NAMES,
-            *timeout_parameters(),
-        )
+        return (*super().declared_parameters(), *timeout_parameters())
 
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:
@@ -84,9 +66,7 @@ class CartesianImpedanceExampleController(MultiInterfaceController):
         self._target = PoseTarget(params, arm_id, self._spring.equilibrium)
         self.set_points = self._target.port
         self.tunables = Tunables(_SCHEMA, _DEFAULTS, apply=self._set_stiffness)
-        self._update = SpringUpdate(
-            self._target.port, self._retarget, [self._spring], PublishTimer(0.0)
-        )
+        self._update = self._target.follow(self._spring)
 
     @override
     def starting(self, time: float) -> None:
@@ -99,11 +79,6 @@ class CartesianImpedanceExampleController(MultiInterfaceController):
     @override
     def update(self, time: float, period: float) -> None:
         self._update.command_springs(time)
-
-    def _retarget(self) -> None:
-        pose = self._target.newest()
-        if pose is not None:
-            self._spring.set_target(*pose)
 
     def _set_stiffness(self, gains: Mapping[str, float]) -> None:
         self._spring.set_stiffness(

@@ -10,14 +10,11 @@ differs: the mass and the gains are run-time parameters, and every start begins 
 force.
 """
 
-from typing import ClassVar
-
 import numpy as np
 from typing_extensions import override
 
 from station.controllers.franka_arm import (
-    ARM_ID,
-    JOINT_NAMES,
+    ArmTorqueController,
     claim_torques,
     find_model,
     find_state,
@@ -25,11 +22,9 @@ from station.controllers.franka_arm import (
     read_arm_joints,
     saturate_torque_rate,
 )
-from station.core.control.controller import ControllerSample, MultiInterfaceController
+from station.core.control.controller import ControllerSample
 from station.core.control.tunables import Tunable, Tunables
-from station.core.declared_parameter import DeclaredParameter
-from station.core.franka import Frame, FrankaModelInterface, FrankaStateInterface
-from station.core.hardware.interfaces import EffortJointInterface
+from station.core.franka import Frame
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
 
@@ -44,22 +39,11 @@ _SCHEMA = {
 }
 
 
-class ForceExampleController(MultiInterfaceController):
+class ForceExampleController(ArmTorqueController):
     """Presses down; the end effector must touch a horizontal surface at the start.
 
     Parameters: `arm_id`; `joint_names`, 7 names.
     """
-
-    required_interfaces: ClassVar[tuple[type, ...]] = (
-        EffortJointInterface,
-        FrankaModelInterface,
-        FrankaStateInterface,
-    )
-
-    @classmethod
-    @override
-    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
-        return (*super().declared_parameters(), ARM_ID, JOINT_NAMES)
 
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:

@@ -27,13 +27,13 @@ from station.controllers.franka_arm import (
     find_model,
     read_arm_id,
     read_arm_joints,
-    require,
     saturate_torque_rate,
 )
 from station.core.control.controller import (
     PUBLISH_RATE,
     ControllerSample,
     MultiInterfaceController,
+    require_interface,
 )
 from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.franka import FrankaModelInterface, FrankaPoseCartesianInterface
@@ -150,7 +150,7 @@ class JointImpedanceExampleController(MultiInterfaceController):
         self._timer = PublishTimer(_PUBLISH_RATE.read_float(params))
         self._joints = claim_torques(hw, self.joint_names)
         self._model = find_model(hw, arm_id)
-        poses = require(hw, FrankaPoseCartesianInterface)
+        poses = require_interface(hw, FrankaPoseCartesianInterface)
         self._pose = poses.get_handle(f"{arm_id}_robot")
         self._initial_pose: list[float] = []
         self._angle = self._velocity = 0.0

@@ -7,14 +7,13 @@ compensation of friction.
 """
 
 from collections.abc import Iterable, Mapping
-from typing import ClassVar, cast
+from typing import cast
 
 import numpy as np
 from typing_extensions import override
 
 from station.controllers.franka_arm import (
-    ARM_ID,
-    JOINT_NAMES,
+    ArmTorqueController,
     claim_torques,
     find_model,
     find_state,
@@ -23,7 +22,6 @@ from station.controllers.franka_arm import (
 )
 from station.controllers.franka_arm.cartesian_spring import (
     CartesianSpring,
-    SpringUpdate,
 )
 from station.controllers.franka_arm.impedances import PoseImpedance
 from station.controllers.franka_arm.pose_target import PoseTarget
@@ -38,15 +36,11 @@ from station.controllers.impedance_controllers.impedance_settings import (
     read_settings,
     square,
 )
-from station.core.control.controller import MultiInterfaceController
 from station.core.control.tunables import Tunable, Tunables
 from station.core.declared_parameter import DeclaredParameter, ParameterType
-from station.core.franka import FrankaModelInterface, FrankaStateInterface
-from station.core.hardware.interfaces import EffortJointInterface
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
 from station.core.ports.set_point import timeout_parameters
-from station.core.toolbox.publish_timer import PublishTimer
 from station.memory.doubles import put
 
 _AXES = ("x", "y", "z", "rx", "ry", "rz")
@@ -84,7 +78,7 @@ _TURN = 6.3
 _INVERSE_INERTIA = 1e-4 * np.eye(6)
 
 
-class CartesianImpedanceController(MultiInterfaceController):
+class CartesianImpedanceController(ArmTorqueController):
     """A spring and a damper between the end effector and an equilibrium pose.
 
     Set-point: position [m], then quaternion w x y z, of the end effector in the base
@@ -95,19 +89,11 @@ class CartesianImpedanceController(MultiInterfaceController):
     are run-time parameters as well, and so is `<joint>/posture`.
     """
 
-    required_interfaces: ClassVar[tuple[type, ...]] = (
-        EffortJointInterface,
-        FrankaModelInterface,
-        FrankaStateInterface,
-    )
-
     @classmethod
     @override
     def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
         return (
             *super().declared_parameters(),
-            ARM_ID,
-            JOINT_NAMES,
             *timeout_parameters(),
             *(each.parameter() for each in _SETTINGS),
             _POSTURE,
@@ -133,9 +119,7 @@ class CartesianImpedanceController(MultiInterfaceController):
         self.joint_names = names
         self._target = PoseTarget(params, arm_id, self._spring.equilibrium)
         self.set_points = self._target.port
-        self._update = SpringUpdate(
-            self._target.port, self._retarget, [self._spring], PublishTimer(0.0)
-        )
+        self._update = self._target.follow(self._spring)
         self._cycle = 0
         schema, values = read_settings(_SETTINGS, params)
         self._starts_posture = not params.has(_POSTURE.name)
@@ -188,11 +172,6 @@ class CartesianImpedanceController(MultiInterfaceController):
             f"{name}/posture": value
             for name, value in zip(self.joint_names, posture, strict=True)
         }
-
-    def _retarget(self) -> None:
-        pose = self._target.newest()
-        if pose is not None:
-            self._spring.set_target(*pose)
 
     def _apply(self, values: Mapping[str, float]) -> None:
         law = self._law

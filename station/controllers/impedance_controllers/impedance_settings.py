@@ -39,7 +39,8 @@ class Setting:
 
     def tunable(self, value: float) -> Tunable:
         """Return the run-time parameter; the range includes the configured value."""
-        return Tunable(self.unit, 0.0, max(self.maximum, value), self.description)
+        tunable = Tunable(self.unit, 0.0, self.maximum, self.description)
+        return tunable.including(value)
 
 
 DAMPING_RATIO = Setting(

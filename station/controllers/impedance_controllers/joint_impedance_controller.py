@@ -4,14 +4,12 @@ The law is that of `franka_arm.impedances.JointImpedance`.
 """
 
 from collections.abc import Mapping
-from typing import ClassVar
 
 from typing_extensions import override
 
 from station.controllers.franka_arm import (
-    ARM_ID,
-    JOINT_NAMES,
     LARGEST_STEP,
+    ArmTorqueController,
     claim_torques,
     find_model,
     find_state,
@@ -29,12 +27,10 @@ from station.controllers.impedance_controllers.impedance_settings import (
     read_settings,
     square,
 )
-from station.core.control.controller import ControllerSample, MultiInterfaceController
+from station.core.control.controller import ControllerSample
 from station.core.control.tunables import Tunable, Tunables
 from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.description.robot_description import require_robot_description
-from station.core.franka import FrankaModelInterface, FrankaStateInterface
-from station.core.hardware.interfaces import EffortJointInterface
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
 from station.core.ports.set_point import (
@@ -59,7 +55,7 @@ _STIFFNESS = DeclaredParameter(
 _LARGEST_STIFFNESS = 2000.0
 
 
-class JointImpedanceController(MultiInterfaceController):
+class JointImpedanceController(ArmTorqueController):
     """A spring and a damper between every joint and its equilibrium position.
 
     Set-point: positions of the seven joints [rad]; when it expires, the joints are held
@@ -70,19 +66,11 @@ class JointImpedanceController(MultiInterfaceController):
     `<joint>/stiffness` with the parameter `stiffness` as first values.
     """
 
-    required_interfaces: ClassVar[tuple[type, ...]] = (
-        EffortJointInterface,
-        FrankaModelInterface,
-        FrankaStateInterface,
-    )
-
     @classmethod
     @override
     def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
         return (
             *super().declared_parameters(),
-            ARM_ID,
-            JOINT_NAMES,
             *timeout_parameters(),
             _STIFFNESS,
             *(each.parameter() for each in _SETTINGS),

@@ -11,7 +11,6 @@ cdef class SpeedScaling:
     cdef public double target, factor
     cdef readonly double ramp_time, rate
     cdef readonly object tunables
-    @cython.locals(before=double, step=double, difference=double)
     cpdef double advance(self, double period)
 
 cdef class JointTracking:
@@ -33,7 +32,6 @@ cdef class GoalSupervision:
     cdef JointTracking _tracking
     cdef set _reached
     cdef double _start, _end
-    @cython.locals(duration=double, passed=double)
     cpdef note_progress(self, goal, double now)
 
 cdef class TrajectoryExecution:
@@ -50,9 +48,7 @@ cdef class TrajectoryExecution:
     cdef double[::1] _times
     cdef list _active
     cdef GoalSupervision _supervision
-    @cython.locals(now=double)
     cpdef advance(self, double time, double period)
-    @cython.locals(passed=double)
     cdef double _pass_time(self, double time, double period) except? -1.0
     cdef _sample_states(self, double now)
 

@@ -20,7 +20,7 @@ from station.core.control.chainable_controller import (
     ExportedState,
     Reference,
 )
-from station.core.control.controller import ControllerSample
+from station.core.control.controller import ControllerSample, require_interface
 from station.core.control.tunables import Tunable, Tunables
 from station.core.declared_parameter import (
     EACH_JOINT,
@@ -234,8 +234,8 @@ class PidController(ChainableController):
                 params, list(self._kinds), "one interface, or position and velocity"
             )
         command = _COMMAND.read_str(params)
-        states = _require(hw, JointStateInterface)
-        commands = _require(hw, _INTERFACES[command])
+        states = require_interface(hw, JointStateInterface)
+        commands = require_interface(hw, _INTERFACES[command])
         self._ports = _Ports(
             ControlledJoints(
                 JointStateGroup([states.get_handle(n) for n in self.joint_names])
@@ -364,13 +364,7 @@ class PidController(ChainableController):
             self._errors.set_wrapping(k, CONTINUOUS if wraps else PLAIN, -inf, inf)
             for key, gain in zip(_TUNED, (_P, _I, _D, _FORWARD), strict=True):
                 value = gain.of(name).read_float(params)
-                tunable = _TUNED[key]
-                schema[f"{name}/{key}"] = Tunable(
-                    tunable.unit,
-                    min(tunable.minimum, value),
-                    max(tunable.maximum, value),
-                    tunable.description,
-                )
+                schema[f"{name}/{key}"] = _TUNED[key].including(value)
                 values[f"{name}/{key}"] = value
         self._tracking = [_optional(_TRACKING.of(name), params, nan) for name in names]
         self._gain_names = list(names)
@@ -388,17 +382,6 @@ class PidController(ChainableController):
                 time = sqrt(d / i) if d > 0.0 else p / i
             # Without a time the integral part is drawn back in about a cycle.
             pids.tracking[k] = time if time > 0.0 else 1e-3
-
-
-def _require(hw: RobotHW, kind: type) -> JointCommandInterface:
-    interface: JointCommandInterface | None = hw.get(kind)
-    if interface is None:
-        raise ControllerLoadError(
-            f"The robot has no interface '{kind.__name__}'.",
-            remedy=f"It offers: {', '.join(hw.get_names()) or 'none'}.",
-            details={"hardware_interface": kind.__name__},
-        )
-    return interface
 
 
 def _optional(declared: DeclaredParameter, params: Parameters, absent: float) -> float:

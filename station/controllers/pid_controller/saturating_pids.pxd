@@ -1,5 +1,3 @@
-cimport cython
-
 cdef double _NONE, _LEGACY, _CLAMPED, _BACK, _CONDITIONAL
 
 cdef class SaturatingPids:
@@ -7,10 +5,7 @@ cdef class SaturatingPids:
     cdef readonly double[::1] errors, rates, forward, commands, parts, last
     cdef readonly double[::1] p, i, d, f, part_max, part_min, maximum, minimum
     cdef readonly double[::1] tracking, deadband, strategies
-
-    @cython.locals(k=Py_ssize_t)
     cpdef void compute_commands(self, double period, bint rates_known) noexcept
     cdef double saturated(self, Py_ssize_t k, double period, double rate) noexcept
     cdef void integrate(
-        self, Py_ssize_t k, double period, double free, double command
-    ) noexcept
+        self, Py_ssize_t k, double period, double free, double command) noexcept

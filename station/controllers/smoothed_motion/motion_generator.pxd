@@ -8,7 +8,6 @@ cdef class MotionGenerator:
     cdef bint _goes_to_positions
     cdef double _period
     cdef object _ruckig, _input, _output, _braking, _trajectory
-
     cpdef tuple state(self)
     cpdef restore(self, tuple state)
     cpdef relocate(self, list positions)

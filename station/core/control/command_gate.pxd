@@ -10,16 +10,10 @@ cdef class CommandBlock:
 cdef class DoublesBlock(CommandBlock):
     cdef double[::1] memory, copy
     cdef Py_ssize_t size
-    cpdef bint copy_commands(self) except -1
-    cpdef bint has_changed(self) except -1
-    cpdef write_copy(self)
 
 cdef class ListBlock(CommandBlock):
     cdef list storage, copy
     cdef object place
-    cpdef bint copy_commands(self) except -1
-    cpdef bint has_changed(self) except -1
-    cpdef write_copy(self)
 
 cdef class CommandGate:
     cdef public bint is_stale
@@ -31,5 +25,5 @@ cdef class CommandGate:
     cdef Py_ssize_t next_compared
     cdef set owned_names
     cdef dict names, slots
-    @cython.locals(kept=list, place=Py_ssize_t, block=CommandBlock, each=CommandBlock)
+    @cython.locals(kept=list, block=CommandBlock, each=CommandBlock)
     cpdef keep_commands(self)

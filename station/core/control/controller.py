@@ -399,14 +399,32 @@ class ClaimingController(ControllerBase):
             if interface is not None:
                 found.append(interface)
             elif interface_type in required:
-                name = interface_type_name(interface_type)
-                raise ControllerLoadError(
-                    f"The robot has no interface '{name}', which "
-                    f"{type(self).__name__} requires.",
-                    remedy=f"It offers: {', '.join(hw.get_names()) or 'none'}.",
-                    details={"hardware_interface": name},
-                )
+                require_interface(hw, interface_type, type(self).__name__)
         return found
+
+
+def require_interface(
+    hw: RobotHW, interface_type: type[InterfaceT], whose: str = "the controller"
+) -> InterfaceT:
+    """Return the robot's interface of a type.
+
+    Args:
+        hw: The robot.
+        interface_type: The type.
+        whose: What requires it, for the message.
+
+    Raises:
+        ControllerLoadError: The robot has no interface of that type.
+    """
+    interface = hw.get(interface_type)
+    if interface is None:
+        name = interface_type_name(interface_type)
+        raise ControllerLoadError(
+            f"The robot has no interface '{name}', which {whose} requires.",
+            remedy=f"It offers: {', '.join(hw.get_names()) or 'none'}.",
+            details={"hardware_interface": name},
+        )
+    return interface
 
 
 def _clear_claims(interfaces: list[object]) -> None:

@@ -20,5 +20,5 @@ cdef class ControllerUpdate:
     cdef public bint resets
     @cython.locals(gate=CommandGate, one=LoadedController, last=LoadedController)
     cpdef update_controllers(self, double time, double period, bint stands_still=*)
-    @cython.locals(begin=double, duration=double, is_finite=bint, block=CommandBlock)
+    @cython.locals(begin=double, duration=double, block=CommandBlock)
     cpdef update_controller(self, LoadedController one, double time, double period)

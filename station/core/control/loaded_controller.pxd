@@ -1,4 +1,3 @@
-cimport cython
 from station.core.control.sample_columns cimport SampleColumns
 from station.core.numerics.durations cimport Durations
 
@@ -24,5 +23,4 @@ cdef class LoadedController:
     cdef public long long overruns, late_updates
     cdef long long overruns_before
     cdef public double last_overrun, stalled_at
-    @cython.locals(elapsed=double)
     cpdef double take_turn(self, double period)

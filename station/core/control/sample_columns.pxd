@@ -11,5 +11,5 @@ cdef class SampleColumns:
     cdef readonly Py_ssize_t size, width
     cdef double[::1] row, stamp
     cdef object packed
-    @cython.locals(at=Py_ssize_t, column=Column)
+    @cython.locals(column=Column)
     cpdef keep(self, double stamp)

@@ -1,7 +1,7 @@
 """Run-time parameters of a controller: names, units, ranges, values, and changes."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from station.core.errors import InvalidGainError, suggest
 
@@ -21,6 +21,11 @@ class Tunable:
     minimum: float = 0.0
     maximum: float = 1e6
     description: str = ""
+
+    def including(self, value: float) -> "Tunable":
+        """Return the same with a range that includes a configured value."""
+        least, most = min(self.minimum, value), max(self.maximum, value)
+        return replace(self, minimum=least, maximum=most)
 
 
 class Tunables:

@@ -12,12 +12,10 @@ cdef class ToolPoseSource(ModelSource):
     cdef ArmDynamics dynamics
     cdef double[::1] q, links, flange, tool
     cdef Py_ssize_t end
-    cpdef write(self, double[::1] result)
 
 cdef class ToolJacobianSource(ModelSource):
     cdef ToolPoseSource source
     cdef double[::1] pose
-    cpdef write(self, double[::1] result)
 
 cdef class CoriolisSource(ModelSource):
     cdef ArmDynamics dynamics
@@ -25,6 +23,5 @@ cdef class CoriolisSource(ModelSource):
     cdef double[::1] q, dq, center, inertia, load
     cdef double mass
     cdef long changes
-    cpdef write(self, double[::1] result)
-    @cython.locals(mass=double, differs=bint, load=double[::1])
+    @cython.locals(mass=double, differs=bint)
     cpdef bint is_another_load(self) except -1

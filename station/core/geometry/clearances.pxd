@@ -16,33 +16,15 @@ cdef class Clearances:
     cdef readonly double distance, least, horizon
     cdef public double slack
     cdef readonly Nearness nearness
-    @cython.locals(
-        row=double[::1], half=double, x=double, y=double, z=double, ux=double,
-        uy=double, uz=double,
-    )
+    @cython.locals(row=double[::1])
     cpdef put_capsule(
         self, long solid, double[::1] place, double[::1] ends, double radius,
-        double margin
-    )
-    @cython.locals(i=long)
+        double margin)
     cdef void place(self, double[::1] q, double share) noexcept
-    @cython.locals(k=long, o=long, ends=double[::1], middle=double)
     cdef double bound(self, long capsule, long solid) noexcept
     cdef double exact(self, long capsule, long solid) noexcept
-    @cython.locals(total=double, step=double, i=long)
     cdef void note_motion(self, double[::1] q) noexcept
-    @cython.locals(
-        least=double, first=long, capsule=long, solid=long, number=long, margin=double,
-        gap=double, moved=double,
-    )
     cpdef double measure(self, double[::1] q, double horizon) noexcept
-    @cython.locals(
-        capsule=long, solid=long, number=long, before=double, allowed=double,
-        margin=double,
-    )
     cdef long blocked_at(self, double[::1] q, double share) noexcept
-    @cython.locals(
-        length=double, step=double, i=long, steps=long, step_number=long, low=double,
-        high=double, middle=double, found=long,
-    )
+    @cython.locals(steps=long)
     cpdef double free_share(self, double[::1] q, double zone) noexcept

@@ -1,5 +1,4 @@
 cimport cython
-
 from station.memory.functions cimport square_root
 
 cdef int _ROW, _MARGIN, _SPHERE, _CAPSULE, _CYLINDER, _BOX, _HALF_SPACE
@@ -11,42 +10,29 @@ cdef class Nearness:
     cpdef double to_solid(
         self, double[::1] ends, double radius, double[::1] solid, double[::1] triangles
     ) noexcept
-    @cython.locals(
-        low=double, high=double, share=double, distance=double, normal=double[::1]
-    )
     cpdef double to_row(
         self, double[::1] ends, long i, double radius, double[::1] solids, long o,
-        double[::1] triangles,
-    ) noexcept
+        double[::1] triangles) noexcept
     cpdef double of_point(
-        self, double px, double py, double pz, double[::1] solid,
-        double[::1] triangles,
+        self, double px, double py, double pz, double[::1] solid, double[::1] triangles
     ) noexcept
-    @cython.locals(
-        kind=int, distance=double, x=double, y=double, z=double, sx=double, sy=double,
-        sz=double,
-    )
+    @cython.locals(kind=int, x=double, y=double, z=double)
     cpdef double of_row(
         self, double px, double py, double pz, double[::1] solids, long o,
-        double[::1] triangles,
-    ) noexcept
-    @cython.locals(
-        begin=long, count=long, k=long, inside=double, best=double, s=double, t=double,
-        e=double, f=double, least=double,
-    )
+        double[::1] triangles) noexcept
+    @cython.locals(begin=long, count=long)
     cpdef double of_mesh(
         self, double x, double y, double z, double[::1] solid, double[::1] triangles
     ) noexcept
 
 cdef double _clipped(double value) noexcept
-@cython.locals(s=double, t=double)
 cpdef double nearest_points(
     double[::1] first, double[::1] second, double[::1] point, double[::1] normal
 ) noexcept
 cpdef void place_segments(
     double[::1] capsules, long[::1] owners, double[::1] links, double[::1] segments
 ) noexcept
-@cython.locals(k=long, x=double, y=double, z=double, ux=double, uy=double, uz=double)
+@cython.locals(x=double, y=double, z=double)
 cpdef void put_capsule(
     double[::1] row, double[::1] place, double[::1] ends, double radius, double margin
 ) noexcept

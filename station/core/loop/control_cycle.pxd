@@ -1,4 +1,3 @@
-cimport cython
 from station.core.control.controller_update cimport ControllerUpdate
 from station.core.loop.snapshot cimport SnapshotRing
 from station.core.numerics.durations cimport CycleTimes
@@ -20,10 +19,7 @@ cdef class ControlCycle:
     cdef public long long cycle, epoch
     cdef public double longest_period
     cdef public long late_cycles
-    @cython.locals(done=long)
     cpdef long run_cycles(self, long cycles, double period, double tick=*)
-    @cython.locals(time=double, begun=double, read=double, updated=double)
     cpdef run_cycle(self, double period)
     cpdef double wall_time(self)
-    @cython.locals(cycle="long long", epoch="long long", time=double)
     cpdef leave_row(self, double period)

@@ -21,12 +21,10 @@ cdef class SnapshotRing:
     cdef double[::1] rows
     cdef tuple running, layout
     @cython.locals(
-        slot=Py_ssize_t, begin=Py_ssize_t, at=Py_ssize_t, is_running=bint,
-        block=StateBlock, one=LoadedController, sampled=SampleColumns,
-    )
+        slot=Py_ssize_t, is_running=bint, block=StateBlock, one=LoadedController,
+        sampled=SampleColumns)
     cpdef leave_row(
         self, long long cycle, long long epoch, double time, double period, object mode,
-        tuple running,
-    )
+        tuple running)
     @cython.locals(one=LoadedController, sampled=SampleColumns)
     cpdef _lay_out(self, tuple running)

@@ -1,16 +1,13 @@
 cimport cython
-
 from station.core.numerics.arm_chain cimport place_links
 from station.memory.vectors cimport copy_into
 
 cdef class ArmDynamics:
     cdef Py_ssize_t size
     cdef double[::1] chain, given, bodies, q, links, moments, screws, wrenches
-
     cdef bint is_weighed
     cdef readonly long changes
     cdef readonly long long version
-
     cpdef void move_to(self, object q) except *
     @cython.locals(differs=bint)
     cpdef void move_links(self, double[::1] q) noexcept

@@ -1,5 +1,3 @@
-cimport cython
-
 cdef class Durations:
     cdef readonly Py_ssize_t capacity
     cdef readonly double[::1] values
@@ -15,5 +13,4 @@ cdef class CycleTimes:
     cdef readonly long long count
     cdef readonly double longest_read, longest_update, longest_write, longest_total
     cdef public double last
-    @cython.locals(at=Py_ssize_t, update=double, write=double, total=double)
     cpdef add(self, double begun, double read, double updated, double written)

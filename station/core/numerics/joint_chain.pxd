@@ -6,8 +6,6 @@ cdef class JointChain:
     cdef readonly Py_ssize_t count
     cdef double[::1] origins, axes, turns, indices, way, screws
     cdef readonly double[::1] pose, jacobian
-
-    @cython.locals(joint=Py_ssize_t, k=Py_ssize_t)
     cpdef void place(self, double[::1] q) noexcept
-    @cython.locals(joint=Py_ssize_t, k=Py_ssize_t, column=Py_ssize_t)
+    @cython.locals(column=Py_ssize_t)
     cpdef void differentiate(self) noexcept

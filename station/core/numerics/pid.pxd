@@ -6,5 +6,4 @@ cdef class PidGroup:
     cdef double[::1] desired_rates, rate_gains
     cdef readonly double[::1] commands
     cdef bint feeds_forward
-
     cpdef long compute_commands(self, double period, bint rates_known) noexcept

@@ -62,8 +62,8 @@ from station.hw.franka.arm.control_mode import (
 )
 from station.hw.franka.arm.robot_arm import MOST_LOST_PACKETS, RobotArm
 from station.hw.franka.commands.arm_guard import ArmGuard
+from station.hw.franka.commands.arm_reading import ArmReading
 from station.hw.franka.commands.arm_services import ArmServices
-from station.hw.franka.commands.arm_stages import ArmReading, ArmWatch, ArmWriting
 from station.hw.franka.commands.cartesian_commands import CartesianCommands
 from station.hw.franka.commands.command_sender import CommandSender
 from station.hw.franka.commands.joint_commands import JointCommands
@@ -161,14 +161,13 @@ class FrankaHW(RobotHW):
         self._sender = CommandSender(
             self.arm,
             self._mode,
+            _MODE_NAMES,
             self.commands,
             self.cartesian,
             rates,
             make_velocity_curves(limits),
         )
         self._motion = MotionStart(self.arm, self._sender)
-        self._watch = ArmWatch(self._mode, _MODE_NAMES, self._sender)
-        self._writing = ArmWriting(self._sender)
         self._guard = ArmGuard(
             arm_id,
             self._parameters.base,
@@ -206,9 +205,9 @@ class FrankaHW(RobotHW):
             self,
             FrankaHW,
             read=self._reading.read,
-            write=self._writing.write,
-            mode=self._watch.mode,
-            is_interrupted=self._watch.is_interrupted,
+            write=self._sender.write,
+            mode=self._sender.mode_name,
+            is_interrupted=self._sender.is_interrupted,
         )
 
     def _make_arm(self, root_params: Parameters) -> None:
@@ -286,7 +285,7 @@ class FrankaHW(RobotHW):
 
     @override
     def mode(self) -> str:
-        return self._watch.mode()
+        return self._sender.mode_name()
 
     @override
     def read(self, time: float, period: float) -> None:
@@ -296,7 +295,7 @@ class FrankaHW(RobotHW):
     @override
     def write(self, time: float, period: float) -> None:
         """Limit, filter and send the commands of the present mode."""
-        self._writing.write(time, period)
+        self._sender.write(time, period)
 
     @override
     def joint_limits(self) -> Sequence[JointLimitsReport]:
@@ -403,7 +402,7 @@ class FrankaHW(RobotHW):
 
     @override
     def is_interrupted(self) -> bool:
-        return self._watch.is_interrupted()
+        return self._sender.is_interrupted()
 
     @override
     def interruption_of(self, controller: ControllerInfo) -> str | None:
@@ -466,7 +465,7 @@ class FrankaHW(RobotHW):
             self._fingers = FingerJoints(gripper, names, told.arm_id)
             self._fingers.register(interfaces, in_states=told.publishes_fingers)
             self._reading.read_fingers = self._fingers.sensor.read
-            self._writing.add_fingers(self._fingers)
+            self._sender.add_fingers(self._fingers)
             self.register_interface(self._fingers.services)
 
     def _mode_after(

@@ -17,5 +17,3 @@ cdef class JointDrives(Preparation):
     cdef double[::1] lower_limit, upper_limit, desired
     cdef Py_ssize_t size
     cdef double timestep
-
-    cpdef prepare_step(self)

@@ -11,7 +11,6 @@ cdef class Preparation:
 
 cdef class CalledPreparation(Preparation):
     cdef object function
-    cpdef prepare_step(self)
 
 cdef class SpeedCheck:
     cdef double[::1] velocities, shares

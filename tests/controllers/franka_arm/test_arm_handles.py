@@ -9,7 +9,6 @@ from station.controllers.franka_arm import (
     find_state,
     read_arm_id,
     read_arm_joints,
-    require,
     saturate_torque_rate,
 )
 from station.core.errors import (
@@ -17,7 +16,6 @@ from station.core.errors import (
     ParameterError,
     ResourceNotFoundError,
 )
-from station.core.franka import FrankaStateInterface
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters, ParameterTree
 from tests.franka_station import JOINTS, make_franka_station
@@ -25,7 +23,7 @@ from tests.franka_station import JOINTS, make_franka_station
 
 def test_missing_interface_is_named():
     with pytest.raises(ControllerLoadError, match="no interface 'franka_hw::Fra"):
-        require(RobotHW(), FrankaStateInterface)
+        find_state(RobotHW(), "panda")
 
 
 def test_handles_of_an_arm_are_found():

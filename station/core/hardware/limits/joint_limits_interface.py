@@ -11,7 +11,6 @@ from typing import TypeVar
 from typing_extensions import override
 
 from station.core.hardware.interfaces.resource_manager import ResourceManager
-from station.core.hardware.limits.enforced_limits import EnforcedLimits, LimitedRun
 from station.core.hardware.limits.joint_limits_handle import (
     Clamp,
     EffortJointSaturationHandle,
@@ -25,7 +24,12 @@ from station.core.hardware.limits.joint_limits_handle import (
     VelocityJointSaturationHandle,
     VelocityJointSoftLimitsHandle,
 )
-from station.core.hardware.limits.limited_joints import MOST_JOINTS, LimitedJoints
+from station.core.hardware.limits.limited_joints import (
+    MOST_JOINTS,
+    EnforcedLimits,
+    LimitedJoints,
+    LimitedRun,
+)
 
 L = TypeVar("L", bound=JointLimitsHandle)
 

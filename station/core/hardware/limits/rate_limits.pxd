@@ -7,24 +7,16 @@ cdef double _POSITION, _VELOCITY, _ACCELERATION, _JERK, _INFINITY, _NO_REASON
 cpdef double approach(double distance, double rate_limit, double period) noexcept
 
 cpdef double stoppable(
-    double distance,
-    double velocity,
-    double acceleration,
-    double max_acceleration,
-    double max_jerk,
-    double period,
-) noexcept
-
+    double distance, double velocity, double acceleration, double max_acceleration,
+    double max_jerk, double period) noexcept
 
 cdef class RateLimitedJoints(LimitedJoints):
     cpdef double shape(
         self, Py_ssize_t i, double asked, double down, double up, double period
     ) noexcept
 
-
 cdef class PositionRateLimits(RateLimitedJoints):
-    cpdef long enforce(self, double period, Py_ssize_t first, Py_ssize_t last) noexcept
-
+    pass
 
 cdef class VelocityRateLimits(RateLimitedJoints):
-    cpdef long enforce(self, double period, Py_ssize_t first, Py_ssize_t last) noexcept
+    pass

@@ -1,13 +1,11 @@
-cimport cython
-
 from station.memory.functions cimport square_root
 
-@cython.locals(velocity=double)
-cpdef double velocity_towards_end(double highest, double a, double b, double room) noexcept
+cpdef double velocity_towards_end(
+    double highest, double a, double b, double room) noexcept
 
 cdef class VelocityCurves:
     cdef readonly Py_ssize_t size
     cdef double[::1] highest, a, b, upper, lower
     cdef double margin
-    @cython.locals(i=Py_ssize_t, most=double, a=double, b=double, fastest=double)
-    cpdef void put(self, double[::1] q, double[::1] lowest, double[::1] highest) noexcept
+    cpdef void put(
+        self, double[::1] q, double[::1] lowest, double[::1] highest) noexcept

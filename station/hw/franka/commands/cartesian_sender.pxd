@@ -11,13 +11,8 @@ cdef double _TINY
 cdef int _SLOWED
 
 cpdef void limit_vector(
-    double[::1] vector,
-    Py_ssize_t start,
-    double[::1] last_velocity,
-    double[::1] last_acceleration,
-    double[::1] bounds,
-    double share,
-    double period,
+    double[::1] vector, Py_ssize_t start, double[::1] last_velocity,
+    double[::1] last_acceleration, double[::1] bounds, double share, double period
 ) noexcept
 
 cpdef bint has_elbow(double[::1] elbow) noexcept
@@ -29,7 +24,6 @@ cdef class PoseRates:
     cdef public double gain
     cdef public bint is_limiting
     cdef readonly double[::1] sent_pose, sent_twist, sent_elbow
-
     cpdef void filter_pose(self, double[::1] pose, bint passes) noexcept
     cpdef void filter_twist(self, double[::1] twist) noexcept
     cpdef void filter_elbow(self, double[::1] elbow, bint passes) noexcept
@@ -45,10 +39,7 @@ cdef class CartesianSender:
     cdef double[::1] pose, twist, pose_elbow, twist_elbow
     cdef bint filters_first, is_first
     cdef public Guard guard
-    @cython.locals(
-        is_known=bint, is_first=bint, passes=bint, elbow=double[::1], bent=list,
-        guard=Guard, verdict=int,
-    )
+    @cython.locals(bent=list, guard=Guard)
     cpdef send_pose(self, bint is_new)
-    @cython.locals(elbow=double[::1], bent=list, guard=Guard, verdict=int)
+    @cython.locals(bent=list, guard=Guard)
     cpdef send_twist(self)

@@ -1,7 +1,7 @@
 cimport cython
 from station.core.franka.command_rates cimport CommandRates
 from station.core.franka.guard cimport Guard
-from station.core.hardware.limits.enforced_limits cimport EnforcedLimits
+from station.core.hardware.limits.limited_joints cimport EnforcedLimits
 from station.hw.franka.arm.receiver cimport Receiver
 from station.hw.franka.arm.velocity_curves cimport VelocityCurves
 from station.hw.franka.commands.cartesian_sender cimport CartesianSender
@@ -13,7 +13,11 @@ cdef class CommandSender:
     cdef object arm, joints, cartesian
     cdef VelocityCurves curves
     cdef Receiver receiver
-    cdef double[::1] mode
+    cdef double[::1] code
+    cdef double last_code
+    cdef str last_name
+    cdef object hand, write_fingers
+    cdef dict claimed, mode_names
     cdef CartesianSender cartesian_sender
     cdef CommandRates rates
     cdef list checks, limits
@@ -21,6 +25,10 @@ cdef class CommandSender:
     cdef bint has_positions, has_velocities, has_efforts, has_pose, has_twist
     cdef public object refusal
     cdef readonly Guard guard
+    cpdef bint is_interrupted(self)
+    @cython.locals(code=double)
+    cpdef mode_name(self)
+    cpdef write(self, double time, double period)
     @cython.locals(check=FiniteCheck, limits=EnforcedLimits)
     cpdef send_commands(self, double period)
     cpdef resend_commands(self)

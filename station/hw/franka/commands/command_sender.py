@@ -1,6 +1,6 @@
 """Send the commands of controllers to an arm, limited and filtered."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from station.core.errors import InvalidCommandError
 from station.core.franka.command_rates import CommandRates
@@ -8,8 +8,10 @@ from station.hw.franka.arm import arm_codes as codes
 from station.memory.doubles import Doubles
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from station.core.franka.guard import Guard
-    from station.core.hardware.limits.enforced_limits import EnforcedLimits
+    from station.core.hardware.limits.limited_joints import EnforcedLimits
     from station.hw.franka.arm.control_mode import ControlMode
     from station.hw.franka.arm.robot_arm import RobotArm
     from station.hw.franka.arm.velocity_curves import VelocityCurves
@@ -21,12 +23,32 @@ if TYPE_CHECKING:
 _MOVE = codes.MOVE  # as a C number, by the .pxd
 
 
+class Hand(Protocol):
+    """The services of a hand."""
+
+    is_moving: bool
+
+
+class Fingers(Protocol):
+    """The fingers of a simulated hand."""
+
+    claimed: dict[str, str]
+
+    @property
+    def hand(self) -> Hand:
+        """Return the services of their hand."""
+
+    def write(self) -> None:
+        """Pass their commands on."""
+
+
 class CommandSender:
     """Sends the commands of the present mode. Control thread only.
 
     Args:
         arm: The arm.
         mode: The arm's mode, one number.
+        mode_names: Name of each mode, by its number.
         joints: Joint commands and their limits.
         cartesian: Cartesian commands.
         rates: Filter and rate limits of the joint commands.
@@ -44,6 +66,7 @@ class CommandSender:
         self,
         arm: "RobotArm",
         mode: Doubles,
+        mode_names: dict[float, str],
         joints: "JointCommands",
         cartesian: "CartesianCommands",
         rates: CommandRates,
@@ -51,7 +74,10 @@ class CommandSender:
     ) -> None:
         self.arm = arm
         self.receiver = arm.receiver()
-        self.mode = mode
+        self.code = mode
+        self.last_code = mode[0]
+        self.mode_names = mode_names
+        self.last_name = mode_names[mode[0]]
         self.joints = joints
         self.cartesian = cartesian
         self.cartesian_sender = cartesian.sender
@@ -67,6 +93,29 @@ class CommandSender:
         self.has_twist = False
         self.refusal: str | None = None
         self.guard: Guard | None = None
+        self.hand: Hand | None = None
+        self.claimed: dict[str, str]
+        self.write_fingers: Callable[[], None]
+
+    def add_fingers(self, fingers: Fingers) -> None:
+        """Send the commands of the fingers of a simulated hand, too."""
+        self.hand, self.claimed = fingers.hand, fingers.claimed
+        self.write_fingers = fingers.write
+
+    def is_interrupted(self) -> bool:
+        """Return whether the arm has left the motion that controllers command."""
+        # The usual case, with one comparison.
+        if self.code[0] == _MOVE:
+            return False
+        return self.is_active and not self.is_waiting
+
+    def mode_name(self) -> str:
+        """Return the name of the arm's mode."""
+        code = self.code[0]
+        # The name is looked up when the mode changes, not in every cycle.
+        if code != self.last_code:
+            self.last_code, self.last_name = code, self.mode_names[code]
+        return self.last_name
 
     def begin_motion(self, mode: "ControlMode", settings: "CommandSettings") -> None:
         """Take commands of the kinds in `mode` from now on, seeded with rest.
@@ -98,6 +147,18 @@ class CommandSender:
         """Return whether commands fill the cycles that a late loop misses."""
         return self.has_pose
 
+    def write(self, time: float, period: float) -> None:
+        """Send the commands of arm and fingers; see `send_commands`.
+
+        Args:
+            time: Station time of the cycle [s].
+            period: Time since the last cycle [s], >= 0.
+        """
+        # Most of the time there is nothing to do for the fingers.
+        if self.hand is not None and (self.claimed or self.hand.is_moving):
+            self.write_fingers()
+        self.send_commands(period)
+
     def send_commands(self, period: float) -> None:
         """Limit, filter and send the controllers' commands, while a motion runs.
 
@@ -107,7 +168,7 @@ class CommandSender:
             period: Time since the last cycle [s], >= 0.
         """
         guard = self.guard
-        if self.mode[0] != _MOVE:
+        if self.code[0] != _MOVE:
             if guard is not None:
                 guard.look()
             return
@@ -134,7 +195,7 @@ class CommandSender:
         extrapolates.
         """
         # Without rate limits the same position twice would be a step in velocity.
-        if self.mode[0] == _MOVE and (self.rates.is_limiting or self.has_pose):
+        if self.code[0] == _MOVE and (self.rates.is_limiting or self.has_pose):
             self.send_all(False)  # noqa: FBT003 - positional in C
 
     def send_all(self, is_new: bool) -> None:  # noqa: FBT001 - positional in C

@@ -10,16 +10,6 @@ cdef class Accelerometers:
     cdef double[::1] last, ddq
     cdef bint has_read
     cdef double seen
-    @cython.locals(
-        memory=JointMemory,
-        i=Py_ssize_t,
-        time=double,
-        elapsed=double,
-        change=double,
-        links=double[::1],
-        dq=double[::1],
-        ddq=double[::1],
-        gravity=double[::1],
-    )
+    @cython.locals(memory=JointMemory, time=double)
     cpdef read(self)
     cpdef forget(self)

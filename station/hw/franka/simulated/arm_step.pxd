@@ -1,5 +1,6 @@
 cimport cython
 from station.memory.vectors cimport any_of, are_finite, copy_into
+from station.hw.franka.arm.receiver cimport Receiver
 from station.hw.franka.simulated.cartesian_step cimport CartesianStep
 from station.hw.franka.simulated.cycle_log cimport CycleLog
 from station.hw.franka.simulated.desired_motion cimport DesiredMotion
@@ -12,7 +13,8 @@ from station.hw.mujoco.simulator_memory cimport SimulatorMemory
 from station.hw.mujoco.world_step cimport Preparation
 
 cdef int _IDLE, _MOVE, _GUIDING, _RECOVERY
-cdef int _NO_MOTION, _POSITIONS, _CARTESIAN
+cdef Py_ssize_t _POSE
+cdef int _NO_MOTION, _POSITIONS, _VELOCITIES, _CARTESIAN
 cdef int _CONTACT, _VIOLATION
 
 cdef class ArmStep(Preparation):
@@ -37,11 +39,17 @@ cdef class ArmStep(Preparation):
     cdef Py_ssize_t lost_in_a_row, settling
     cpdef bint receive_end_effector(self, double[::1] values, Py_ssize_t size)
     cpdef bint receive(self, double[::1] values, Py_ssize_t size, double[::1] place)
-    @cython.locals(mode=double)
-    cpdef prepare_step(self)
-    @cython.locals(arrived=bint, was_lossy=bint)
     cdef Py_ssize_t follow_command(self)
-    @cython.locals(may_settle=bint)
     cdef advance_motion(self, bint arrived, bint was_lossy)
-    @cython.locals(result=int, mode=double)
+    @cython.locals(result=int)
     cpdef int read_joints(self, double time)
+
+cdef class StepReceiver(Receiver):
+    cdef ArmStep step
+    cdef JointMemory memory
+    @cython.locals(step=ArmStep, memory=JointMemory)
+    cpdef bint receive_torques(self, double[::1] tau)
+    @cython.locals(step=ArmStep, memory=JointMemory)
+    cpdef bint receive_target(self, double[::1] values, int generator)
+    @cython.locals(step=ArmStep)
+    cpdef bint receive_pose(self, double[::1] pose)

@@ -12,6 +12,7 @@ from station.core.errors import InvalidCommandError
 from station.core.franka.franka_robot_state import MODE, RobotState
 from station.core.franka.joint_memory import JointMemory
 from station.hw.franka.arm import arm_codes as modes
+from station.hw.franka.arm.receiver import Receiver
 from station.hw.franka.arm.robot_arm import MOST_LOST_PACKETS
 from station.hw.franka.simulated import step_codes as codes
 from station.hw.franka.simulated.cartesian_step import CartesianStep
@@ -51,7 +52,9 @@ _GUIDING = modes.GUIDING
 _RECOVERY = modes.RECOVERY
 _NO_MOTION = codes.NO_MOTION
 _POSITIONS = codes.POSITIONS
+_VELOCITIES = codes.VELOCITIES
 _CARTESIAN = codes.CARTESIAN
+_POSE = 16
 _CONTACT = CONTACT
 _VIOLATION = VIOLATION
 
@@ -416,6 +419,53 @@ class ArmStep(Preparation):
         if is_supervised and self.watch.check_readings(self.is_following, True):  # noqa: FBT003 - C
             result += _VIOLATION
         return result
+
+
+class StepReceiver(Receiver):
+    """Takes the commands of the motion that runs, if they are finite numbers.
+
+    Args:
+        step: The arm's arithmetic.
+        memory: The memory of the arm's joints.
+    """
+
+    def __init__(self, step: ArmStep, memory: JointMemory) -> None:
+        self.step = step
+        self.memory = memory
+
+    def receive_torques(self, tau: Storage) -> bool:
+        """Return whether torques were taken."""
+        step, memory = self.step, self.memory
+        return step.wants_torques and step.receive(tau, memory.size, memory.torques)
+
+    def receive_positions(self, q: Storage) -> bool:
+        """Return whether positions were taken."""
+        return self.receive_target(q, _POSITIONS)
+
+    def receive_velocities(self, dq: Storage) -> bool:
+        """Return whether velocities were taken."""
+        return self.receive_target(dq, _VELOCITIES)
+
+    def receive_target(self, values: Storage, generator: int) -> bool:
+        """Return whether positions or velocities were taken.
+
+        Args:
+            values: The command, shape (7,).
+            generator: The motion that takes them, see `step_codes`.
+        """
+        step, memory = self.step, self.memory
+        if step.generator != generator:
+            return False
+        return step.receive(values, memory.size, memory.target)
+
+    def receive_pose(self, pose: Doubles) -> bool:
+        """Return whether a pose was taken."""
+        step = self.step
+        return step.generator == _CARTESIAN and step.receive_end_effector(pose, _POSE)
+
+    def rests_at_pose(self) -> bool:
+        """Return whether the end effector has come to rest at the last pose."""
+        return self.step.cartesian.is_settled
 
 
 def _as_doubles(values: Storage) -> Doubles:

@@ -22,7 +22,6 @@ cdef class CartesianStep:
     cdef readonly double[::1] command, elbow_command, next_pose, next_twist, next_elbow
     cdef public Py_ssize_t size
     cdef public bint has_elbow, is_settled
-
     cpdef begin_motion(self)
     cpdef Py_ssize_t follow_command(self, bint is_first, bint may_settle)
     cpdef Py_ssize_t extrapolate(self)
@@ -30,9 +29,8 @@ cdef class CartesianStep:
     cdef bint is_still(self) noexcept
     @cython.locals(state=EndEffectorState, check=MotionCheck)
     cpdef Py_ssize_t plan(self, bint is_first)
-    @cython.locals(x=double, y=double, z=double, away=double, most=double)
+    @cython.locals(most=double)
     cdef Py_ssize_t check_start(self)
-    @cython.locals(sign=double, away=double, rate=double, acceleration=double, jerk=double)
     cdef Py_ssize_t plan_elbow(self, bint is_first)
     cdef void rest_elbow(self) noexcept
     cpdef Py_ssize_t move_joints(self)

@@ -4,7 +4,6 @@ from station.hw.mujoco.world_step cimport Preparation
 cdef class FingerMotor(Preparation):
     cdef SimulatorMemory simulator
     cdef public double stiffness, step, reach, target, place, force
-    cpdef prepare_step(self)
 
 cdef class FingerSensor:
     cdef SimulatorMemory simulator

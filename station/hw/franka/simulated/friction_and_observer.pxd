@@ -28,23 +28,15 @@ cdef class FrictionAndObserver(Preparation):
     cdef public Py_ssize_t weak
     cdef Py_ssize_t drawn
     cdef public long cycles_to_loss
-
     cpdef settle(self)
     cpdef rest(self)
     cpdef bint renew_jacobian(self)
-    @cython.locals(is_reliable=bint, i=Py_ssize_t, singular=double, reliable=double)
     cpdef bint factorise_jacobian(self)
-    @cython.locals(i=Py_ssize_t, power=double, velocity=double, sliding=double, relative=double, most=double, bend=double, share=double, turn=double, lead=double)
-    cpdef prepare_step(self)
-    @cython.locals(i=Py_ssize_t, result=int, reach=double)
+    @cython.locals(result=int)
     cpdef int sense(self)
-    @cython.locals(i=Py_ssize_t, drawn=Py_ssize_t, last=Py_ssize_t, rate=double, measured=double, error=double)
     cpdef disturb(self)
-    @cython.locals(i=Py_ssize_t, j=Py_ssize_t, row=Py_ssize_t, total=double, element=double, own=double, rate=double, gain=double, needed=double, external=double, following=double)
     cpdef observe(self)
-    @cython.locals(i=Py_ssize_t, k=Py_ssize_t, axis=Py_ssize_t, torque=double, u=double, v=double, w=double, a=double, b=double, c=double, x=double, y=double, z=double)
+    @cython.locals(axis=Py_ssize_t)
     cpdef compute_wrench(self)
-    @cython.locals(i=Py_ssize_t, j=Py_ssize_t, k=Py_ssize_t, size=Py_ssize_t, most=double, part=double)
     cpdef doubt_wrench(self)
-    @cython.locals(i=Py_ssize_t, size=Py_ssize_t)
     cpdef bint is_touched(self)

@@ -10,6 +10,5 @@ cdef class InverseKinematics:
     cdef readonly double[::1] target
     cdef Py_ssize_t end
     cdef WrenchEquation equation
-
     cpdef void advance(self, double elbow) noexcept
     cpdef void solve(self, double damping) noexcept

@@ -22,16 +22,14 @@ cdef class JointWatch:
     cdef double least_distance
     cdef LinkDistances distances
     cdef public double room
-    @cython.locals(i=Py_ssize_t, position=double, velocity=double, torque=double, total=double, power=double, away=double, is_slow=bint, is_close=bint, reach=double, violations=Violations)
+    @cython.locals(away=double, is_slow=bint, violations=Violations)
     cpdef bint check_readings(self, bint is_following, bint has_moved)
-    @cython.locals(axis=Py_ssize_t, distance=double, least=double, room=double, value=double, low=double, high=double)
+    @cython.locals(axis=Py_ssize_t)
     cdef check_distances(self)
-    @cython.locals(i=Py_ssize_t)
     cdef bend_velocity_limits(self)
     cdef check_speed(self)
     @cython.locals(i=Py_ssize_t)
     cdef check_deviation(self)
     cdef void place(self, double[::1] q, double[::1] pose) noexcept
 
-@cython.locals(x=double, y=double, z=double)
 cdef double _length(double[::1] vector) noexcept

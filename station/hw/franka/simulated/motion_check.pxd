@@ -17,21 +17,21 @@ cdef class MotionCheck:
     cdef double[::1] lower, upper, slowest, fastest, acceleration, jerk, translation
     cdef double[::1] rotation, elbow, reached
     cdef double torque_step, period
-    @cython.locals(i=Py_ssize_t, away=double)
     cpdef Py_ssize_t check_start(self)
-    @cython.locals(i=Py_ssize_t, period=double)
     cpdef Py_ssize_t check_positions(self, int code)
-    @cython.locals(i=Py_ssize_t, period=double)
     cpdef Py_ssize_t check_velocities(self)
-    @cython.locals(i=Py_ssize_t, period=double, position=double, velocity=double, acceleration=double, jerk=double, most=double, violations=Violations)
-    cdef Py_ssize_t check_joints(self, double[::1] q, double[::1] dq, int code)
-    @cython.locals(i=Py_ssize_t)
-    cdef bend_velocity_limits(self, double[::1] q, double[::1] dq)
-    @cython.locals(i=Py_ssize_t, lowest=double, largest=double, step=double)
-    cpdef Py_ssize_t check_torques(self)
-    cpdef Py_ssize_t check_twist(self, double[::1] twist, double[::1] last, double[::1] last_rate)
-    @cython.locals(i=Py_ssize_t, period=double, velocity=double, rate=double, change=double, speed=double, acceleration=double, jerk=double)
-    cdef check_part(self, Py_ssize_t first, double[::1] twist, double[::1] last, double[::1] last_rate, double[::1] bounds)
-    cpdef Py_ssize_t check_elbow(self, double velocity, double acceleration, double jerk)
     @cython.locals(violations=Violations)
-    cdef check_bounds(self, Py_ssize_t first, double velocity, double acceleration, double jerk, double[::1] bounds)
+    cdef Py_ssize_t check_joints(self, double[::1] q, double[::1] dq, int code)
+    cdef bend_velocity_limits(self, double[::1] q, double[::1] dq)
+    cpdef Py_ssize_t check_torques(self)
+    cpdef Py_ssize_t check_twist(
+        self, double[::1] twist, double[::1] last, double[::1] last_rate)
+    cdef check_part(
+        self, Py_ssize_t first, double[::1] twist, double[::1] last,
+        double[::1] last_rate, double[::1] bounds)
+    cpdef Py_ssize_t check_elbow(
+        self, double velocity, double acceleration, double jerk)
+    @cython.locals(violations=Violations)
+    cdef check_bounds(
+        self, Py_ssize_t first, double velocity, double acceleration, double jerk,
+        double[::1] bounds)

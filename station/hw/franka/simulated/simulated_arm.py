@@ -21,8 +21,7 @@ from station.hw.franka.simulated.accelerometers import Accelerometers
 from station.hw.franka.simulated.arm_model import ArmModel
 from station.hw.franka.simulated.arm_modes import ArmModes
 from station.hw.franka.simulated.arm_parts import ArmParts
-from station.hw.franka.simulated.arm_step import VIOLATION
-from station.hw.franka.simulated.receivers import StepReceiver
+from station.hw.franka.simulated.arm_step import VIOLATION, StepReceiver
 from station.hw.franka.simulated.simulated_arm_controls import SimulatedArmControls
 from station.hw.franka.simulated.simulated_cycles import SimulatedCycles
 from station.hw.mujoco.world import World

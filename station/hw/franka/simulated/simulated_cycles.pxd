@@ -20,5 +20,5 @@ cdef class SimulatedCycles:
     cdef AlertFlag supervisor
     cdef FrictionAndObserver observer
     cdef readonly long long cycle, seen
-    @cython.locals(found=int, observed=int, steps="long long", time=double)
+    @cython.locals(found=int)
     cpdef read(self)

@@ -51,6 +51,7 @@ class Bench:
         self.sender = CommandSender(
             self.arm,
             state.doubles(MODE),
+            {1.0: "idle", 2.0: "move"},
             self.commands,
             cartesian,
             self.rates,

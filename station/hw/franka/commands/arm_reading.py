@@ -1,10 +1,8 @@
-"""Read an arm in every cycle of the loop, write to it, and tell how it is."""
+"""Read an arm in every cycle of the loop."""
 
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
-from station.hw.franka.arm.arm_codes import MOVE
 from station.hw.franka.commands.command_sender import CommandSender
-from station.memory.doubles import Doubles
 from station.memory.finite_check import FiniteCheck
 
 if TYPE_CHECKING:
@@ -13,28 +11,7 @@ if TYPE_CHECKING:
     from station.hw.franka.arm.robot_arm import RobotArm
     from station.hw.franka.commands.motion_start import MotionStart
 
-
-_MOVE = MOVE  # as a C number, by the .pxd
 _READINGS = ("position", "velocity", "torque")
-
-
-class Hand(Protocol):
-    """The services of a hand."""
-
-    is_moving: bool
-
-
-class Fingers(Protocol):
-    """The fingers of a simulated hand."""
-
-    claimed: dict[str, str]
-
-    @property
-    def hand(self) -> Hand:
-        """Return the services of their hand."""
-
-    def write(self) -> None:
-        """Pass their commands on."""
 
 
 class ArmReading:
@@ -131,71 +108,3 @@ class ArmReading:
         reading, joint = divmod(self.bad, 7)
         value = self.joint_readings[self.bad]
         return f"the {_READINGS[reading]} of joint{joint + 1} reads {value}"
-
-
-class ArmWriting:
-    """Sends the commands of an arm, and of its fingers.
-
-    Args:
-        sender: Sends the commands of the arm while a motion runs.
-    """
-
-    def __init__(self, sender: CommandSender) -> None:
-        self.sender = sender
-        self.hand: Hand | None = None
-        self.claimed: dict[str, str]
-        self.write_fingers: Callable[[], None]
-
-    def add_fingers(self, fingers: Fingers) -> None:
-        """Send the commands of the fingers of a simulated hand, too."""
-        self.hand, self.claimed = fingers.hand, fingers.claimed
-        self.write_fingers = fingers.write
-
-    def write(self, time: float, period: float) -> None:
-        """Send the commands; see `CommandSender.send_commands`.
-
-        Args:
-            time: Station time of the cycle [s].
-            period: Time since the last cycle [s], >= 0.
-        """
-        # Most of the time there is nothing to do for the fingers.
-        if self.hand is not None and (self.claimed or self.hand.is_moving):
-            self.write_fingers()
-        self.sender.send_commands(period)
-
-
-class ArmWatch:
-    """Tells how an arm is.
-
-    Args:
-        code: The arm's mode, one number.
-        names: Name of each mode, by its number.
-        sender: Sends the commands of controllers.
-    """
-
-    def __init__(
-        self,
-        code: Doubles,
-        names: dict[float, str],
-        sender: CommandSender,
-    ) -> None:
-        self.code = code
-        self.names = names
-        self.sender = sender
-        self.last_code = code[0]
-        self.last_name = names[code[0]]
-
-    def is_interrupted(self) -> bool:
-        """Return whether the arm has left the motion that controllers command."""
-        # The usual case, with one comparison.
-        if self.code[0] == _MOVE:
-            return False
-        return self.sender.is_active and not self.sender.is_waiting
-
-    def mode(self) -> str:
-        """Return the name of the arm's mode."""
-        code = self.code[0]
-        # The name is looked up when the mode changes, not in every cycle.
-        if code != self.last_code:
-            self.last_code, self.last_name = code, self.names[code]
-        return self.last_name

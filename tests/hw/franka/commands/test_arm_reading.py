@@ -5,7 +5,7 @@ from math import inf, nan
 import pytest
 
 from station.core.franka.franka_robot_state import MODE
-from station.hw.franka.commands.arm_stages import ArmReading, ArmWatch
+from station.hw.franka.commands.arm_reading import ArmReading
 from tests.hw.franka.commands.test_command_sender import VELOCITIES, Bench
 
 PERIOD = 0.001
@@ -107,9 +107,8 @@ def test_an_arm_is_interrupted_when_it_has_left_a_motion_that_has_begun():
     arm = Read()
     sender, code = arm.sender, arm.arm.state.doubles(MODE)
     sender.is_active = True
-    watch = ArmWatch(code, {1.0: "idle", 2.0: "move"}, sender)
-    assert (watch.is_interrupted(), watch.mode()) == (False, "move")
+    assert (sender.is_interrupted(), sender.mode_name()) == (False, "move")
     code[0] = 1.0
-    assert (watch.is_interrupted(), watch.mode()) == (True, "idle")
+    assert (sender.is_interrupted(), sender.mode_name()) == (True, "idle")
     sender.is_waiting = True
-    assert not watch.is_interrupted()
+    assert not sender.is_interrupted()
