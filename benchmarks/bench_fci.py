@@ -36,7 +36,11 @@ WINDOW = 100
 SLOW = 0.5e-3
 """Time from a state to its answer above which the client itself is slow [s]."""
 _START = 60.0
-_STATION = "fci: {{enabled: true, host: {host}}}\nrobot: {{type: {kind}, arm: fr3}}\n"
+# Ideal: else the simulated network loses a command of a thousand by itself.
+_CONFIG = """
+fci: {{enabled: {is_beside}, host: {host}}}
+robot: {{type: franka_hw/FrankaHW, arm: {arm}, realism: ideal}}
+"""
 
 
 @dataclass
@@ -146,6 +150,7 @@ def run_pylibfranka(seconds: float, tally: Tally) -> None:
             tally.own += is_slow
 
 
+_ARMS = {"panda-python": "panda", "pylibfranka": "fr3"}
 CLIENTS = {"panda-python": run_panda_python, "pylibfranka": run_pylibfranka}
 
 
@@ -172,12 +177,13 @@ def commands(options: argparse.Namespace, folder: Path) -> Iterator[list[str]]:
     """Yield the command of the server, and that of the client."""
     station = [sys.executable, "-m", "station"]
     config = folder / "station.yaml"
-    kind = "franka_hw/FrankaHW"
-    config.write_text(_STATION.format(host=HOST, kind=kind), encoding="utf-8")
-    if options.beside_station:
+    is_beside, arm = options.beside_station, _ARMS[options.client]
+    text = _CONFIG.format(host=HOST, is_beside=str(is_beside).lower(), arm=arm)
+    config.write_text(text, encoding="utf-8")
+    if is_beside:
         yield [*station, "run", str(config), "--port=0", "--ui-port=0"]
     else:
-        yield [*station, "fci", "--host", HOST]
+        yield [*station, "fci", str(config), "--host", HOST]
     more = [f"--seconds={options.seconds}", f"--client={options.client}"]
     yield [sys.executable, str(Path(__file__)), "--connect", *more]
 
