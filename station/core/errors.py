@@ -17,6 +17,8 @@ StationError
 │   └── ResourceConflictError     two controllers want the same resource
 ├── SwitchTimeoutError            the switch missed its deadline (TimeoutError)
 ├── InvalidCommandError           a set-point is malformed (ValueError)
+├── HardwareComponentNotFoundError   no such hardware component (KeyError)
+├── HardwareComponentError        it is in use, or refuses a state (RuntimeError)
 ├── ArmNotFoundError              there is no arm of that name (KeyError)
 ├── ArmCommandError               an arm refuses a request in its mode (RuntimeError)
 ├── ServiceNotFoundError          the robot has no service of that name (KeyError)

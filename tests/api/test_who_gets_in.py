@@ -96,14 +96,15 @@ CALLERS = {
         (403, "host_not_allowed", 4403),
         lambda _, path: path in PROBES,
     ),
-    # Nobody's control keeps others from stopping, looking, answering an agent, or
-    # ending the token of whoever holds it.
+    # Nobody's control keeps others from stopping, looking, rehearsing (nothing moves),
+    # answering an agent, or ending the token of whoever holds it.
     "another's lease": Caller(
         {**bearer(OPERATOR), "X-Control-Lease": "not-theirs"},
         (423, "control_held", 4423),
         lambda method, path: (
             method in READS
-            or path in OF_VIEWERS | TOKENS | {f"{API}/streams/loop", ANSWER}
+            or path
+            in OF_VIEWERS | TOKENS | {f"{API}/streams/loop", f"{API}/rehearse", ANSWER}
         ),
     ),
 }
