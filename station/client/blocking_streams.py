@@ -8,7 +8,6 @@ import time
 from collections import deque
 from collections.abc import Callable, Coroutine, Iterator, Sequence
 from concurrent.futures import CancelledError, Future, wait
-from contextlib import suppress
 from typing import Any, Self, TypeVar
 
 from station.client.errors import StreamTimeoutError
@@ -124,16 +123,18 @@ def _enter(stream: object, source: AsyncStream | AsyncCommandStream) -> None:
         raise
 
 
-def _leave(stream: object, source: AsyncStream | AsyncCommandStream) -> None:
+def _leave(
+    stream: object, source: AsyncStream | AsyncCommandStream, leaving: threading.RLock
+) -> None:
     """End the connection of a stream, and the loop with the last one."""
-    if not PORTAL.serves(stream):
-        return
-    try:
-        # Another thread that closes the same stream may be first and end the loop.
-        with suppress(CancelledError):
+    # A second thread waits: it would end the loop before the connection is closed.
+    with leaving:
+        if not PORTAL.serves(stream):
+            return
+        try:
             PORTAL.run(stream, source.close())
-    finally:
-        PORTAL.leave(stream)
+        finally:
+            PORTAL.leave(stream)
 
 
 class Stream:
@@ -154,6 +155,7 @@ class Stream:
         self.options = source.options
         self.progress = source.progress
         self._is_closed = False
+        self._leaving = threading.RLock()
         self._receiving: Future[StreamFrame] | None = None
 
     def __enter__(self) -> Self:
@@ -175,7 +177,7 @@ class Stream:
         if self._receiving is not None:
             # A thread that waits for a frame wakes up.
             self._receiving.cancel()
-        _leave(self, self._source)
+        _leave(self, self._source, self._leaving)
 
     def __iter__(self) -> Iterator[StreamFrame]:
         """Yield frames until closed; leaving the loop closes the connection."""
@@ -187,7 +189,7 @@ class Stream:
         finally:
             # At the end of the program there is no thread that could close anything.
             if not sys.is_finalizing():
-                _leave(self, self._source)
+                _leave(self, self._source, self._leaving)
 
     def receive(self, timeout: float | None = None) -> StreamFrame:
         """Return the next frame.
@@ -245,6 +247,7 @@ class CommandStream:
     def __init__(self, source: AsyncCommandStream) -> None:
         self._source = source
         self.options = source.options
+        self._leaving = threading.RLock()
         self._pending: deque[str | None] = deque()
         self._arrived = asyncio.Event()
         self._sending: Future[None] | None = None
@@ -278,7 +281,7 @@ class CommandStream:
             # The set-points sent before `close` still go out, if the link takes them.
             wait([sending], timeout=CLOSE_TIMEOUT)
             sending.cancel()
-        _leave(self, self._source)
+        _leave(self, self._source, self._leaving)
 
     def send(
         self,

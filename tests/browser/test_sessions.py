@@ -34,7 +34,11 @@ class _Place:
     def __init__(self, home, ports):
         self.station = None
         self.home = home
-        self.ports = ["--port", str(ports[0]), "--ui-port", str(ports[1])]
+        # The watchdog would end a station that a busy machine lets hang for 10 s.
+        config = home / "station.yaml"
+        config.write_text("watchdog: {end_after: 600}\n")
+        ports = ["--port", str(ports[0]), "--ui-port", str(ports[1])]
+        self.arguments = [str(config), *ports]
         self.processes = []
 
     def run(self, *command):
@@ -50,7 +54,7 @@ class _Place:
 
     def start(self):
         """Start the station; wait until station and dashboard answer."""
-        self.station = self.run("run", *self.ports)
+        self.station = self.run("run", *self.arguments)
         told = json.loads(self.station.stdout.readline())
         while "ui_ready" not in told:
             told |= json.loads(self.station.stdout.readline())
