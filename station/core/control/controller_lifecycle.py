@@ -42,6 +42,7 @@ class ControllerLifecycle:
         loaded: All loaded controllers in load order; replaced as a whole.
         start_gate: Called before anything is started; raises a StationError when
             nothing may be. None when there is no such rule.
+        promised: Returns the controllers that a switch in progress has still to start.
     """
 
     def __init__(self, hw: RobotHW) -> None:
@@ -50,6 +51,7 @@ class ControllerLifecycle:
         self.components = HardwareComponents(hw)
         self.loaded: tuple[LoadedController, ...] = ()
         self.start_gate: Callable[[], None] | None = None
+        self.promised: Callable[[], Sequence[LoadedController]] = tuple
 
     @property
     def has_chains(self) -> bool:
@@ -323,15 +325,16 @@ class ControllerLifecycle:
                 broken.append(one)
         for one in broken:
             self.fall_back(one, time)
-        commanded = {
-            each.info.name
-            for one in self.loaded
-            if one.controller.state is _RUNNING
-            for each in one.following
-        }
+        # From the far end: who fails on leaving chained mode commands nobody any more.
         for one in self.loaded:
-            if one.references and one.info.name not in commanded:
+            if one.references and not self._is_commanded(one):
                 self._end_chained_mode(one, time)
+
+    def _is_commanded(self, one: LoadedController) -> bool:
+        return any(
+            one in other.following and other.controller.state is _RUNNING
+            for other in self.loaded
+        )
 
     def _end_chained_mode(self, one: LoadedController, time: float) -> None:
         """Let the references of a controller rest that nobody commands any more."""
@@ -399,12 +402,18 @@ class ControllerLifecycle:
         wanted = [known[name] for name in failed.fallback if name in known]
         running = [one.info for one in self.loaded if one.controller.state is _RUNNING]
         start = [one for one in wanted if one.controller.state is not _RUNNING]
+        # The robot has been told of them already: nobody else takes their resources,
+        # and the switch alone starts them.
+        promised = [
+            one for one in self.promised() if one.controller.state is not _RUNNING
+        ]
         reason: str | None = None
         try:
             if self.start_gate is not None:
                 self.start_gate()
             conflicts = find_conflicts(
-                self.hw, [*running, *(one.info for one in start)]
+                self.hw,
+                [*running, *(one.info for one in dict.fromkeys([*promised, *start]))],
             )
             refusals = [self.components.refusal(one.info) for one in start]
             reason = next((each for each in refusals if each), None)
@@ -416,6 +425,8 @@ class ControllerLifecycle:
             reason = describe(error)
         if len(wanted) < len(failed.fallback):
             reason = "not all of it is loaded"
+        elif any(one in promised for one in start):
+            reason = "a switch is about to start it"
         if reason is not None:
             failed.add_fault(f"no fallback: {reason}")
             return []

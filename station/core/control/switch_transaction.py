@@ -75,6 +75,20 @@ class SwitchTransaction:
         Args:
             time: Station time [s].
         """
+        self._lifecycle.promised = self._promised
+        is_finished = self._advance(time)
+        if is_finished:
+            self._lifecycle.promised = tuple
+        return is_finished
+
+    def _promised(self) -> list[LoadedController]:
+        pending = self._pending
+        if pending.progress is SwitchProgress.ROLLING_BACK:
+            return self._was_running
+        settled = self._begun | pending.given_up
+        return [one for one in _once(pending.start) if one.info.name not in settled]
+
+    def _advance(self, time: float) -> bool:
         pending = self._pending
         if pending.progress is SwitchProgress.ROLLING_BACK:
             return self._advance_rollback(time)
