@@ -281,7 +281,8 @@ class StationActions:
             values = self._filled(tracked.action, part, progress.values)
             if status in ROS2:
                 self._end(tracked, values)
-            elif progress.values:
+            # A goal that the control thread has not taken up yet has no feedback.
+            elif status is GoalStatus.ACTIVE and progress.values:
                 self._send(tracked, "feedback", values)
             tracked.told(progress._replace(values=values))
             await asyncio.sleep(FEEDBACK_PERIOD)
