@@ -104,7 +104,7 @@ class _LiveComponent:
             self.state = ComponentState.UNCONFIGURED
             try:
                 robot.on_error(key, self.problem)
-            except Exception as worse:  # noqa: BLE001 - shown with the component
+            except CONTAINED as worse:  # shown with the component
                 self.problem += f"; {reason_of('on_error', worse)}"
                 self.state = ComponentState.FINALIZED
             raise self._failed(hook, describe(error), "Look at the robot.") from error
