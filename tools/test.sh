@@ -12,10 +12,6 @@ shift
 
 say() { echo "test: $*" >&2; }
 
-# Tests of servers, processes and pages wait a third of their time: one worker more than
-# there are processors has something to do meanwhile.
-workers=$(($(getconf _NPROCESSORS_ONLN) + 1))
-
 # Some tests run against the clock, and a busy machine is no defect of what they test:
 # what fails the first time has to pass alone.
 patiently() {
@@ -50,10 +46,10 @@ case $which in
 quick)
     # Tests that run alone wait most of the time: two leave each other the processor.
     if [ $# -gt 0 ]; then
-        patiently "not slow and not alone" "$workers" "$@"
+        patiently "not slow and not alone" auto "$@"
         patiently "alone and not slow" 2 --dist loadfile "$@"
     else
-        patiently "not slow and not alone" "$workers" tests --ignore tests/browser --ignore tests/system
+        patiently "not slow and not alone" auto tests --ignore tests/browser --ignore tests/system
         # shellcheck disable=SC2046 - one word for each file
         patiently "alone and not slow" 2 --dist loadfile $(files_with alone tests/ui)
     fi
@@ -65,12 +61,11 @@ quick)
     fi
     ;;
 slow)
-    # A file is run by one worker: its stations and pages are started once. The browser
-    # files come first, since they wait for each other's processes; the longest of the
-    # others next, so that no worker is left with it at the end.
+    # A file is run by one worker: its stations and pages are started once. One worker
+    # more than processors takes longer: browsers draw in software.
     # shellcheck disable=SC2046
-    [ $# -gt 0 ] || set -- $(files_with slow tests/browser tests/api/test_any_request.py tests/system)
-    patiently slow "$workers" --dist loadfile --no-loadscope-reorder "$@"
+    [ $# -gt 0 ] || set -- $(files_with slow tests/browser tests/system)
+    patiently slow auto --dist loadfile --no-loadscope-reorder "$@"
     ;;
 *) say "quick or slow, not $which" && exit 2 ;;
 esac
