@@ -121,20 +121,20 @@ def test_the_strip_stays_one_line_when_an_arm_has_stopped_itself(workspace, clie
     assert wait_until(lambda: panda.errors().robot_mode == "idle")
 
 
-@pytest.mark.parametrize("width", [1280, 2560])
-def test_the_choices_of_the_timeline_fill_their_rows(workspace, width):
+@pytest.mark.parametrize(("width", "rows"), [(1280, [2, 2, 1]), (2560, [3, 2])])
+def test_the_choices_of_the_timeline_stand_in_even_rows(workspace, width, rows):
     page = workspace.page
     workspace.dock("simulation")
     page.set_viewport_size({"width": width, "height": 900})
     page.wait_for_function("(width) => innerWidth === width", arg=width)
-    tops = (
-        workspace
-        .dock("timeline")
-        .locator(".tabs button:visible")
-        .evaluate_all("(all) => all.map((one) => one.getBoundingClientRect().top)")
+    tabs = workspace.dock("timeline").locator(".tabs")
+    tops = tabs.locator("button:visible").evaluate_all(
+        "(all) => all.map((one) => one.getBoundingClientRect().top)"
     )
+    is_cut = tabs.evaluate("(one) => one.scrollWidth > one.clientWidth")
     page.set_viewport_size({"width": 1280, "height": 800})
-    assert [tops.count(top) for top in sorted(set(tops))] == [3, 2]
+    assert [tops.count(top) for top in sorted(set(tops))] == rows
+    assert not is_cut
 
 
 def _answers_ghost(method):

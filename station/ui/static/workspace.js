@@ -43,7 +43,7 @@ const PRESETS = {
   Safety: { open: ["joints", "controllers", "timeline", "simulation"], wide: ["gripper", "move"], below: 300 },
 };
 const TWO_COLUMNS = 1600; // as in the style sheet [px]
-const SHRUNK = 220; // a dock may be made so low for another one [px]
+const SHRUNK = 200; // a dock may be made so low for another one [px]
 
 const element = (id) => document.getElementById(id);
 const columns = () => (innerWidth >= TWO_COLUMNS ? 2 : 1);

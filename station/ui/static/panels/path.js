@@ -44,8 +44,8 @@ class Path extends Panel {
     this.state = h("p", { class: "hint state", role: "status" }, "Capture where the arm is, move it, capture again, then Play.");
     this.append(
       line(this.choice, this.newName, this.newButton, this.deleteButton),
-      line(this.captureButton, this.previewButton, this.rehearseButton, this.playButton, this.pauseButton, this.cancelButton, this.loop),
-      line(h("label", { class: "speed" }, "speed ", this.speed, this.speedText), this.progress),
+      line(this.captureButton, this.previewButton, this.rehearseButton, this.playButton, this.pauseButton, this.cancelButton),
+      line(h("label", { class: "speed" }, "speed ", this.speed, this.speedText), this.loop, this.progress),
       this.forecast.element,
       this.list,
       this.state,
