@@ -1,6 +1,7 @@
 """Foxglove's port: who gets in, who may change something, and what the events say."""
 
 import json
+import re
 import socket
 
 import httpx
@@ -71,7 +72,8 @@ WHY = {
     "foreign origin": "4403",
     "page without an origin": "4403",
     "revoked token": "4401",
-    "token revoked later": "4401",
+    # The request may come before the connection is closed.
+    "token revoked later": "4401|token of this connection has been revoked",
     "another's lease": "bob holds control",
 }
 
@@ -93,7 +95,7 @@ def test_nobody_changes_anything_who_may_not(
     except ConnectionClosed as closed:
         refused = str(closed.rcvd.code)
 
-    assert WHY[intruder] in refused
+    assert re.search(WHY[intruder], refused)
     assert running(station) == ["arm"]
     assert station.tuning.gains("arm").values == {"k": 2.0}
 
