@@ -105,7 +105,9 @@ def pytest_configure(config: pytest.Config) -> None:
     try:
         protocol = find_protocol(host, port, version)
     except (OSError, StationError, FciSilenceError) as error:
-        raise pytest.UsageError(str(error)) from error
+        raise pytest.UsageError(
+            f"{host}:{port} does not answer as a robot: {error}"
+        ) from error
     config.stash[_endpoint_key] = Endpoint(
         host, port, protocol, config.getoption("--fci-move")
     )
