@@ -186,7 +186,7 @@ class UiSection(_Section):
     Attributes:
         enabled: Whether to start it.
         port: TCP port at the API's host; 0 for any free one.
-        reconnect_window: How long the dashboard waits, with everybody's login, for
+        reconnect_window: Time in which the dashboard keeps all sessions and waits for
             another station when its own has crashed [s]; then it ends.
     """
 
@@ -301,8 +301,8 @@ class AgentsSection(_Section):
     """Programs with a token of the role `agent`.
 
     Attributes:
-        approval: `always`: a person allows each change; `never`: none is asked, which
-            is for a simulation alone that is paused and stepped.
+        approval: `always`: a person allows each change; `never`: nobody is asked,
+            which is possible in a simulation alone that is paused and stepped.
         wait: How long a request waits for a person [s].
         envelope: Bounds of their motions.
     """

@@ -75,7 +75,7 @@ class Conditions:
 
     @classmethod
     def of(cls, station: "Station") -> "Conditions":
-        """Return the present ones.
+        """Return the present conditions of a station.
 
         Raises:
             LoopError: The loop died or hangs, or no cycle has run yet.

@@ -60,7 +60,7 @@ class StationScene:
         self._objects = tuple(objects)
 
     def report(self) -> list[SceneObjectReport]:
-        """Return all objects, solid ones where they are now.
+        """Return all objects, solid ones at their present poses.
 
         Raises:
             LoopError: The loop died or hangs.
@@ -232,7 +232,7 @@ class StationScene:
         """Return an object.
 
         Raises:
-            SceneObjectNotFoundError: There is none of that name.
+            SceneObjectNotFoundError: There is no such object.
         """
         names = [one.name for one in self._objects]
         if name not in names:

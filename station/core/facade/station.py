@@ -402,7 +402,7 @@ class Station:
         Raises:
             StoppedError: The station is stopped and something is to be started.
             SwitchRefusedError: The switch is not possible; nothing changed.
-            SwitchTimeoutError: The hardware did not get there in time.
+            SwitchTimeoutError: The hardware did not finish the switch in time.
             LoopError: The loop died.
         """
         self.loop.check_alive()

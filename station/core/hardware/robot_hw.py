@@ -137,7 +137,7 @@ class SimulatedWorld(ABC):
         return ()
 
     def contacts(self) -> Sequence[ContactReport]:
-        """Return the contacts of the world's bodies; of very many points only some."""
+        """Return the contacts between bodies; only some if there are very many."""
         return ()
 
     def distances(self) -> Callable[[], tuple[str, str, float] | None]:

@@ -55,7 +55,7 @@ class DeskArm(Protocol):
     kind: str
 
     def set_brakes(self, *, closed: bool) -> Future[None]:
-        """Close or open the brakes; closed, the arm's mode is Other."""
+        """Close or open the brakes; an arm with closed brakes is in the mode Other."""
 
     def set_fci(self, *, active: bool) -> Future[None]:
         """Let programs of libfranka connect, or send them away and refuse them."""
