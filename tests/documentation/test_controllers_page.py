@@ -8,7 +8,6 @@ import pytest
 
 from station.controllers import CONTROLLERS
 from station.core.control.controller_factory import COMMON_PARAMETERS
-from station.core.control.switching import SwitchRequest
 from station.core.parameters import Parameters
 from tests.api.openapi_document import operations
 from tests.conformance.benches import JOINTS, bench_for
@@ -126,25 +125,6 @@ def test_what_it_takes_is_told(controller_type):
     takes = [name for name, port in ports.items() if port is not None]
 
     assert TYPES[reading.status.type][2] == (", ".join(takes) or "nothing")
-
-
-@for_each("controller_type", CONTROLLERS)
-def test_what_it_publishes_is_told(controller_type):
-    reading = reading_of(controller_type)
-    topics = {
-        SENSORS.get(topic, f"`{topic}`")
-        for topic in published_by(reading.bench, reading.controller)
-    }
-    told = set(TYPES[reading.status.type][3].split(", "))
-
-    assert told == (topics or {"nothing"})
-
-
-def published_by(bench, controller):
-    """Run a controller and return the names of what it publishes."""
-    bench.manager.switch_controller(SwitchRequest(start=("it",)))
-    bench.step(100)
-    return controller.published()
 
 
 def test_the_resources_that_stand_for_topics_and_actions_exist():
