@@ -298,6 +298,26 @@ class ComponentInterface(Report):
 
 
 @dataclass(frozen=True, slots=True)
+class AsyncStatistics(Report):
+    """The updates of a controller, or reads and writes of hardware, in a thread.
+
+    Attributes:
+        policy: `synchronized` or `detached`.
+        age: How many cycles old the states are to which the commands of a controller
+            belong; for hardware, how many cycles ago its states began to be read.
+        missed: Updates that did not begin because the one before had not ended.
+        duration: How long an update takes [s].
+        period: Station time from one update to the next [s].
+    """
+
+    policy: str
+    age: int
+    missed: int
+    duration: Percentiles
+    period: Percentiles
+
+
+@dataclass(frozen=True, slots=True)
 class HardwareComponentReport(Report):
     """A part of the robot that has a life cycle of its own.
 
@@ -310,6 +330,8 @@ class HardwareComponentReport(Report):
         command_interfaces: What controllers can command while it is active.
         state_interfaces: What controllers can read, unless it is unconfigured or
             finalized.
+        async_update: Its reads and writes in a thread of its own; None if the control
+            thread reads and writes it.
     """
 
     name: str
@@ -319,6 +341,7 @@ class HardwareComponentReport(Report):
     problem: str = ""
     command_interfaces: Sequence[ComponentInterface] = field(default_factory=tuple)
     state_interfaces: Sequence[ComponentInterface] = field(default_factory=tuple)
+    async_update: AsyncStatistics | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -336,25 +359,6 @@ class HardwareTransmission(Report):
     type: str
     joints: Sequence[str]
     actuators: Sequence[str]
-
-
-@dataclass(frozen=True, slots=True)
-class AsyncStatistics(Report):
-    """The updates of a controller in a thread of its own.
-
-    Attributes:
-        policy: `synchronized` or `detached`.
-        age: How many cycles old the states are to which its commands belong.
-        missed: Updates that did not begin because the one before had not ended.
-        duration: How long its updates take [s].
-        period: Station time from one update to the next [s].
-    """
-
-    policy: str
-    age: int
-    missed: int
-    duration: Percentiles
-    period: Percentiles
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,6 +7,7 @@ python tools/client_page.py --check   fails when it is stale
 import inspect
 import re
 import sys
+import textwrap
 from pathlib import Path
 
 from station import client
@@ -39,21 +40,21 @@ def page() -> str:
 
 
 def _section(kind: type) -> str:
-    rows = "".join(
-        _row(name, member)
+    names = [
+        f"`{name}`"
         for name, member in _members(kind).items()
         if not name.startswith("_") and _is_described(member)
+    ]
+    text = f"**{kind.__name__}**: {_first_line(kind)}"
+    listed = textwrap.fill(
+        f"{text} {' '.join(names)}",
+        MOST,
+        initial_indent="- ",
+        subsequent_indent="  ",
+        break_long_words=False,
+        break_on_hyphens=False,
     )
-    title = f"\n### {kind.__name__}\n\n{_first_line(kind)}\n"
-    return title + (f"\n| Name | |\n|---|---|\n{rows}" if rows else "")
-
-
-def _row(name: str, member: object) -> str:
-    row = f"| `{name}{_arguments(member)}` | {_first_line(member)} |\n"
-    if len(row) <= MOST:
-        return row
-    # Too long for a line of a page: the arguments without their defaults.
-    return f"| `{name}{_arguments(member, defaults=False)}` | {_first_line(member)} |\n"
+    return f"\n{listed}\n"
 
 
 def _members(kind: type) -> dict[str, object]:
@@ -66,17 +67,6 @@ def _members(kind: type) -> dict[str, object]:
 
 def _is_described(member: object) -> bool:
     return inspect.isfunction(member) or isinstance(member, property)
-
-
-def _arguments(member: object, *, defaults: bool = True) -> str:
-    """Return the arguments of a method with their defaults; nothing for a property."""
-    if not inspect.isfunction(member):
-        return ""
-    parameters = list(inspect.signature(member).parameters.values())[1:]
-    plain = [p.replace(annotation=inspect.Parameter.empty) for p in parameters]
-    if not defaults:
-        plain = [p.replace(default=inspect.Parameter.empty) for p in plain]
-    return str(inspect.Signature(plain))
 
 
 def _first_line(member: object) -> str:

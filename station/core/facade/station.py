@@ -198,7 +198,7 @@ class Station:
         self.motion = MotionCommands(loop, manager, self.inputs)
         self.robots = Robots(loop, manager, self.inputs)
         self.simulation = SimulationControl(loop, self.inputs)
-        self.surroundings = StationScene(loop, parameters, self.robots)
+        self.surroundings = StationScene(loop, parameters, self.robots, self.inputs)
         self.boot_id = uuid.uuid4().hex
         self.watchdog_failure: str | None = None
         self.parameters = parameters

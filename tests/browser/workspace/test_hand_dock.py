@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from tests.browser.workspace_page import wait_until
+from tests.browser.workspace_page import run_alone, wait_until
 
 pytestmark = pytest.mark.slow
 TARGETS = "cartesian_streaming_controller"
@@ -13,10 +13,7 @@ TARGETS = "cartesian_streaming_controller"
 @pytest.fixture
 def hand(workspace, client):
     """The dock while the hand takes targets, in degrees and the axes of the base."""
-    running = [c.name for c in client.controllers() if c.state == "running"]
-    if TARGETS not in running:
-        others = [name for name in running if name != "joint_state_controller"]
-        client.switch_controllers(start=[TARGETS], stop=others)
+    run_alone(client, TARGETS)
     workspace.button("joints", "deg").click()
     dock = workspace.dock("move")
     if not dock.get_by_role("button", name="Here", exact=True).is_visible():
