@@ -161,6 +161,11 @@ curl -H "$AUTH" -H "$JSON" $API/simulation/step -d '{"n": 100}'
 curl -H "$AUTH" -H "$JSON" $API/simulation/reset -d '{"keyframe": "ready", "joint_positions": {"panda_joint1": 0.5}}'
 curl -H "$AUTH" -H "$JSON" -X PATCH $API/simulation -d '{"paused": false, "real_time_factor": 1.0}'
 
+# Cameras
+curl -H "$AUTH" $API/cameras
+curl -H "$AUTH" $API/cameras/cell --output cell.jpg             # 404: no camera is configured
+curl -H "$AUTH" $API/cameras/cell/stream --output cell.mjpeg    # 404
+
 # Arms
 ARM=$API/robots/panda
 curl -H "$AUTH" $API/robots

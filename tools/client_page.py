@@ -7,14 +7,12 @@ python tools/client_page.py --check   fails when it is stale
 import inspect
 import re
 import sys
-import textwrap
 from pathlib import Path
 
 from station import client
 
 PAGE = Path(__file__).parents[1] / "docs" / "client.md"
 BEGIN = "<!-- Below: written by `make client` from the docstrings. -->\n"
-MOST = 160  # characters of a line of a page
 NOWHERE = client.StationClient("http://nowhere", "token")
 # The parts of a client, such as `client.recordings`, in the order in which it has them.
 PARTS = tuple(
@@ -36,42 +34,16 @@ CLASSES = (
 def page() -> str:
     """Return the text of the page: what is written by hand, and the reference."""
     by_hand, _, _ = PAGE.read_text().partition(BEGIN)
-    return by_hand + BEGIN + "".join(_section(kind) for kind in CLASSES)
+    return by_hand + BEGIN + "\n" + "".join(_section(kind) for kind in CLASSES)
 
 
 def _section(kind: type) -> str:
-    names = [
-        f"`{name}`"
-        for name, member in _members(kind).items()
-        if not name.startswith("_") and _is_described(member)
-    ]
-    text = f"**{kind.__name__}**: {_first_line(kind)}"
-    listed = textwrap.fill(
-        f"{text} {' '.join(names)}",
-        MOST,
-        initial_indent="- ",
-        subsequent_indent="  ",
-        break_long_words=False,
-        break_on_hyphens=False,
-    )
-    return f"\n{listed}\n"
-
-
-def _members(kind: type) -> dict[str, object]:
-    """Return the members of a class and of its bases, in the order of their text."""
-    found: dict[str, object] = {}
-    for base in reversed(kind.__mro__[:-1]):  # without `object`
-        found |= vars(base)
-    return found
-
-
-def _is_described(member: object) -> bool:
-    return inspect.isfunction(member) or isinstance(member, property)
+    return f"- **{kind.__name__}**: {_first_line(kind)}\n"
 
 
 def _first_line(member: object) -> str:
     paragraph = (inspect.getdoc(member) or "").partition("\n\n")[0]
-    return re.sub(r"\s+", " ", paragraph).replace("|", "\\|")
+    return re.sub(r"\s+", " ", paragraph)
 
 
 def main() -> int:

@@ -29,7 +29,6 @@ def client_page(monkeypatch):
 
 def test_reference_is_that_of_the_docstrings(client_page):
     assert client_page["page"]() == PAGE, "run make client"
-    assert " `collect`" in PAGE
 
 
 def test_reference_has_every_part_of_the_client():
@@ -38,9 +37,7 @@ def test_reference_has_every_part_of_the_client():
     for name, part in vars(client).items():
         if not name.startswith("_"):
             section = PAGE.partition(f"- **{type(part).__name__}**:")[2]
-            section = " ".join(section.partition("\n- ")[0].split())
-            assert f"`client.{name}`" in section
-            assert section.endswith("`")  # the name of its last method
+            assert f"`client.{name}`" in section.partition("\n")[0]
 
 
 @pytest.mark.slow
