@@ -83,7 +83,7 @@ class Cameras:
         self._failed_at = -AGAIN_AFTER
 
     def reports(self) -> list[CameraReport]:
-        """Return what the cameras are, and why one has no pictures."""
+        """Return the cameras, each with the reason why it has no pictures, if any."""
         return [
             CameraReport(
                 name,

@@ -107,12 +107,12 @@ class Outcome:
 
     @property
     def is_success(self) -> bool:
-        """Whether the motion has ended as its client asked for."""
+        """Return whether the motion has ended as its client asked for."""
         return self.ended == MoveStatus.SUCCESS
 
     @property
     def is_clean(self) -> bool:
-        """Whether it has done so, and the states tell no error."""
+        """Return whether it has done so, and the states report no error."""
         return self.is_success and not self.errors
 
     @override
