@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from tests.browser.conftest import ARTIFACTS, logged_in
-from tests.browser.workspace_page import WorkspacePage, without_scene
+from tests.browser.workspace_page import WorkspacePage, wait_until, without_scene
 
 pytestmark = pytest.mark.slow
 
@@ -51,6 +51,13 @@ def _faults(page, *checks):
     ]
 
 
+def _is_at_rest(page):
+    """Return whether nothing is moved by what the docks come to know meanwhile."""
+    page.evaluate("() => layoutChecks.remember()")
+    page.wait_for_timeout(LOOKED_MS)
+    return not _faults(page, "moved")
+
+
 def test_the_dark_page_differs_in_its_colours_alone():
     """The layout of the light page is that of both."""
     css = STYLES.read_text()
@@ -73,7 +80,7 @@ def test_no_text_is_cut_nothing_is_covered_and_a_stop_moves_nothing(
         page.emulate_media(color_scheme="light", reduced_motion="reduce")
         page.get_by_role("button", name="Skip the tour").click()
         for view in _views(page):
-            page.wait_for_timeout(LOOKED_MS)
+            assert wait_until(lambda: _is_at_rest(page))
             found = _faults(page, "cut", "covered")
             ARTIFACTS.mkdir(exist_ok=True)
             name = f"layout-{width}-{view}.png".replace(" ", "-")
