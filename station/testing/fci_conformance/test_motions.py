@@ -1,6 +1,6 @@
 """Checks that move: every mode, the end of a motion, lost commands, the rate."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from enum import IntEnum
 from itertools import product
@@ -74,6 +74,13 @@ MOTIONS: dict[str, Callable[[], Motion]] = {
 }
 
 
+MEANWHILE: dict[str, tuple[Command, type[IntEnum], Sequence[str]]] = {
+    "second motion": (Command.MOVE, MoveStatus, ()),
+    "setting": (Command.SET_EE_TO_K, SetterStatus, ("EE_T_K",)),
+}
+"""Requests that an arm refuses while it moves, with the fields that are its state's."""
+
+
 @pytest.mark.parametrize(
     ("controller", "motion"),
     list(product((JOINTS, CARTESIAN), MOTIONS)),
@@ -137,15 +144,12 @@ def test_arm_waits_for_the_first_command(dialog: Dialog) -> Verdict:
     return holds, f"{outcome}; modes {sorted(modes)}"
 
 
-@pytest.mark.parametrize("asked", ["second motion", "setting"])
+@pytest.mark.parametrize("asked", MEANWHILE)
 def test_request_during_a_motion_is_refused(dialog: Dialog, asked: str) -> Verdict:
     """Command not possible rejected, and the motion goes on to success."""
-    if asked == "setting":
-        values = {"EE_T_K": dialog.state["EE_T_K"]}
-        outcome, told = ask_meanwhile(dialog, Command.SET_EE_TO_K, SetterStatus, values)
-    else:
-        values = {"controller_mode": JOINTS}
-        outcome, told = ask_meanwhile(dialog, Command.MOVE, MoveStatus, values)
+    command, statuses, fields = MEANWHILE[asked]
+    values = {name: dialog.state[name] for name in fields}
+    outcome, told = ask_meanwhile(dialog, command, statuses, values)
     holds = outcome.is_success and told == "command not possible rejected"
     return holds, f"{told}; the motion: {outcome}"
 

@@ -44,20 +44,24 @@ GRAVITY = 9.81
 SAME_POSE = 0.01
 """Largest distance of O_T_EE from the textbook kinematics: real arms are calibrated."""
 THRESHOLDS = {
-    **{
-        f"{bound}_torque_thresholds_{phase}": (20.0, 20.0, 18.0, 18.0, 16.0, 14.0, 12.0)
-        for bound in ("lower", "upper")
-        for phase in ("acceleration", "nominal")
-    },
-    **{
-        f"{bound}_force_thresholds_{phase}": (20.0, 20.0, 20.0, 25.0, 25.0, 25.0)
-        for bound in ("lower", "upper")
-        for phase in ("acceleration", "nominal")
-    },
+    f"{bound}_{kind}_thresholds_{phase}": values
+    for kind, values in (
+        ("torque", (20.0, 20.0, 18.0, 18.0, 16.0, 14.0, 12.0)),
+        ("force", (20.0, 20.0, 20.0, 25.0, 25.0, 25.0)),
+    )
+    for bound in ("lower", "upper")
+    for phase in ("acceleration", "nominal")
 }
 """Thresholds of libfranka's examples. Source: libfranka@0.9.2
 examples/examples_common.cpp, setDefaultBehavior."""
-STIFFNESS = (3000.0, 3000.0, 3000.0, 2500.0, 2500.0, 2000.0, 2000.0)
+POSSIBLE: Mapping[Command, Mapping[str, object]] = {
+    Command.SET_COLLISION_BEHAVIOR: THRESHOLDS,
+    Command.SET_JOINT_IMPEDANCE: {
+        "K_theta": (3000.0,) * 3 + (2500.0,) * 2 + (2e3,) * 2
+    },
+    Command.SET_CARTESIAN_IMPEDANCE: {"K_x": (3000.0,) * 3 + (300.0,) * 3},
+    Command.SET_GUIDING_MODE: {"guiding_mode": (True,) * 6, "nullspace": True},
+}
 IMPOSSIBLE: Mapping[Command, Mapping[str, object]] = {
     Command.SET_JOINT_IMPEDANCE: {"K_theta": (-1.0,) * 7},
     Command.SET_CARTESIAN_IMPEDANCE: {"K_x": (1e6,) * 6},
@@ -70,23 +74,12 @@ _MODEL_LIMITS = "limit", "position_based_velocity_limits"
 SETTERS = [command for command in Command if command.name.startswith("SET_")]
 
 
-def values_of(command: Command, dialog: Dialog) -> dict[str, object]:
+def values_of(command: Command, dialog: Dialog) -> Mapping[str, object]:
     """Return values for a setter that change nothing, or are those of the examples."""
-    state = dialog.state
-    match command:
-        case Command.SET_COLLISION_BEHAVIOR:
-            return {**THRESHOLDS}
-        case Command.SET_JOINT_IMPEDANCE:
-            return {"K_theta": STIFFNESS}
-        case Command.SET_CARTESIAN_IMPEDANCE:
-            return {"K_x": (3000.0,) * 3 + (300.0,) * 3}
-        case Command.SET_GUIDING_MODE:
-            return {"guiding_mode": (True,) * 6, "nullspace": True}
-        case Command.SET_FILTERS:
-            filters = dialog.protocol.exchanges[command].request.offsets
-            return dict.fromkeys(filters, 1000.0)
     fields = dialog.protocol.exchanges[command].request.offsets
-    return {name: state[name] for name in fields}
+    if command is Command.SET_FILTERS:
+        return dict.fromkeys(fields, 1000.0)
+    return POSSIBLE.get(command) or {name: dialog.state[name] for name in fields}
 
 
 def test_version_is_agreed(row: Row, endpoint: Endpoint) -> Verdict:

@@ -10,7 +10,7 @@ import time
 
 import numpy as np
 
-LASTING = 1.5
+LASTING = 1.0
 """Duration of each motion of `pylibfranka` [s]."""
 TURN = [0.0, 0.0, 0.05, 0.0, 0.08, 0.0, 0.1]
 """How far franky's springs turn the joints, and torques turn them back [rad]."""
