@@ -11,6 +11,7 @@ const AGAIN_MS = 5000; // after a picture that did not come
 class CameraWall extends Panel {
   build() {
     this.cameras = [];
+    this.wall = this.appendChild(h("div", { class: "wall" }));
     store.addEventListener("docks", () => this.list());
     // One after the other: a browser has few connections, and other docks need some.
     this.every(LOOK_MS, async () => {
@@ -54,7 +55,7 @@ class CameraWall extends Panel {
       camera.large = !camera.large;
       this.draw();
     };
-    drawn(this, this.cameras.map((camera) => html`<figure class=${camera.large ? "large" : ""}>
+    drawn(this.wall, this.cameras.map((camera) => html`<figure class=${camera.large ? "large" : ""}>
       ${camera.picture}
       <figcaption><b>${camera.name}</b> ${camera.frame ? `on ${camera.frame}` : ""} <button class="s" type="button" aria-pressed=${String(camera.large)} aria-label="Show the camera ${camera.name} large" @click=${() => enlarge(camera)}>large</button>
         ${camera.fault ? html`<span class="fault" role="status">✖ ${camera.fault}</span>` : camera.isDrawn ? "" : "The first picture takes some seconds."}</figcaption>
