@@ -43,7 +43,7 @@ def _move(robot):
 
 
 def _move_in_a_chain(robot):
-    """Let a slow controller command an asynchronous one, on hardware beside the loop."""
+    """Command a chain of a slow controller and an asynchronous one."""
     robot.switch(start=["cascade", "inner"])
     robot.command("cascade", [0.3])
     robot.run(0.2)

@@ -182,9 +182,7 @@ def read_parameters(params: Parameters) -> MujocoRobotParameters:
         zero_range=_read_choice(params, "zero_range", get_args(ZeroRange), "lock"),
         self_collision=_read_self_collision(params),
         sensors=tuple(_read_sensors(params.namespace("sensors"))),
-        magnetic_field=tuple(
-            params.get_float_list("magnetic_field", 3, list(_MUNICH))
-        ),
+        magnetic_field=tuple(params.get_float_list("magnetic_field", 3, list(_MUNICH))),
         gpios=read_gpios(params),
         uses_ros2_control=_read_choice(params, "ros2_control", ("use", "ignore"), "use")
         == "use",
