@@ -10,7 +10,7 @@ import ctypes
 import gc
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import partial
 from operator import call
@@ -90,7 +90,9 @@ def take_interpreter_until(clock: Clock, deadline: float) -> None:
     """
     _ask_early()
     # As one call of C: the interval must be long before the other thread asks.
-    tuple(map(call, (partial(clock.sleep_until, deadline - EARLY), keep_interpreter)))
+    wake = partial(clock.sleep_until, deadline - EARLY)
+    first: tuple[Callable[[], None], ...] = (wake, keep_interpreter)
+    tuple(map(call, first))
     while (left := deadline - clock.now()) > 0.0:
         keep_interpreter()
         sleep = partial(_usleep, int(1e6 * min(left, _EARLY_SLICE)))
