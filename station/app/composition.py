@@ -12,7 +12,7 @@ from station.core.control.controller_manager import (
     ControllerManager,
 )
 from station.core.control.hardware_components import INITIAL_STATE
-from station.core.errors import StationError
+from station.core.errors import StationError, show
 from station.core.facade.station import Station
 from station.core.hardware.async_robot_hw import AsyncRobotHW
 from station.core.loop.control_loop import ControlLoop
@@ -23,6 +23,7 @@ from station.hw.robot_loader import create_robot
 
 ROBOT_NAMESPACE = "robot"
 SCENE_NAMESPACE = "scene"
+_UPDATE_RATE = "update_rate"
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +69,18 @@ class Composition:
             for status in self.station.controllers()
             for note in status.notes
         ]
-        return [*missing, *notes]
+        return [*missing, *notes, *self._other_rate()]
+
+    def _other_rate(self) -> list[str]:
+        """Return a warning if a file of ROS 2 asks for another rate of the loop."""
+        key = f"{CONTROLLER_MANAGER}/{_UPDATE_RATE}"
+        wanted, rate = self.station.parameters.get(key), 1.0 / self.station.loop.period
+        if wanted is None or wanted == round(rate, 6):
+            return []
+        return [
+            f"The parameter '{_UPDATE_RATE}' of {CONTROLLER_MANAGER} is {show(wanted)} "
+            f"and has no effect: the loop runs at {rate:g} Hz, the station.rate."
+        ]
 
 
 def compose(

@@ -94,6 +94,18 @@ def test_unknown_parameters_are_refused_or_in_files_of_ros_told(tmp_path):
     assert [c.name for c in composition.station.controllers()] == ["told"]
 
 
+@pytest.mark.parametrize(("rate", "told"), [(500, False), (1000, True)])
+def test_another_rate_in_a_file_of_ros2_is_told(tmp_path, rate, told):
+    configure(tmp_path, "")
+    ros = tmp_path / "ros2.yaml"
+    ros.write_text(f"controller_manager: {{ros__parameters: {{update_rate: {rate}}}}}")
+    config = load_config(tmp_path / "station.yaml", controller_files=[ros])
+
+    warnings = compose(config, ManualClock()).warnings()
+
+    assert ["loop runs at 500 Hz" in each for each in warnings] == [True] * told
+
+
 def test_controller_to_be_started_must_load(tmp_path):
     config = configure(tmp_path, "odd: {type: no/Such}", start="[odd]")
 

@@ -7,6 +7,7 @@ import pytest
 
 import station
 from station.app import rerun as module
+from station.core.control.hardware_components import ComponentState
 from station.core.errors import RecordingFileError
 from station.records import recording_reader
 
@@ -34,6 +35,21 @@ def _move(robot):
     robot.reset()
     _change_the_scene(robot)
     robot.run(0.1)
+    (component,) = robot.facade.manager.hardware_components()
+    for state in (ComponentState.INACTIVE, ComponentState.ACTIVE):
+        robot.facade.set_hardware_component_state(
+            component.name, state, stop_controllers=True
+        )
+        robot.run(0.05)
+    robot.switch(start=[EFFORT])
+    robot.run(0.05)
+
+
+def _move_in_a_chain(robot):
+    """Command a chain of a slow controller and an asynchronous one."""
+    robot.switch(start=["cascade", "inner"])
+    robot.command("cascade", [0.3])
+    robot.run(0.2)
 
 
 def _change_the_scene(robot):
@@ -76,6 +92,46 @@ def test_a_re_run_is_the_same_bit_for_bit(recording):
     assert found.cycles > 600
     assert found.not_repeated == ()
     assert found.text() == f"Equal: {found.cycles} cycles are the same, bit for bit."
+
+
+CHAIN = """
+robot:
+  type: mock_hw/MockRobotHW
+  joints: [j1]
+  is_async: true
+  async_parameters: {cycles: 2}
+controllers:
+  inner:
+    type: pid_controller/PidController
+    dof_names: [j1]
+    command_interface: effort
+    reference_and_state_interfaces: [velocity]
+    gains: {j1: {p: 10.0, i: 1.0}}
+    update_rate: 500
+  cascade:
+    type: velocity_controllers/JointGroupVelocityController
+    joints: [inner/j1]
+    is_async: true
+    async_parameters: {cycles: 3}
+    update_rate: 250
+start: []
+"""
+
+
+def test_rates_chains_and_what_is_asynchronous_run_again_bit_for_bit(tmp_path):
+    config = tmp_path / "station.yaml"
+    config.write_text(CHAIN)
+    with (
+        station.open(config=config) as robot,
+        robot.record(tmp_path, "chain") as path,
+    ):
+        _move_in_a_chain(robot)
+
+    found = module.rerun(path)
+
+    assert found.is_equal, found.text()
+    velocity = recording_reader.read_trajectory(path).velocity[:, 0]
+    assert 0.01 < velocity[-1] <= 0.3
 
 
 def test_the_first_difference_is_told(recording, monkeypatch):

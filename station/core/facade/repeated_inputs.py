@@ -6,6 +6,7 @@ An input has a `kind` and the arguments that `InputLog` notes with it.
 from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
+from station.core.control.hardware_components import ComponentState
 from station.core.control.switching import Strictness, SwitchRequest
 from station.core.facade.station import Station
 from station.core.ports.receipt import Receipt
@@ -96,6 +97,11 @@ def _service(station: Station, one: Arguments) -> None:
     station.loop.run_in_cycle(lambda: method(**one["arguments"]), moves=declared.moves)
 
 
+def _hardware(station: Station, one: Arguments) -> None:
+    # The controllers that it stopped first were stopped by a switch of its own.
+    station.set_hardware_component_state(one["name"], ComponentState(one["state"]))
+
+
 def _recover(station: Station, one: Arguments) -> None:
     for name in one["robots"]:
         station.robots.recover(name)
@@ -115,6 +121,7 @@ _ACT: dict[str, Callable[[Station, Arguments], object]] = {
         one["name"], params=one["params"]
     ),
     "unload": lambda station, one: station.unload_controller(one["name"]),
+    "hardware": _hardware,
     "service": _service,
     "recover": _recover,
     "scene": lambda station, one: station.surroundings.repeat(

@@ -447,6 +447,7 @@ class Station:
                 SwitchRequest(stop=users, strictness=Strictness.AUTO)
             )
         self.manager.set_hardware_component_state(name, state)
+        self.inputs.note("hardware", name=name, state=state.value)
         found = self.manager.hardware_components()
         return next(one for one in found if one.name == name)
 

@@ -7,11 +7,13 @@ counts from a declared number of cycles later, and nobody waits for a call that 
 way.
 """
 
+import os
 import threading
 from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
+from typing import ClassVar
 
 from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.faults import CONTAINED
@@ -111,8 +113,10 @@ class AsyncFunction:
         is_stepped: Returns whether no thread runs the loop. A call is then carried out
             at once, and counts after the declared cycles.
         params: As given.
-        under_way: How many calls of this process are under way in threads.
+        under_way: Those of the whole process that have a call under way in a thread.
     """
+
+    under_way: ClassVar[set["AsyncFunction"]] = set()
 
     def __init__(
         self, name: str, function: Callable[[float, float], None], params: AsyncParams
@@ -246,6 +250,7 @@ class AsyncFunction:
         if self.is_stepped():
             self._call()
             return
+        self.under_way.add(self)
         go = self._go
         if go is None:
             go = self._go = threading.Lock()
@@ -259,6 +264,7 @@ class AsyncFunction:
         go.release()
 
     def _run(self, go: threading.Lock, run_number: int) -> None:
+        _step_behind_the_control_thread()
         while run_number == self._run_number:
             go.acquire()
             # It is also woken to end.
@@ -272,6 +278,7 @@ class AsyncFunction:
         except CONTAINED as error:  # raised again in the control thread
             self._error = error
         self._durations.add(wall_time() - begin)
+        self.under_way.discard(self)
         # In this order: whatever is owed later finds that nothing is under way.
         self._is_ending = True
         self._is_busy = False
@@ -280,3 +287,17 @@ class AsyncFunction:
             with suppress(*CONTAINED, IndexError):
                 self._owed.pop()()
         self._is_ending = False
+
+
+def _step_behind_the_control_thread() -> None:
+    """Take the lowest priority of real time, as the station's other threads have.
+
+    A thread has that of the control thread, which starts it. Equals do not preempt each
+    other. An ordinary priority would be too little: a thread that holds the interpreter
+    must not wait for a processor.
+    """
+    # Not everywhere is there such a call, and not everybody may use it.
+    is_first = getattr(os, "SCHED_FIFO", None)
+    if is_first is not None and os.sched_getscheduler(0) == is_first:
+        with suppress(PermissionError):
+            os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(1))

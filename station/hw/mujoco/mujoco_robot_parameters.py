@@ -27,6 +27,7 @@ robot:
     front: {type: range, link: bumper, max_range: 4.0}   # along the link's x axis [m]
     compass: {type: magnetometer, link: base_link}
     battery: {type: battery, values: {battery_voltage: 24.5}}   # constant, as gps
+  magnetic_field: [1.52e-6, 21.01e-6, -43.94e-6]  # to east, north and up [T]
   gpios: {flange: {command_interfaces: [vacuum], state_interfaces: [vacuum]}}
 ```
 
@@ -71,12 +72,17 @@ _KEYS = frozenset({
     "joint_limits",
     "pid_gains",
     "sensors",
+    "magnetic_field",
     "gpios",
     "ros2_control",
     "strict",
     "zero_range",
     "self_collision",
 })
+_MUNICH = (1.52e-6, 21.01e-6, -43.94e-6)
+"""Magnetic field in Munich to the east, to the north and upwards [T].
+Source: World Magnetic Model 2025 (NOAA NCEI and BGS, WMM_2025.COF), at 48.137 N,
+11.575 E, 520 m, 2025.0."""
 _SENSOR_KEYS = frozenset({"type", "link", "values", "max_range"})
 
 
@@ -134,6 +140,7 @@ class MujocoRobotParameters:
     zero_range: ZeroRange
     self_collision: SelfCollision
     sensors: tuple[SensorRequest, ...]
+    magnetic_field: tuple[float, ...]
     gpios: tuple[ComponentTag, ...]
     uses_ros2_control: bool
 
@@ -175,6 +182,7 @@ def read_parameters(params: Parameters) -> MujocoRobotParameters:
         zero_range=_read_choice(params, "zero_range", get_args(ZeroRange), "lock"),
         self_collision=_read_self_collision(params),
         sensors=tuple(_read_sensors(params.namespace("sensors"))),
+        magnetic_field=tuple(params.get_float_list("magnetic_field", 3, list(_MUNICH))),
         gpios=read_gpios(params),
         uses_ros2_control=_read_choice(params, "ros2_control", ("use", "ignore"), "use")
         == "use",

@@ -176,7 +176,7 @@ class _Simulation:
             self_collision=parameters.self_collision != "off",
         )
         add_robot(spec, self._urdf, options)
-        add_sensors(spec, parameters.sensors)
+        add_sensors(spec, parameters.sensors, parameters.magnetic_field)
         for one in self._objects:
             add_object(spec, one)
         world = World(compile_world(spec), self._objects)

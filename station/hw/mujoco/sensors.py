@@ -5,11 +5,11 @@ the torque with which the parent holds the link, in the link's frame: at rest th
 of the link and of all links behind it, upwards. An inertial measurement unit at rest
 measures 9.81 m/s^2 upwards; its orientation is that of the link in the world. A range
 sensor measures along the x axis of its link, and infinity where it sees nothing. The
-magnetic field is that of central Europe, with x to the east and y to the north. A
+magnetic field of the world has x to the east and y to the north. A
 receiver of satellite navigation and a battery keep the values that they were given.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import inf, sqrt
 
 import mujoco
@@ -46,18 +46,22 @@ _MUJOCO_TYPES = {
 }
 _DISTANCE = 1
 """A range finder's data: the distance alone. Source: MuJoCo, mjtRayDataField."""
-_FIELD = (1.4e-6, 20.3e-6, -44.8e-6)
-"""Magnetic flux density in Munich [T]. Source: World Magnetic Model, to 1 uT."""
 _ALONG_X = Pose(quaternion=(sqrt(0.5), 0.0, sqrt(0.5), 0.0))
 """Turns the z axis, along which MuJoCo measures a range, into the x axis."""
 
 
-def add_sensors(spec: mujoco.MjSpec, requests: tuple[SensorRequest, ...]) -> None:
+def add_sensors(
+    spec: mujoco.MjSpec,
+    requests: tuple[SensorRequest, ...],
+    magnetic_field: Sequence[float],
+) -> None:
     """Add sensors to a robot in the world.
 
     Args:
         spec: The world; changed.
         requests: The sensors.
+        magnetic_field: Field of the world, eastwards, northwards and upwards [T],
+            shape (3,).
 
     Raises:
         ParameterError: A link is not in the world.
@@ -67,7 +71,7 @@ def add_sensors(spec: mujoco.MjSpec, requests: tuple[SensorRequest, ...]) -> Non
             continue
         site = _site_of(spec, request)
         if request.type is SensorType.MAGNETOMETER:
-            spec.option.magnetic = _FIELD
+            spec.option.magnetic = magnetic_field
         if request.type is SensorType.RANGE:
             site = _add_beam(spec, site, request)
         for kind in _KINDS[request.type]:

@@ -26,6 +26,7 @@ from station.core.control.chainable_controller import (
     ReferenceInterface,
 )
 from station.core.control.controller import ControllerState
+from station.core.control.hardware_components import ComponentState
 from station.core.control.switching import Strictness, SwitchRequest
 from station.core.errors import ControllerLoadError, ControllerStateError, StationError
 from station.core.facade.station import Station
@@ -39,6 +40,8 @@ from station.core.parameters import Parameters
 from station.memory.doubles import zeros
 from station.testing.hook_script import HookScript
 from station.testing.switch_observer import CommandPlace, SwitchObserver, command_places
+
+_LESS_THAN_ACTIVE = (ComponentState.INACTIVE, ComponentState.UNCONFIGURED)
 
 
 class Claim(NamedTuple):
@@ -365,6 +368,7 @@ class StormWorker:
             "reload": (1, self._reload),
             "recover": (2, self._recover),
             "robot fault": (2, self._robot_fault),
+            "hardware": (2, self._hardware),
         }
 
     def run(self, operations: int) -> None:
@@ -562,6 +566,15 @@ class StormWorker:
                 self._hooks.begin()
             else:
                 self._hooks.begin()
+
+    def _hardware(self) -> None:
+        dice = self._dice
+        name = dice.choice(self._manager.hardware_components()).name
+        with self._disturbances:
+            for state in (dice.choice(_LESS_THAN_ACTIVE), ComponentState.ACTIVE):
+                self._station.set_hardware_component_state(
+                    name, state, stop_controllers=dice.random() < 0.5
+                )
 
     # Looking
 

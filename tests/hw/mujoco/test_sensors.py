@@ -112,6 +112,14 @@ def test_magnetometer_turns_with_its_link(make):
     hw = make("magnetometer", "hand", initial_positions={"j": pi / 2})
     values = hw.get(MagneticFieldSensorInterface).get_handle("s").get_values()
     # To the north is the hand's x axis now, and up stays up.
-    expected = [20.3e-6, -1.4e-6, -44.8e-6]
+    expected = [21.01e-6, -1.52e-6, -43.94e-6]
     assert [*values.values()] == pytest.approx(expected, abs=1e-10)
     assert [*values] == [f"magnetic_field.{axis}" for axis in "xyz"]
+
+
+def test_magnetic_field_is_that_of_the_configuration(make):
+    hw = make("magnetometer", "probe", magnetic_field=[0.0, 0.0, -5e-5])
+    values = hw.get(MagneticFieldSensorInterface).get_handle("s").get_values()
+    # The probe leans forward by 60 degrees.
+    expected = [5e-5 * sin(pi / 3), 0.0, -5e-5 * cos(pi / 3)]
+    assert [*values.values()] == pytest.approx(expected, abs=1e-10)
