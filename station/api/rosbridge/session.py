@@ -311,6 +311,12 @@ class RosbridgeSession:
                 f"of its other topics hold {others}."
             )
         topic = self._topic(message, opens=True)
+        if form.compression == "cbor-raw" and not fields_of(topic.type):
+            self._graph.broker.leave_topic(name, self)
+            raise RosTypeError(
+                f"The station does not know {topic.type}, so it has no bytes for it.",
+                remedy="Use the compression cbor.",
+            )
         if isinstance(topic, ClientTopic):
             topic.subscribers.add(self)
         one.wishes.pop(identifier, None)

@@ -44,6 +44,14 @@ def test_a_topic_of_one_client_reaches_another(two, kind, sent, got):
     assert "/chatter" in topics["topics"]
 
 
+def test_bytes_of_a_type_that_only_clients_know_are_refused(two):
+    one, _ = two
+    wish = {"topic": "/thing", "type": "own_msgs/Thing", "compression": "cbor-raw"}
+    one.send("subscribe", **wish)
+    assert "own_msgs/Thing" in one.until("status")["msg"]
+    assert "/thing" not in one.values("/rosapi/topics")["topics"]
+
+
 def test_a_name_that_looks_like_a_slip_is_told(two):
     one, _ = two
     one.send("subscribe", topic="/joint_stats", type="sensor_msgs/JointState")
