@@ -1,4 +1,4 @@
-"""What clients offer to each other: topics, services, actions and parameters.
+"""Topics, services, actions and parameters that clients offer to each other.
 
 Nothing of it reaches the station, so whoever may look may offer. A name whose first
 part is one of the station's belongs to the station: no client gets it, and who has had

@@ -530,7 +530,7 @@ _SUCCEEDED: Values = {"ok": True, "success": True}
 
 
 def _answer_of(progress: Progress) -> Answer:
-    """Return what ROS 2 tells of a goal."""
+    """Return the answer that ROS 2 has to the progress of a goal."""
     op = "action_result" if progress.status in ROS2 else "action_feedback"
     status = ROS2.get(progress.status, 0)
     return Answer(op, dict(progress.values), status, result=True)

@@ -96,7 +96,7 @@ class TfRepublisher:
         return Running(poll, cancel)
 
     def _watch(self, wanted: Values) -> Callable[[CycleFrame], list[Values]]:
-        """Return what computes the transforms that have changed, at the wanted rate.
+        """Return a function for the transforms that have changed, at the wanted rate.
 
         Raises:
             RosTypeError: The rate is not positive, or there are too many.
