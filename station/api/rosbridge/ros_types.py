@@ -106,7 +106,9 @@ _RENAMED = (
 
 def split_style(name: str) -> tuple[str, bool]:
     """Return a type's name as ROS 1 has it, and whether it was given as ROS 2 does."""
-    package, *middle = name.replace(*_RENAMED[0]).replace(*_RENAMED[1]).split("/")
+    for long, short in _RENAMED:
+        name = name.replace(long, short)
+    package, *middle = name.split("/")
     is_ros2 = len(middle) == 2 and middle[0] in _MIDDLES
     return f"{package}/{middle[1]}" if is_ros2 else name, is_ros2
 

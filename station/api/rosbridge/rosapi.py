@@ -9,11 +9,10 @@ import json
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from station.api.auth import Role
-from station.api.rosbridge.actions import Action
-from station.api.rosbridge.broker import Offer
+from station.api.rosbridge.broker import ClientTopic, Offer
 from station.api.rosbridge.ros_types import (
     interfaces,
     split_style,
@@ -34,6 +33,12 @@ _NODES = ["/station", "/rosapi", "/rosbridge_websocket"]
 _DISTRIBUTION = {"rosdistro": "noetic\n"}
 MOST_CHARACTERS = 100_000
 """Longest parameters of all clients together, as JSON."""
+_DETAILS = {
+    "message": ("",),
+    "service": ("Request", "Response"),
+    "action": ("Goal", "Result", "Feedback"),
+}
+_Known = Mapping[str, Any]
 _Answer = Callable[[Values], Mapping[str, object] | None]
 
 
@@ -51,17 +56,18 @@ class Rosapi:
 
     def all(self) -> Iterator[RosService]:
         """Yield the services of rosapi."""
-        answers = {
-            name: partial(_without_client, one) for name, one in self._answers().items()
-        }
-        for name, call in answers.items():
+        for name, answer in self._answers().items():
             kind = "".join(word.capitalize() for word in name.split("_"))
             kind = {"ActionServers": "GetActionServers"}.get(kind, kind)
+            call = partial(_without_client, answer)
             yield RosService(f"/rosapi/{name}", f"rosapi/{kind}", call)
-        for name, change in (("set_param", self._set), ("delete_param", self._delete)):
-            kind = f"rosapi/{name.partition('_')[0].capitalize()}Param"
+        for kind, change in (("Set", self._set), ("Delete", self._delete)):
             yield RosService(
-                f"/rosapi/{name}", kind, change, changes=True, is_free=self._is_clients
+                f"/rosapi/{kind.lower()}_param",
+                f"rosapi/{kind}Param",
+                change,
+                changes=True,
+                is_free=self._is_clients,
             )
 
     def _is_clients(self, client: ToolClient, request: Values) -> bool:
@@ -76,38 +82,22 @@ class Rosapi:
 
     def _answers(self) -> dict[str, _Answer]:
         there = self._there_is
-        return {
+        typed: dict[str, _Known] = {
+            "topics": there.topics,
+            "services": there.services,
+        }
+        found: dict[str, _Answer] = {
             "topics": lambda _: _names_and_types(there.topics),
             "topics_and_raw_types": lambda _: {
                 **_names_and_types(there.topics),
                 "typedefs_full_text": [""] * len(there.topics),
             },
-            "topics_for_type": lambda q: {"topics": _of_type(there.topics, q["type"])},
-            "topic_type": lambda q: {"type": _type_of(there.topics, q["topic"])},
-            "publishers": lambda q: {
-                "publishers": _NODES[:1] if q["topic"] in self._published() else []
-            },
-            "subscribers": lambda q: {
-                "subscribers": _NODES[:1] if q["topic"] in self._subscribed() else []
-            },
+            "publishers": lambda q: {"publishers": self._users(q["topic"], 0)},
+            "subscribers": lambda q: {"subscribers": self._users(q["topic"], 1)},
             "services": lambda _: {"services": list(there.services)},
-            "services_for_type": lambda q: {
-                "services": _of_type(there.services, q["type"])
-            },
-            "service_type": lambda q: {"type": _type_of(there.services, q["service"])},
-            "service_node": lambda q: {"node": self._node_of(q["service"])},
-            "service_providers": lambda q: {
-                "providers": [self._node_of(q["service"])]
-                * (q["service"] in there.services)
-            },
-            "message_details": partial(_details, ""),
-            "service_request_details": partial(_details, "Request"),
-            "service_response_details": partial(_details, "Response"),
-            "action_goal_details": partial(_details, "Goal"),
-            "action_result_details": partial(_details, "Result"),
-            "action_feedback_details": partial(_details, "Feedback"),
+            "service_node": lambda q: {"node": "".join(self._providers(q["service"]))},
+            "service_providers": lambda q: {"providers": self._providers(q["service"])},
             "action_servers": lambda _: {"action_servers": list(there.actions)},
-            "action_type": lambda q: {"type": _type_of(there.actions, q["action"])},
             "interfaces": lambda _: {"interfaces": interfaces()},
             "nodes": lambda _: {"nodes": _NODES},
             "node_details": self._node_details,
@@ -116,34 +106,44 @@ class Rosapi:
             "has_param": lambda q: {"exists": self._find(q["name"]) is not None},
             "search_param": lambda q: {
                 "global_name": f"/{q['name'].strip('/')}"
-                if self._find(q["name"]) is not None
-                else ""
+                * (self._find(q["name"]) is not None)
             },
             "get_time": lambda _: {"time": time_of(there.clock.now())},
         }
+        for what, known in typed.items():
+            found[f"{what}_for_type"] = partial(_of_type, what, known)
+        typed["actions"] = there.actions
+        for what, known in typed.items():
+            found[f"{what[:-1]}_type"] = partial(_type_of, what[:-1], known)
+        for prefix, suffixes in _DETAILS.items():
+            for suffix in suffixes:
+                name = "_".join(filter(None, (prefix, suffix.lower(), "details")))
+                found[name] = partial(_details, suffix)
+        return found
 
-    def _published(self) -> list[str]:
-        topics = self._there_is.topics.values()
-        return [topic.name for topic in topics if topic.write is None]
+    def _users(self, name: str, role: int) -> list[str]:
+        """Return the nodes that publish (role 0) or subscribe to (1) a topic."""
+        topic = self._there_is.topics.get(name)
+        if isinstance(topic, ClientTopic):
+            members = (topic.publishers, topic.subscribers)[role]
+            return _NODES[2:] if members else []
+        fits = topic is not None and (topic.write is None) is (role == 0)
+        return _NODES[:1] if fits else []
 
-    def _subscribed(self) -> list[str]:
-        topics = self._there_is.topics.values()
-        return [topic.name for topic in topics if topic.write is not None]
-
-    def _node_of(self, service: str) -> str:
-        if service not in self._there_is.services:
-            return ""
-        return _NODES[1] if service.startswith("/rosapi/") else _NODES[0]
+    def _providers(self, name: str) -> list[str]:
+        service = self._there_is.services.get(name)
+        if service is None:
+            return []
+        if isinstance(service, Offer):
+            return _NODES[2:]
+        return _NODES[1:2] if name.startswith("/rosapi/") else _NODES[:1]
 
     def _node_details(self, request: Values) -> Values:
-        node = request["node"]
-        is_station = node == _NODES[0]
+        node, there = request["node"], self._there_is
         return {
-            "subscribing": self._subscribed() if is_station else [],
-            "publishing": self._published() if is_station else [],
-            "services": [
-                s for s in self._there_is.services if self._node_of(s) == node
-            ],
+            "publishing": [n for n in there.topics if node in self._users(n, 0)],
+            "subscribing": [n for n in there.topics if node in self._users(n, 1)],
+            "services": [n for n in there.services if node in self._providers(n)],
         }
 
     def _names(self) -> Iterator[str]:
@@ -212,17 +212,14 @@ def _names_and_types(topics: Mapping[str, Topic]) -> Values:
     return {"topics": list(topics), "types": [one.type for one in topics.values()]}
 
 
-def _of_type(
-    found: Mapping[str, Topic | RosService | Offer], type_name: str
-) -> list[str]:
-    wanted = split_style(type_name)[0]
-    return [name for name, one in found.items() if one.type == wanted]
+def _of_type(what: str, known: _Known, request: Values) -> Values:
+    wanted = split_style(request["type"])[0]
+    return {what: [name for name, one in known.items() if one.type == wanted]}
 
 
-def _type_of(
-    found: Mapping[str, Topic | RosService | Action | Offer], name: str
-) -> str:
-    return found[name].type if name in found else ""
+def _type_of(key: str, known: _Known, request: Values) -> Values:
+    found = known.get(request[key])
+    return {"type": "" if found is None else found.type}
 
 
 def _details(suffix: str, request: Values) -> Values:

@@ -12,6 +12,7 @@ import logging
 import time
 from collections.abc import Awaitable, Callable, Coroutine, Iterator, Mapping
 from contextlib import contextmanager
+from difflib import get_close_matches
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -51,6 +52,8 @@ MOST_CALLS = 8
 parts are missing."""
 MOST_FRAGMENTS = 1000
 """Most parts of a message; together they have at most so many thousand characters."""
+_ALIKE = 0.8
+"""How much alike two names are if one is taken for a slip of the other."""
 _AUTH_WINDOW = 5.0
 """How far the time of an authentication may be from the station's [s]."""
 # They go on beside the messages that follow: a stop never waits for a switch.
@@ -194,8 +197,10 @@ class RosbridgeSession:
         except RosTypeError as error:
             if not opens or not kind or name in self._graph.topics:
                 raise
+            near = get_close_matches(name, self._graph.topics, 1, _ALIKE)
             found = self._graph.broker.open_topic(name, kind)
-            if message["op"] == "subscribe":
+            # Who is first here is usually right, and roslibpy logs a status as a fault.
+            if message["op"] == "subscribe" and near:
                 self.tell(f"Nobody publishes '{name}' yet. {error.remedy}".strip())
         return found
 
@@ -306,6 +311,12 @@ class RosbridgeSession:
                 f"of its other topics hold {others}."
             )
         topic = self._topic(message, opens=True)
+        if form.compression == "cbor-raw" and not fields_of(topic.type):
+            self._graph.broker.leave_topic(name, self)
+            raise RosTypeError(
+                f"The station does not know {topic.type}, so it has no bytes for it.",
+                remedy="Use the compression cbor.",
+            )
         if isinstance(topic, ClientTopic):
             topic.subscribers.add(self)
         one.wishes.pop(identifier, None)

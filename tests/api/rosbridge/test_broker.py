@@ -34,14 +34,44 @@ def settled(client):
 def test_a_topic_of_one_client_reaches_another(two, kind, sent, got):
     one, other = two
     other.send("subscribe", topic="/chatter", type=kind)
-    assert "Nobody publishes '/chatter'" in other.until("status")["msg"]
     settled(other)
+    assert other.statuses == []
     one.send("advertise", topic="/chatter", type=kind)
     one.send("publish", topic="/chatter", msg=sent)
     found = other.until("publish", topic="/chatter")["msg"]
     assert found.get("stamp", found) == got
     topics = one.values("/rosapi/topics_for_type", {"type": kind})
     assert "/chatter" in topics["topics"]
+
+
+def test_bytes_of_a_type_that_only_clients_know_are_refused(two):
+    one, _ = two
+    wish = {"topic": "/thing", "type": "own_msgs/Thing", "compression": "cbor-raw"}
+    one.send("subscribe", **wish)
+    assert "own_msgs/Thing" in one.until("status")["msg"]
+    assert "/thing" not in one.values("/rosapi/topics")["topics"]
+
+
+def test_a_name_that_looks_like_a_slip_is_told(two):
+    one, _ = two
+    one.send("subscribe", topic="/joint_stats", type="sensor_msgs/JointState")
+    assert "'/joint_states'" in one.until("status")["msg"]
+
+
+def test_rosapi_tells_who_has_to_do_with_a_topic(two):
+    one, other = two
+    one.send("advertise", topic="/chatter", type="std_msgs/String")
+    other.send("subscribe", topic="/chatter")
+    settled(other)
+    settled(one)
+    asked, node = {"topic": "/chatter"}, ["/rosbridge_websocket"]
+    assert one.values("/rosapi/publishers", asked)["publishers"] == node
+    assert one.values("/rosapi/subscribers", asked)["subscribers"] == node
+    assert one.values("/rosapi/publishers", {"topic": "/tf"})["publishers"] == [
+        "/station"
+    ]
+    details = one.values("/rosapi/node_details", {"node": node[0]})
+    assert details["publishing"] == details["subscribing"] == ["/chatter"]
 
 
 def test_a_topic_ends_with_the_last_who_has_to_do_with_it(two):

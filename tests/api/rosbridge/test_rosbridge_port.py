@@ -117,6 +117,13 @@ def fuzzed(seed):
         "status",
         "png",
         "service_response",
+        "advertise_service",
+        "unadvertise_service",
+        "advertise_action",
+        "unadvertise_action",
+        "action_feedback",
+        "action_result",
+        "unadvertise",
     ]
     names = [
         "/joint_states",
@@ -126,6 +133,8 @@ def fuzzed(seed):
         "/controller_manager/load_controller",
         f"{ACTION}/goal",
         ACTION,
+        "/own/name",
+        "/own/other",
         "",
         "/",
         "ä",
@@ -149,6 +158,7 @@ def fuzzed(seed):
         "none",
         2.5,
     ]
+    kinds = ["std_msgs/String", "own_msgs/msg/Thing", "std_srvs/Trigger"]
     keys = [
         "topic",
         "type",
@@ -182,6 +192,8 @@ def fuzzed(seed):
         for key in ("topic", "service", "action"):
             if chance.random() < 0.7:
                 message[key] = chance.choice(names)
+        if chance.random() < 0.5:
+            message["type"] = chance.choice(kinds)
         message["op"] = chance.choice([*ops, *ops, None, "dance"])
         if message["op"] == "auth":
             message["op"] = "advertise"  # a wrong proof is answered late, on purpose
