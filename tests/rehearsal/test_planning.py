@@ -132,7 +132,7 @@ def test_planned_path_keeps_clear_of_a_place_that_nothing_touches():
 
 
 def test_what_a_hand_carries_counts_as_a_part_of_it():
-    # The hand passes 0.15 m above the block, the stick reaches 0.12 m below the fingers.
+    # The hand passes 0.15 m above the block; the stick reaches 0.12 m farther down.
     stick = {**box("stick", [0.01, 0.01, 0.2], [0.0, 0.0, 0.0]), "mass": 0.05}
     robot = at_begin([stick, box("block", [0.1, 0.1, 0.4], [0.42, 0.0, 0.2])])
     over = np.array([0.0, *BEGIN[1:]])

@@ -399,6 +399,22 @@ class StationScene:
 
         return exchange
 
+    def _refuse_unknown_links(self, thing: SceneObject) -> None:
+        """Refuse a role for a link that no robot has.
+
+        Raises:
+            ParameterError: There is one.
+        """
+        for name in thing.links:
+            if not any(guard.knows(name) for guard in self._guards):
+                known = [link for guard in self._guards for link in guard.links()]
+                raise ParameterError(
+                    f"The object '{thing.name}' counts for the link '{name}', which "
+                    "no arm has.",
+                    remedy=f"There are: {', '.join(dict.fromkeys(known))}.",
+                    details={"parameter": "links"},
+                )
+
     def _changes(self, objects: Sequence[SceneObject]) -> Callable[[], None]:
         """Return a function for the control thread that lets all guards know.
 
@@ -407,14 +423,18 @@ class StationScene:
             RobotDescriptionError: A mesh cannot be used.
         """
         free = self._loop.hw.unguarded()
-        # A role for some links alone is one for the arms that have them.
         for one in objects:
-            if one.role == "object" or not free or (one.links and self._guards):
+            if one.role == "object":
+                continue
+            # A role for some links alone is one for the arms that have them.
+            if not free or (one.links and self._guards):
+                self._refuse_unknown_links(one)
                 continue
             names = " and ".join(f"'{name}'" for name in free if name)
             raise ParameterError(
                 f"'{one.name}' has the role {one.role}, and {names or 'this robot'} "
-                "has no guard: only Franka arms have one.",
+                "has no guard: only Franka arms and simulated robots with a fixed base "
+                "have one.",
                 remedy="Give it the role 'object'"
                 + (", or the links that it is for." if self._guards else "."),
                 details={"parameter": "scene/objects", "robots": [*free]},

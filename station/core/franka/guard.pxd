@@ -12,15 +12,17 @@ cdef double _ZONE
 cdef double _STIFFNESS, _DAMPING, _SINGULAR, _EXIT, _APPROACH, _JOINT_SHARE, _SOFT_BRAKE
 
 cdef class Guard:
-    cdef double[::1] chain, q_d, dq_d, ddq_d, q, dq, tau_J_d, last_pose
+    cdef double[::1] chain, q, dq, tau_J_d, last_pose
+    cdef readonly double[::1] q_d, dq_d, ddq_d
     cdef double[::1] last_twist, last_change, velocity, acceleration, jerk, translation
-    cdef double[::1] v, way, pushing, jacobian, matrix, rest, push
-    cdef readonly double[::1] committed, twist
+    cdef double[::1] way, pushing, jacobian, matrix, rest, push
+    cdef readonly double[::1] committed, twist, v
     cdef long size, fixed
     cdef readonly long count, interventions
     cdef readonly tuple names, things
     cdef readonly dict memory
-    cdef double torque_step, period, arm_margin
+    cdef double torque_step, reaction, arm_margin
+    cdef public double period
     cdef readonly bint is_active, is_slowing
     cdef public bint is_committing
     cdef readonly Clearances clearances
@@ -35,8 +37,9 @@ cdef class Guard:
     cpdef double look_ahead(self, double[::1] q, double longest, double braking)
     cpdef limit_positions(self, double[::1] result)
     cpdef limit_velocities(self, double[::1] result)
-    cdef bint passes(self)
-    cdef slow(self)
+    cpdef bint passes(self)
+    cpdef slow(self)
+    cpdef catch_up(self, double[::1] result)
     cpdef int limit_pose(self, double[::1] pose)
     cpdef int limit_twist(self, double[::1] twist)
     cdef bint twist_passes(self)

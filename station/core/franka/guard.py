@@ -58,9 +58,7 @@ class Guard:
     """Watches one arm. Control thread only.
 
     Args:
-        chain: The arm, see `arm_chain`.
-        capsules: Capsules of its links, 7 numbers each.
-        owners: Index of the link of each capsule.
+        clearances: Measures the capsules of the links.
         names: Name of the link of each capsule.
         memory: The arm's state by field: `q_d`, `dq_d`, `ddq_d`, `q`, `dq`, `tau_J_d`,
             `O_T_EE_c`, `O_dP_EE_c` and `O_ddP_EE_c`.
@@ -77,15 +75,15 @@ class Guard:
         is_slowing: Whether commands are slowed.
         interventions: Number of cycles in which a command was changed or given up.
         clearances: Distances of the pairs of a capsule and a solid.
+        v: Velocities of the joints that are judged or wanted [rad/s or m/s].
+        period: Duration of a cycle [s].
         committed: Ends of all axes where the arm is, then where it would come to rest
             [m], 12 numbers per capsule.
     """
 
     def __init__(
         self,
-        chain: Doubles,
-        capsules: Sequence[float],
-        owners: Sequence[int],
+        clearances: Clearances,
         names: Sequence[str],
         memory: dict[str, Doubles],
         *,
@@ -96,9 +94,8 @@ class Guard:
         translation: Sequence[float],
         period: float,
     ) -> None:
-        self.chain = chain
-        self.clearances = Clearances(chain, capsules, owners)
-        self.count, self.way = len(owners), self.clearances.way
+        self.clearances, self.chain = clearances, clearances.chain
+        self.count, self.way = clearances.count, clearances.way
         self.size = size = len(self.way)
         self.names = tuple(names)
         self.things: tuple[str, ...] = ()
@@ -111,6 +108,8 @@ class Guard:
         self.velocity = doubles(velocity)
         self.acceleration, self.jerk = doubles(acceleration), doubles(jerk)
         self.torque_step, self.period = torque_step, period
+        # A slower loop notices later.
+        self.reaction = max(_REACTION, 2.0 * period)
         self.translation = doubles(translation)
         self.committed = zeros(12 * self.count)
         self.v, self.pushing = zeros(size), zeros(size)
@@ -266,17 +265,18 @@ class Guard:
                 time = speed
         half = 0.5 * time
         for i in range(self.size):
-            self.way[i] = self.v[i] * (half + _REACTION)
+            self.way[i] = self.v[i] * (half + self.reaction)
         if self.others:
             self.place_others()
         share = self.clearances.free_share(q, _ZONE)
         scale = 1.0
         if share < 1.0:
             # half s^2 + reaction s = share (half + reaction)
-            room = share * (half + _REACTION)
+            reaction = self.reaction
+            room = share * (half + reaction)
             scale = 2.0 * room
-            root = square_root(_REACTION * _REACTION + 4.0 * half * room)
-            scale /= root + _REACTION
+            root = square_root(reaction * reaction + 4.0 * half * room)
+            scale /= root + reaction
         self.commit(q, share)
         return scale
 
@@ -290,8 +290,18 @@ class Guard:
             self.v[i] = (result[i] - self.q_d[i]) / self.period
         if self.passes():
             return
+        self.catch_up(result)
+        self.slow()
+        for i in range(self.size):
+            result[i] = self.q_d[i] + self.v[i] * self.period
+
+    def catch_up(self, result: Storage) -> None:
+        """Let `v` lead to positions behind which the arm is, so that it can stop there.
+
+        Args:
+            result: The positions [rad or m], shape (n,).
+        """
         rate = 1.0 / self.period
-        # Behind the command: towards it so that the joints can stop there together.
         for i in range(self.size):
             way = result[i] - self.q_d[i]
             way = way if way > 0.0 else -way
@@ -302,9 +312,6 @@ class Guard:
                 rate = soft if soft < rate else rate
         for i in range(self.size):
             self.v[i] = (result[i] - self.q_d[i]) * rate
-        self.slow()
-        for i in range(self.size):
-            result[i] = self.q_d[i] + self.v[i] * self.period
 
     def limit_velocities(self, result: Storage) -> None:
         """Slow velocities that would lead too near; else leave them as they are.

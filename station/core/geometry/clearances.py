@@ -15,8 +15,9 @@ from station.core.geometry.distances import (
     place_segments,
     put_capsule,
     reaches,
+    reaches_of_tree,
 )
-from station.core.numerics.arm_chain import new_links, place_links
+from station.core.numerics.arm_chain import new_links, place_links, place_tree
 from station.memory.doubles import Doubles, doubles, indices, zeros
 from station.memory.functions import square_root
 
@@ -41,6 +42,9 @@ class Clearances:
         chain: The arm, see `arm_chain`.
         capsules: Capsules of its links, 7 numbers each.
         owners: Index of the link of each capsule.
+        tree: A robot that is no such chain, see `place_tree`; `chain` then says nothing
+            but how many joints there are.
+        longest: See `reaches_of_tree`.
 
     Attributes:
         count, solid_count: Numbers of capsules and of solids.
@@ -50,6 +54,9 @@ class Clearances:
         nearness: Result of the last `exact`.
         way: Way of the joints [rad], shape (n,), along which `free_share` looks.
         slack: By how much a margin may be missed on it [m].
+        lag: How far the robot may be from the poses that are looked at [m]: the margin
+            is as much larger.
+        most_steps: Poses on a way that are looked at, at most.
         gaps: Gaps of all pairs at the last measurement: exact up to the horizon and for
             the nearest pair, bounds beyond.
         least: The least of them.
@@ -60,17 +67,35 @@ class Clearances:
     """
 
     def __init__(
-        self, chain: Doubles, capsules: Sequence[float], owners: Sequence[int]
+        self,
+        chain: Doubles,
+        capsules: Sequence[float],
+        owners: Sequence[int],
+        tree: Sequence[float] = (),
+        longest: Sequence[float] = (),
     ) -> None:
         self.chain, self.capsules = chain, doubles(capsules)
         self.owners, self.count = indices(owners), len(owners)
         self.size = size = len(chain) // 4 - 1
-        self.links = new_links(chain)
+        self.tree, self.is_tree = doubles(tree), len(tree) > 0
+        self.link_count = size
+        parents, joints = [*range(-1, size - 1)], [*range(size)]
+        if self.is_tree:
+            self.link_count = len(tree) // 17
+            parents = [int(tree[k]) for k in range(0, len(tree), 17)]
+            joints = [int(tree[k + 1]) for k in range(0, len(tree), 17)]
+        self.parents, self.joints = indices(parents), indices(joints)
+        self.links = new_links(doubles([0.0] * 4 * (self.link_count + 1)))
         self.segments = zeros(6 * self.count)
         self.nearness = Nearness()
         self.way, self.at, self.last = zeros(size), zeros(size), zeros(size)
-        self.moved = zeros(size)
-        self.reach = doubles(reaches(chain, self.capsules, self.owners))
+        self.moved = zeros(self.link_count)
+        self.reach = doubles(
+            reaches_of_tree(self.tree, self.capsules, self.owners, longest)
+            if self.is_tree
+            else reaches(chain, self.capsules, self.owners)
+        )
+        self.lag, self.most_steps = 0.0, _MOST_STEPS
         # Half of the axis and the radius: how far a capsule reaches from its middle.
         self.extents = doubles(
             0.5 * dist(self.capsules[k : k + 3], self.capsules[k + 3 : k + 6])
@@ -134,7 +159,10 @@ class Clearances:
         """Place the axes of the capsules at a share of the way from a pose."""
         for i in range(self.size):
             self.at[i] = q[i] + share * self.way[i]
-        place_links(self.chain, self.at, self.links)
+        if self.is_tree:
+            place_tree(self.tree, self.at, self.links)
+        else:
+            place_links(self.chain, self.at, self.links)
         place_segments(self.capsules, self.owners, self.links, self.segments)
 
     def bound(self, capsule: int, solid: int) -> float:
@@ -163,12 +191,29 @@ class Clearances:
 
     def note_motion(self, q: Doubles) -> None:
         """Note how far the points of each link can have moved since the last pose."""
-        total = 0.0
         for i in range(self.size):
-            step = q[i] - self.last[i]
-            total += self.reach[i] * (step if step > 0.0 else -step)
-            self.moved[i] = total + _ROUNDING
+            self.at[i] = q[i] - self.last[i]
             self.last[i] = q[i]
+        self.add_up(self.at, _ROUNDING)
+
+    def add_up(self, steps: Doubles, first: float) -> float:
+        """Add up how far points of each link move with steps of the joints.
+
+        Args:
+            steps: Steps of the joints [rad or m], shape (n,).
+            first: What is added to each way [m].
+
+        Returns:
+            The longest way [m].
+        """
+        longest = first
+        for i in range(self.link_count):
+            parent, step = self.parents[i], steps[self.joints[i]]
+            total = first if parent < 0 else self.moved[parent]
+            total += self.reach[i] * (step if step > 0.0 else -step)
+            self.moved[i] = total
+            longest = total if total > longest else longest
+        return longest
 
     def measure(self, q: Doubles, horizon: float) -> float:
         """Measure all pairs at a pose, exactly where it matters; return the least gap.
@@ -222,7 +267,7 @@ class Clearances:
                 before = self.gaps[number]
                 if before > self.horizon:
                     continue
-                allowed = before - _ROUNDING if before < 0.0 else 0.0
+                allowed = before - _ROUNDING if before < self.lag else self.lag
                 allowed -= self.slack
                 margin = self.solids[_ROW * solid + _MARGIN]
                 if self.bound(capsule, solid) - margin > allowed:
@@ -238,16 +283,13 @@ class Clearances:
             q: Joint positions from which the way leads [rad], shape (n,).
             zone: Gaps up to the horizon and this are to be exact [m].
         """
-        length = 0.0
-        for i in range(self.size):
-            step = self.way[i]
-            length += self.reach[i] * (step if step > 0.0 else -step)
-        self.horizon = length
-        if self.measure(q, length + zone) > length:
+        length = self.add_up(self.way, 0.0)
+        self.horizon = length + self.lag
+        if self.measure(q, self.horizon + zone) > self.horizon:
             return 1.0
         steps = int(length / _STEP) + 1
-        if steps > _MOST_STEPS:
-            steps = _MOST_STEPS
+        if steps > self.most_steps:
+            steps = self.most_steps
         low, high, found = 0.0, 1.0, -1
         for step_number in range(1, steps + 1):
             high = step_number / (1.0 * steps)

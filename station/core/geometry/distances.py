@@ -9,6 +9,7 @@ The signed distance of a point to a convex solid is convex along a line, so a se
 nearest where the slope changes its sign, and it is farthest at an end.
 """
 
+from collections.abc import Sequence
 from math import hypot
 
 from station.memory.doubles import Doubles, Indices, Storage, zeros
@@ -419,3 +420,35 @@ def reaches(chain: Doubles, capsules: Doubles, owners: Indices) -> list[float]:
         step = hypot(chain[4 * joint + 4], chain[4 * joint + 5])
         far[joint] = max(far[joint], step + far[joint + 1])
     return far[:size]
+
+
+def reaches_of_tree(
+    tree: Doubles, capsules: Doubles, owners: Indices, longest: Sequence[float]
+) -> list[float]:
+    """Return the farthest way of any point of a robot with each link's joint.
+
+    Args:
+        tree: The robot, see `place_tree`.
+        capsules: Capsules of its links, 7 numbers each.
+        owners: Index of the link of each capsule.
+        longest: Greatest distance of each sliding joint from 0 [m]; else anything.
+
+    Returns:
+        Metres per unit of the joint.
+    """
+    far = [0.0] * (len(tree) // 17)
+    for i, link in enumerate(owners):
+        k = 7 * i
+        end = max(hypot(*capsules[k : k + 3]), hypot(*capsules[k + 3 : k + 6]))
+        far[link] = max(far[link], end + capsules[k + 6])
+    for link in range(len(far) - 1, -1, -1):
+        row = tree[17 * link : 17 * link + 17]
+        step = hypot(*row[14:17])
+        step += abs(row[3]) * longest[link] + abs(row[4]) if row[2] else 0.0
+        if row[0] >= 0.0:
+            parent = int(row[0])
+            far[parent] = max(far[parent], step + far[link])
+    return [
+        abs(tree[17 * link + 3]) * (1.0 if tree[17 * link + 2] else reach)
+        for link, reach in enumerate(far)
+    ]

@@ -39,7 +39,19 @@ class SceneGuard(ABC):
 
     @abstractmethod
     def hand(self) -> Pose:
-        """Return the pose of the arm's flange in the world; control thread."""
+        """Return the pose of the arm's flange in the world; control thread.
+
+        Raises:
+            SceneRefusedError: The robot carries nothing.
+        """
+
+    @abstractmethod
+    def links(self) -> Sequence[str]:
+        """Return the names of the links for which a role may count."""
+
+    @abstractmethod
+    def knows(self, link: str) -> bool:
+        """Return whether a name in the `links` of an object is one of this robot."""
 
     @abstractmethod
     def carry(self, objects: Sequence[SceneObject]) -> Callable[[], None]:
@@ -76,7 +88,7 @@ class SceneGuard(ABC):
 
         Raises:
             RobotDescriptionError: A mesh cannot be used.
-            ParameterError: A role names a link that the arm does not have.
+            ParameterError: The guard cannot keep this robot clear now.
         """
 
     @abstractmethod

@@ -2,6 +2,9 @@ cimport cython
 from station.memory.functions cimport cosine, sine
 
 cpdef void place_links(double[::1] chain, double[::1] q, double[::1] links) noexcept
+@cython.locals(
+    r=long, k=long, p=long, i=long, axis=long, parent=long, x=double, y=double, z=double)
+cpdef void place_tree(double[::1] tree, double[::1] q, double[::1] links) noexcept
 cpdef void zero_jacobian(
     double[::1] links, double[::1] pose, double[::1] result) noexcept
 cpdef void turn_to_inner_axes(

@@ -61,6 +61,50 @@ def place_links(chain: Storage, q: Storage, links: Storage) -> None:
         links[k + 12], links[k + 13], links[k + 14] = px, py, pz
 
 
+def place_tree(tree: Doubles, q: Storage, links: Storage) -> None:
+    """Write the poses of the moving links of any robot in the frame of its base.
+
+    Args:
+        tree: 17 numbers for each link, parents first: the index of its parent, -1 for
+            the base; the index of its joint; 0 for a joint that turns about z and 1 for
+            one that slides along it; the factor and the offset of its position by that
+            of the joint; its axes and its origin in the frame of the parent at 0.
+        q: Positions of the joints [rad or m].
+        links: Where the poses go, 16 numbers each.
+    """
+    ax, ay, az, bx, by, bz = 1.0, 0.0, 0.0, 0.0, 1.0, 0.0
+    cx, cy, cz, ox, oy, oz = 0.0, 0.0, 1.0, 0.0, 0.0, 0.0
+    for link in range(len(tree) // 17):
+        r, k, parent = 17 * link, 16 * link, int(tree[17 * link])
+        ax, ay, az, bx, by, bz = 1.0, 0.0, 0.0, 0.0, 1.0, 0.0
+        cx, cy, cz, ox, oy, oz = 0.0, 0.0, 1.0, 0.0, 0.0, 0.0
+        if parent >= 0:
+            p = 16 * parent
+            ax, ay, az = links[p], links[p + 1], links[p + 2]
+            bx, by, bz = links[p + 4], links[p + 5], links[p + 6]
+            cx, cy, cz = links[p + 8], links[p + 9], links[p + 10]
+            ox, oy, oz = links[p + 12], links[p + 13], links[p + 14]
+        for axis in range(4):
+            x, y, z = (
+                tree[r + 3 * axis + 5],
+                tree[r + 3 * axis + 6],
+                tree[r + 3 * axis + 7],
+            )
+            i = k + 4 * axis
+            links[i] = ax * x + bx * y + cx * z
+            links[i + 1] = ay * x + by * y + cy * z
+            links[i + 2] = az * x + bz * y + cz * z
+        value = tree[r + 3] * q[int(tree[r + 1])] + tree[r + 4]
+        ct, st = cosine(value), sine(value)
+        for i in range(k, k + 3):
+            links[i + 12] += ox if i == k else oy if i == k + 1 else oz
+            if tree[r + 2] > 0.0:
+                links[i + 12] += value * links[i + 8]
+            else:
+                x, y = links[i], links[i + 4]
+                links[i], links[i + 4] = ct * x + st * y, ct * y - st * x
+
+
 def zero_jacobian(links: Storage, pose: Storage, result: Storage) -> None:
     """Write the Jacobian of a pose's origin in the axes of the base.
 

@@ -42,6 +42,8 @@ class JointCommandModes:
         modes: The drives' modes, shape (n,); changed in place.
 
     Attributes:
+        commanded: Quantity of each joint that a controller commands; None for an
+            unclaimed joint.
         in_use: (joint, quantity) of each command that controllers give.
         quantities: Quantities that the drives need.
     """
@@ -56,8 +58,7 @@ class JointCommandModes:
         self._joints = joints
         self._pids = [pids.get(name) for name in joints.names]
         self._drives = modes
-        # Quantity that a controller commands; None for an unclaimed joint.
-        self._commanded: list[str | None] = [None] * count
+        self.commanded: list[str | None] = [None] * count
         self._is_held = [False] * count
         self._held_position = [0.0] * count
         self.in_use: list[tuple[str, str]] = []
@@ -68,19 +69,30 @@ class JointCommandModes:
         self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
     ) -> None:
         """Change the modes; a new mode begins with a command that holds the joint."""
-        before = list(self._commanded)
+        before = list(self.commanded)
         for info in stop:
             self._set(info, commanded=False)
         for info in start:
             self._set(info, commanded=True)
-        for index, quantity in enumerate(self._commanded):
+        for index, quantity in enumerate(self.commanded):
             if quantity != before[index]:
                 self._begin(index)
         self._update()
 
+    def efforts_of(self, start: Sequence[ControllerInfo]) -> list[str]:
+        """Return the joints of this robot that controllers command by efforts."""
+        return [
+            name
+            for info in start
+            for claim in info.claimed_resources
+            if _QUANTITY_OF_INTERFACE.get(claim.hardware_interface) == "effort"
+            for name in claim.resources
+            if name in self._joints.names
+        ]
+
     def restart(self) -> None:
         """Begin all modes anew, after the world was set to another state."""
-        for index in range(len(self._commanded)):
+        for index in range(len(self.commanded)):
             self._begin(index)
 
     def release_bad_commands(self) -> bool:
@@ -93,14 +105,14 @@ class JointCommandModes:
             Whether a joint was released.
         """
         total = 0.0
-        for index, quantity in enumerate(self._commanded):
+        for index, quantity in enumerate(self.commanded):
             if quantity:
                 total += self._joints.commands(quantity)[index]
         if isfinite(total):
             return False
-        for index, quantity in enumerate(self._commanded):
+        for index, quantity in enumerate(self.commanded):
             if quantity and not isfinite(self._joints.commands(quantity)[index]):
-                self._commanded[index] = None
+                self.commanded[index] = None
                 self._begin(index)
         self._update()
         return True
@@ -112,7 +124,7 @@ class JointCommandModes:
             period: Time since the last cycle [s], > 0.
         """
         joints = self._joints
-        for index, quantity in enumerate(self._commanded):
+        for index, quantity in enumerate(self.commanded):
             if not quantity:
                 self._hold(index)
                 continue
@@ -143,7 +155,7 @@ class JointCommandModes:
             for name in claim.resources:
                 if name in self._joints.names:
                     index = self._joints.names.index(name)
-                    self._commanded[index] = quantity if commanded else None
+                    self.commanded[index] = quantity if commanded else None
 
     def _begin(self, index: int) -> None:
         joints = self._joints
@@ -158,7 +170,7 @@ class JointCommandModes:
     def _update(self) -> None:
         self.in_use = []
         quantities = set()
-        for index, quantity in enumerate(self._commanded):
+        for index, quantity in enumerate(self.commanded):
             if quantity:
                 self.in_use.append((self._joints.names[index], quantity))
             has_pid = bool(quantity) and self._pids[index] is not None

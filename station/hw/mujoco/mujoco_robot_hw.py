@@ -25,6 +25,7 @@ from station.core.description.srdf import group_states
 from station.core.description.urdf import JointType, Urdf
 from station.core.errors import (
     HardwareInterfaceError,
+    ParameterError,
     RobotDescriptionError,
     SwitchRefusedError,
 )
@@ -59,6 +60,7 @@ from station.hw.mujoco.mujoco_robot_parameters import (
     read_parameters,
 )
 from station.hw.mujoco.mujoco_simulation import simulate_robot
+from station.hw.mujoco.robot_guard import RobotGuard
 from station.hw.mujoco.robot_transmissions import read_transmissions
 from station.hw.mujoco.ros2_control_tags import TaggedRobot, read_tagged_robot
 from station.hw.mujoco.sensors import WorldSensors
@@ -188,6 +190,9 @@ class MujocoRobotHW(RobotHW):
             name: {joint: p for joint, p in state.items() if joint in self._names}
             for name, state in group_states(description.srdf_path).items()
         }
+        # What a base that moves would come near to is not known.
+        is_fixed = parameters.base_type == "fixed"
+        self._guard = self._make_guard(hw_params, urdf) if is_fixed else None
         self._shared_world = SharedWorld(self.world, keyframes)
         self._shared_world.add_robot(self)
 
@@ -218,6 +223,8 @@ class MujocoRobotHW(RobotHW):
         if self._modes.release_bad_commands():
             self._limits.activate(self._modes.in_use)
         self._limits.enforce(period)
+        if self._guard is not None and self._guard.is_active:
+            self._guard.limit(period)
         self._modes.command_joints(period)
         for quantity in self._modes.quantities:
             self._to_actuators[quantity].propagate()
@@ -287,11 +294,17 @@ class MujocoRobotHW(RobotHW):
     def prepare_switch(
         self, start: Sequence[ControllerInfo], stop: Sequence[ControllerInfo]
     ) -> None:
-        """Check that the simulation can run.
+        """Check that the simulation can run, and that the guard can slow commands.
 
         Raises:
-            SwitchRefusedError: The simulation has diverged.
+            SwitchRefusedError: The simulation has diverged, or joints would be
+                commanded by efforts while a scene has roles.
         """
+        if self._guard is not None and self._guard.is_active:
+            try:
+                self._guard.refuse_efforts(self._modes.efforts_of(start))
+            except ParameterError as error:
+                raise SwitchRefusedError(error.message, remedy=error.remedy) from error
         if start and self.world.diverged_because is not None:
             raise SwitchRefusedError(
                 f"The robot stands still: {self.world.diverged_because}.",
@@ -306,6 +319,10 @@ class MujocoRobotHW(RobotHW):
         self._limits.activate(self._modes.in_use)
 
     @override
+    def guards(self) -> Sequence[RobotGuard]:
+        return () if self._guard is None else (self._guard,)
+
+    @override
     def simulated_world(self) -> SharedWorld:
         return self._shared_world
 
@@ -314,6 +331,8 @@ class MujocoRobotHW(RobotHW):
         self.read(0.0, 0.0)
         self._modes.restart()
         self._limits.reset()
+        if self._guard is not None:
+            self._guard.restart()
         if self._gpios is not None:
             self._gpios.reset()
 
@@ -366,6 +385,18 @@ class MujocoRobotHW(RobotHW):
                 self.transmission_maps, JointToActuatorEffortInterface
             ),
         }
+
+    def _make_guard(self, hw_params: Parameters, urdf: Urdf) -> RobotGuard:
+        return RobotGuard(
+            hw_params.path.rpartition("/")[2] or urdf.name,
+            self.world.model,
+            self.world.data,
+            urdf=urdf,
+            driven=self._world_joints,
+            joints=self._joints,
+            modes=self._modes,
+            limits={one.joint: one.limits for one in self._limits.reports},
+        )
 
     def _add_devices(
         self, parameters: MujocoRobotParameters, gpios: Sequence[ComponentTag]

@@ -136,7 +136,7 @@ def test_places_are_put_moved_and_removed_while_the_station_runs():
         for name, values, refusal in (
             ("cube", {"type": "sphere", "size": [0.1]}, "built once"),
             ("table", {"size": [1, 1, 0.2]}, "built once"),
-            ("wall", {"links": ["link9"]}, "does not have"),
+            ("wall", {"links": ["link9"]}, "no arm has"),
             ("wall", {"margin": -0.1}, "0 or more"),
         ):
             with pytest.raises(ApiError, match=refusal):

@@ -25,7 +25,12 @@ class Guarded(MockRobotHW):
             return lambda: self.told.append([one.name for one in objects])
 
         return [
-            SimpleNamespace(arm_id="arm", prepare=prepare, carry=lambda _: lambda: None)
+            SimpleNamespace(
+                arm_id="arm",
+                prepare=prepare,
+                carry=lambda _: lambda: None,
+                knows=lambda link: link == "hand",
+            )
         ]
 
 

@@ -7,9 +7,10 @@ from hypothesis import given, settings, strategies as st
 
 from station.core.description.urdf import Pose
 from station.core.franka.guard import Guard
+from station.core.geometry.clearances import Clearances
 from station.core.geometry.scene import SceneObject, solid_of
 from station.memory.doubles import doubles, put, zeros
-from tests.both_modes import assert_same, needs_both
+from tests.both_modes import assert_same, needs_both, sibling
 
 # Two joints about z, links of 0.5 m along x: in Craig's convention the second one and
 # the flange are moved along x.
@@ -23,12 +24,10 @@ SIZES = {"q_d": 2, "dq_d": 2, "ddq_d": 2, "q": 2, "dq": 2, "tau_J_d": 2}
 POSES = {"O_T_EE_c": 16, "O_dP_EE_c": 6, "O_ddP_EE_c": 6}
 
 
-def make(kind=Guard, things=(WALL,)) -> Guard:
+def make(kind=Guard, things=(WALL,), measure=Clearances) -> Guard:
     memory = {name: zeros(size) for name, size in {**SIZES, **POSES}.items()}
     guard = kind(
-        doubles(CHAIN),
-        CAPSULES,
-        [0, 1],
+        measure(doubles(CHAIN), CAPSULES, [0, 1]),
         ["upper", "lower"],
         memory,
         velocity=[2.0, 2.0],
@@ -145,7 +144,7 @@ def test_two_arms_that_swing_at_each_other_keep_their_distance():
 @given(st.lists(st.floats(-1.5, 1.5), min_size=6, max_size=6))
 def test_both_modes_agree_bit_for_bit(values):
     def scenario(module):
-        guard = make(module.Guard)
+        guard = make(module.Guard, measure=sibling(module, "clearances").Clearances)
         put(guard.memory["q_d"], values[:2])
         put(guard.memory["q"], values[:2])
         put(guard.memory["dq_d"], values[2:4])

@@ -6,14 +6,13 @@ from math import isfinite
 from typing_extensions import override
 
 from station.core.description.urdf import Pose
-from station.core.errors import InvalidCommandError, ParameterError
+from station.core.errors import InvalidCommandError
 from station.core.franka.franka_robot_state import RobotState
 from station.core.franka.guard import CANNOT_STOP, PASSES, SLOWED, Guard
 from station.core.geometry.capsules import LinkCapsule
 from station.core.geometry.carried import enclosing_capsules
 from station.core.geometry.clearances import Clearances
 from station.core.geometry.scene import HAND, SceneObject, solid_of
-from station.core.hardware.robot_hw import SceneGuard
 from station.core.numerics.arm_chain import new_links, place_links
 from station.core.numerics.poses import quaternion_of
 from station.core.numerics.rigid_motion import displace
@@ -22,8 +21,8 @@ from station.hw.franka.arm.arm_limits import ArmLimits
 from station.hw.franka.arm.franka_kinematics import CHAIN, FLANGE_OFFSET
 from station.hw.franka.commands.command_sender import CommandSender
 from station.hw.franka.commands.rate_limiter import PERIOD, rate_limits_of
+from station.hw.link_guard import LinkGuard
 from station.memory.doubles import doubles, put
-from station.reports import Clearance
 
 # One or two for each link, the smallest around the hulls of the collision meshes,
 # the fingers both open and closed; rounded, and each radius a little larger. Those of
@@ -47,7 +46,7 @@ CAPSULES = (
 _OF_HAND = ("hand", "fingers")
 
 
-class ArmGuard(SceneGuard):
+class ArmGuard(LinkGuard):
     """Keeps one Franka arm clear of its scene.
 
     Args:
@@ -73,7 +72,8 @@ class ArmGuard(SceneGuard):
         state: RobotState,
         sender: CommandSender,
     ) -> None:
-        self.arm_id, self.base, self._sender = arm_id, base, sender
+        super().__init__(arm_id, base)
+        self._sender = sender
         self._own = [one for one in CAPSULES if has_hand or one.link not in _OF_HAND]
         self._names = [*dict.fromkeys(one.link for one in self._own)]
         self._q = state.doubles("q")
@@ -84,9 +84,11 @@ class ArmGuard(SceneGuard):
             "O_ddP_EE_c",
         )  # fmt: skip
         self.guard = Guard(
-            CHAIN,
-            [number for one in capsules for number in one.numbers()],
-            _owners(capsules),
+            Clearances(
+                CHAIN,
+                [number for one in capsules for number in one.numbers()],
+                _owners(capsules),
+            ),
             [one.link for one in capsules],
             {name: state.doubles(name) for name in fields},
             velocity=[one.velocity for one in rates],
@@ -142,83 +144,23 @@ class ArmGuard(SceneGuard):
         return apply
 
     @override
-    def nearest_at(self, positions: Mapping[str, float]) -> Clearance | None:
-        q = [
-            positions.get(name, here)
-            for name, here in zip(joint_names(self.arm_id), self._q, strict=True)
-        ]
-        if self.guard.is_active:
-            self.guard.clearances.measure(doubles(q), 0.0)
-        return self.report()
+    def positions(self) -> Mapping[str, float]:
+        return dict(zip(joint_names(self.arm_id), self._q, strict=True))
 
     @override
-    def prepare(
-        self, objects: Sequence[SceneObject], arm_margin: float | None
-    ) -> Callable[[], None]:
-        guard = self.guard
-        triangles: list[float] = []
-        # What an arm carries moves: it counts for other arms as a part of that one.
-        counting = [
-            one for one in objects if one.role != "object" and not one.carried_by
-        ]
-        rows = [
-            number for one in counting for number in solid_of(one, self.base, triangles)
-        ]
-        carried = [one.name for one in objects if one.carried_by == self.arm_id]
-        links = [self._links_of(one, carried) for one in counting]
-        names = [one.name for one in counting]
-
-        def apply() -> None:
-            guard.set_scene(rows, triangles, names, arm_margin)
-            for number, named in enumerate(links):
-                if named:
-                    guard.allow(number, named)
-            self._sender.keep_clear(guard if guard.is_active else None)
-
-        return apply
-
-    def _links_of(self, thing: SceneObject, carried: Sequence[str]) -> list[str]:
-        """Return the links for which a role counts; empty for all.
-
-        Args:
-            thing: The object with the role.
-            carried: Names of what the hand carries.
-
-        Raises:
-            ParameterError: A link is none of this arm.
-        """
-        links: list[str] = []
-        for name in thing.links:
-            short = name.removeprefix(f"{self.arm_id}_")
-            if short == HAND:
-                links += [*_OF_HAND, *carried]
-            elif short in self._names:
-                links.append(short)
-            else:
-                raise ParameterError(
-                    f"The object '{thing.name}' counts for the link '{name}', which "
-                    f"arm '{self.arm_id}' does not have.",
-                    remedy=f"It has: {', '.join(self._names)}.",
-                    details={"parameter": "links"},
-                )
-        return links
+    def watch(self, *, is_active: bool) -> None:
+        self._sender.keep_clear(self.guard if is_active else None)
 
     @override
-    def report(self) -> Clearance | None:
-        guard = self.guard
-        pair = guard.clearances.pair
-        if not guard.is_active or pair < 0:
-            return None
-        capsule, solid = divmod(pair, len(guard.things))
-        return Clearance(
-            arm=self.arm_id,
-            link=guard.names[capsule],
-            object=guard.things[solid],
-            distance=guard.clearances.distance,
-            margin=guard.margin_of(solid),
-            is_slowing=guard.is_slowing,
-            interventions=guard.interventions,
-        )
+    def links(self) -> Sequence[str]:
+        return [*self._names, HAND]
+
+    @override
+    def links_of(self, name: str, carried: Sequence[str] = ()) -> Sequence[str]:
+        short = name.removeprefix(f"{self.arm_id}_")
+        if short == HAND:
+            return [*_OF_HAND, *carried]
+        return [short] if short in self._names else []
 
 
 def _owners(capsules: Sequence[LinkCapsule]) -> list[int]:
