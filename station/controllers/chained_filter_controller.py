@@ -58,11 +58,7 @@ class ChainedFilter(ChainableController):
         GpioStateInterface,
         *SEMANTIC_INTERFACES.values(),
     )
-
-    @classmethod
-    @override
-    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
-        return (*super().declared_parameters(), _INPUTS, _OUTPUTS, _CHAIN)
+    own_parameters = (_INPUTS, _OUTPUTS, _CHAIN)
 
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:

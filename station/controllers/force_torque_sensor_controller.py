@@ -14,7 +14,6 @@ from typing_extensions import override
 from station.core.control.controller import PUBLISH_RATE, Controller
 from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.hardware.interfaces import (
-    ForceTorqueSensorHandle,
     ForceTorqueSensorInterface,
 )
 from station.core.parameters import Parameters
@@ -54,20 +53,11 @@ class ForceTorqueSensorController(Controller[ForceTorqueSensorInterface]):
     """
 
     hardware_interface: ClassVar[type] = ForceTorqueSensorInterface
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.wrenches: dict[str, WrenchStamped] = {}
-        self._timer = PublishTimer(0.0)
-        self._sensors: list[ForceTorqueSensorHandle] = []
-
-    @classmethod
-    @override
-    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
-        return (*super().declared_parameters(), PUBLISH_RATE)
+    own_parameters = (PUBLISH_RATE,)
 
     @override
     def init(self, interface: ForceTorqueSensorInterface, params: Parameters) -> None:
+        self.wrenches: dict[str, WrenchStamped] = {}
         self._timer = PublishTimer(PUBLISH_RATE.read_float(params))
         self._sensors = [interface.get_handle(name) for name in interface.get_names()]
 
@@ -143,22 +133,7 @@ class ForceTorqueSensorBroadcaster(Controller[ForceTorqueSensorInterface]):
         "state_publish_rate",
         "publish_rate",
     )
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._published: dict[str, WrenchStamped] = {}
-
-    @classmethod
-    @override
-    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
-        return (
-            *super().declared_parameters(),
-            SENSOR_NAME,
-            FRAME_ID,
-            _FILTERS,
-            *_OFFSET,
-            *_MULTIPLIER,
-        )
+    own_parameters = (SENSOR_NAME, FRAME_ID, _FILTERS, *_OFFSET, *_MULTIPLIER)
 
     @override
     def init(self, interface: ForceTorqueSensorInterface, params: Parameters) -> None:
@@ -184,11 +159,7 @@ class ForceTorqueSensorBroadcaster(Controller[ForceTorqueSensorInterface]):
             )
         ]
         filtered = self._filters.update(values)
-        self._published = {
-            name: WrenchStamped(time, self._frame, each[:3], each[3:])
+        self.messages = {
+            name: WrenchStamped(time, self._frame, each[:3], each[3:])._asdict()
             for name, each in (("wrench", values), ("wrench_filtered", filtered))
         }
-
-    @override
-    def published(self) -> Mapping[str, Mapping[str, object]]:
-        return {name: wrench._asdict() for name, wrench in self._published.items()}

@@ -17,7 +17,6 @@ from station.controllers.franka_arm import (
     read_arm_joints,
 )
 from station.core.control.controller import PUBLISH_RATE, Controller, JointStates
-from station.core.declared_parameter import DeclaredParameter
 from station.core.franka import FrankaStateHandle, FrankaStateInterface, RobotState
 from station.core.franka.franka_errors import error_names
 from station.core.franka.franka_robot_state import PackedState
@@ -61,11 +60,7 @@ class FrankaStateController(Controller[FrankaStateInterface]):
     """
 
     hardware_interface: ClassVar[type] = FrankaStateInterface
-
-    @classmethod
-    @override
-    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
-        return (*super().declared_parameters(), ARM_ID, JOINT_NAMES, _PUBLISH_RATE)
+    own_parameters = (ARM_ID, JOINT_NAMES, _PUBLISH_RATE)
 
     @override
     def init(self, interface: FrankaStateInterface, params: Parameters) -> None:

@@ -3,7 +3,6 @@
 Source: ros2_controllers@6.x gpio_controllers/src/gpio_command_controller.cpp.
 """
 
-from collections.abc import Mapping
 from typing import ClassVar, TypeVar
 
 from typing_extensions import override
@@ -60,21 +59,7 @@ class GpioCommandController(MultiInterfaceController):
         GpioCommandInterface,
         GpioStateInterface,
     )
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._published: dict[str, dict[str, object]] = {}
-
-    @classmethod
-    @override
-    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
-        return (
-            *super().declared_parameters(),
-            _GPIOS,
-            _COMMANDS,
-            _STATES,
-            *timeout_parameters(),
-        )
+    own_parameters = (_GPIOS, _COMMANDS, _STATES, *timeout_parameters())
 
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:
@@ -118,17 +103,13 @@ class GpioCommandController(MultiInterfaceController):
             }
             for handles in self._groups.values()
         ]
-        self._published = {
+        self.messages = {
             "gpio_states": {
                 "stamp": time,
                 "interface_groups": [*self._groups],
                 "interface_values": values,
             }
         }
-
-    @override
-    def published(self) -> Mapping[str, Mapping[str, object]]:
-        return self._published
 
     def _present(self) -> list[float]:
         return [output.present() for output in self._outputs]

@@ -10,7 +10,6 @@ from typing import ClassVar, NamedTuple
 from typing_extensions import override
 
 from station.core.control.controller import PUBLISH_RATE, Controller
-from station.core.declared_parameter import DeclaredParameter
 from station.core.hardware.interfaces import ImuSensorHandle, ImuSensorInterface
 from station.core.parameters import Parameters
 from station.core.toolbox.publish_timer import PublishTimer
@@ -61,20 +60,11 @@ class ImuSensorController(Controller[ImuSensorInterface]):
     """
 
     hardware_interface: ClassVar[type] = ImuSensorInterface
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.readings: dict[str, Imu] = {}
-        self._timer = PublishTimer(0.0)
-        self._sensors: list[ImuSensorHandle] = []
-
-    @classmethod
-    @override
-    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
-        return (*super().declared_parameters(), PUBLISH_RATE)
+    own_parameters = (PUBLISH_RATE,)
 
     @override
     def init(self, interface: ImuSensorInterface, params: Parameters) -> None:
+        self.readings: dict[str, Imu] = {}
         self._timer = PublishTimer(PUBLISH_RATE.read_float(params))
         self._sensors = [interface.get_handle(name) for name in interface.get_names()]
 
@@ -96,26 +86,14 @@ class ImuSensorController(Controller[ImuSensorInterface]):
 
 
 def _reading(sensor: ImuSensorHandle, time: float) -> Imu:
-    orientation, orientation_covariance = _measured(
-        sensor.get_orientation(), sensor.get_orientation_covariance(), 4
-    )
-    angular_velocity, angular_velocity_covariance = _measured(
-        sensor.get_angular_velocity(), sensor.get_angular_velocity_covariance(), 3
-    )
-    linear_acceleration, linear_acceleration_covariance = _measured(
-        sensor.get_linear_acceleration(),
-        sensor.get_linear_acceleration_covariance(),
-        3,
-    )
+    turn, rate = sensor.get_orientation(), sensor.get_angular_velocity()
+    acceleration = sensor.get_linear_acceleration()
     return Imu(
         time,
         sensor.get_frame_id(),
-        orientation,
-        orientation_covariance,
-        angular_velocity,
-        angular_velocity_covariance,
-        linear_acceleration,
-        linear_acceleration_covariance,
+        *_measured(turn, sensor.get_orientation_covariance(), 4),
+        *_measured(rate, sensor.get_angular_velocity_covariance(), 3),
+        *_measured(acceleration, sensor.get_linear_acceleration_covariance(), 3),
     )
 
 

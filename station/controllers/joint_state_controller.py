@@ -51,21 +51,11 @@ class JointStateController(Controller[JointStateInterface]):
     """
 
     hardware_interface: ClassVar[type] = JointStateInterface
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.joint_states: JointStates | None = None
-        self._timer = PublishTimer(0.0)
-        self._group = JointStateGroup([])
-        self._extra_values: dict[str, list[float]] = {}
-
-    @classmethod
-    @override
-    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
-        return (*super().declared_parameters(), PUBLISH_RATE, _JOINTS, _EXTRA_JOINTS)
+    own_parameters = (PUBLISH_RATE, _JOINTS, _EXTRA_JOINTS)
 
     @override
     def init(self, interface: JointStateInterface, params: Parameters) -> None:
+        self.joint_states: JointStates | None = None
         self._timer = PublishTimer(PUBLISH_RATE.read_float(params))
         names = _JOINTS.read_str_list(params, interface.get_names())
         self._group = JointStateGroup([interface.get_handle(name) for name in names])

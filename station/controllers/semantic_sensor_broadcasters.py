@@ -58,20 +58,7 @@ class ValuesBroadcaster(Controller[HardwareResourceManager[ValuesSensorHandle]])
     topic: ClassVar[str]
     fields: ClassVar[Mapping[str, str | tuple[str, ...]]]
     constants: ClassVar[Mapping[str, DeclaredParameter]]
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._published: dict[str, dict[str, object]] = {}
-
-    @classmethod
-    @override
-    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
-        return (
-            *super().declared_parameters(),
-            SENSOR_NAME,
-            FRAME_ID,
-            *cls.constants.values(),
-        )
+    own_parameters: ClassVar[tuple[DeclaredParameter, ...]] = (SENSOR_NAME, FRAME_ID)
 
     @override
     def init(
@@ -95,11 +82,7 @@ class ValuesBroadcaster(Controller[HardwareResourceManager[ValuesSensorHandle]])
             else [values[name] for name in names]
             for field, names in self.fields.items()
         }
-        self._published = {self.topic: {"stamp": time, **self._fixed, **measured}}
-
-    @override
-    def published(self) -> Mapping[str, Mapping[str, object]]:
-        return self._published
+        self.messages = {self.topic: {"stamp": time, **self._fixed, **measured}}
 
 
 class RangeSensorBroadcaster(ValuesBroadcaster):
@@ -115,6 +98,7 @@ class RangeSensorBroadcaster(ValuesBroadcaster):
         "max_range": _number("max_range", 4.0, "m", "largest distance"),
         "variance": _number("variance", 0.0, "m^2", "variance of the distance"),
     }
+    own_parameters = (*constants.values(),)
 
     @override
     def init(
@@ -137,6 +121,7 @@ class MagnetometerBroadcaster(ValuesBroadcaster):
     constants: ClassVar = {
         "magnetic_field_covariance": _covariance("static_covariance")
     }
+    own_parameters = (*constants.values(),)
 
 
 _COVARIANCES = tuple(
@@ -161,11 +146,7 @@ class GPSSensorBroadcaster(ValuesBroadcaster):
     constants: ClassVar = {
         "position_covariance": _covariance("static_position_covariance")
     }
-
-    @classmethod
-    @override
-    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
-        return (*super().declared_parameters(), _READS_COVARIANCE)
+    own_parameters = (*constants.values(), _READS_COVARIANCE)
 
     @override
     def init(
@@ -182,12 +163,13 @@ class GPSSensorBroadcaster(ValuesBroadcaster):
     @override
     def update(self, time: float, period: float) -> None:
         super().update(time, period)
-        values, message = self._sensor.get_values(), self._published[self.topic]
+        values, message = self._sensor.get_values(), {**self.messages[self.topic]}
         message["status"] = {key: int(values[key]) for key in ("status", "service")}
         if self._reads_covariance:
             diagonal = [0.0] * 9
             diagonal[::4] = [values[name] for name in _COVARIANCES]
             message["position_covariance"] = diagonal
+        self.messages = {self.topic: message}
 
 
 _BATTERIES = DeclaredParameter(
@@ -212,15 +194,7 @@ class BatteryStateBroadcaster(Controller[BatterySensorInterface]):
     """
 
     hardware_interface: ClassVar[type] = BatterySensorInterface
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._published: dict[str, dict[str, object]] = {}
-
-    @classmethod
-    @override
-    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
-        return (*super().declared_parameters(), _BATTERIES)
+    own_parameters = (_BATTERIES,)
 
     @override
     def init(self, interface: BatterySensorInterface, params: Parameters) -> None:
@@ -258,11 +232,7 @@ class BatteryStateBroadcaster(Controller[BatterySensorInterface]):
         for key in ("location", "serial_number"):
             whole[key] = ", ".join(one[key] for one in each if one[key])
         raw = {"stamp": time, "battery_states": each}
-        self._published = {"battery_state": whole, "raw_battery_states": raw}
-
-    @override
-    def published(self) -> Mapping[str, Mapping[str, object]]:
-        return self._published
+        self.messages = {"battery_state": whole, "raw_battery_states": raw}
 
 
 class _Battery:

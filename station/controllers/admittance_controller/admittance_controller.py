@@ -4,7 +4,7 @@ Source: ros2_controllers@4.x admittance_controller/src/admittance_controller.cpp
 admittance_controller_parameters.yaml.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from math import inf, sqrt
 from typing import ClassVar
 
@@ -12,13 +12,13 @@ from typing_extensions import override
 
 from station.controllers.admittance_controller.admittance_rule import AdmittanceRule
 from station.controllers.admittance_controller.chains_of_frames import chain_to
+from station.controllers.joint_references import JointReferenceController
 from station.controllers.set_point_controller import (
     JOINTS,
     ControlledJoints,
     JointQuantity,
     read_joint_names,
 )
-from station.core.control.chainable_controller import ChainableController, Reference
 from station.core.control.controller import ControllerSample
 from station.core.control.tunables import Tunable, Tunables
 from station.core.declared_parameter import DeclaredParameter, ParameterType
@@ -38,10 +38,6 @@ from station.core.hardware.robot_hw import RobotHW
 from station.core.numerics.joint_chain import JointChain
 from station.core.parameters import Parameters
 from station.core.ports.set_point import (
-    ActiveSetPoint,
-    SetPointElement,
-    SetPointPort,
-    read_command_timeout,
     timeout_parameters,
 )
 from station.memory.doubles import doubles, put, zeros
@@ -138,7 +134,7 @@ _TUNED = {
 }
 
 
-class AdmittanceController(ChainableController):
+class AdmittanceController(JointReferenceController):
     """Moves joints from their references as a force moves a mass on a spring.
 
     The references `<joint>/position` and `<joint>/velocity` come from a preceding
@@ -165,33 +161,28 @@ class AdmittanceController(ChainableController):
         "robot_base_frame",
         "state_publish_rate",
     )
-
-    @classmethod
-    @override
-    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
-        return (
-            *super().declared_parameters(),
-            *timeout_parameters(),
-            JOINTS,
-            _COMMANDS,
-            _REFERENCES,
-            _BASE,
-            _TIP,
-            _ALPHA,
-            _SENSOR,
-            _SENSOR_FRAME,
-            _SMOOTHING,
-            _CONTROL_FRAME,
-            _WORLD_FRAME,
-            _CENTRE_FRAME,
-            _CENTRE,
-            _WEIGHT,
-            _SELECTED,
-            _MASS,
-            _RATIO,
-            _STIFFNESS,
-            _JOINT_DAMPING,
-        )
+    own_parameters = (
+        *timeout_parameters(),
+        JOINTS,
+        _COMMANDS,
+        _REFERENCES,
+        _BASE,
+        _TIP,
+        _ALPHA,
+        _SENSOR,
+        _SENSOR_FRAME,
+        _SMOOTHING,
+        _CONTROL_FRAME,
+        _WORLD_FRAME,
+        _CENTRE_FRAME,
+        _CENTRE,
+        _WEIGHT,
+        _SELECTED,
+        _MASS,
+        _RATIO,
+        _STIFFNESS,
+        _JOINT_DAMPING,
+    )
 
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:
@@ -217,57 +208,38 @@ class AdmittanceController(ChainableController):
         self._read_tunables(params)
 
     @override
-    def on_export_reference_interfaces(self) -> Sequence[Reference]:
-        position = [
-            Reference(f"{name}/position", self._q_ref, k, handle.get_position)
-            for k, (name, handle) in enumerate(
-                zip(self.joint_names, self._handles, strict=True)
-            )
-        ]
-        velocity = [
-            Reference(f"{name}/velocity", self._dq_ref, k)
-            for k, name in enumerate(self.joint_names)
-        ]
-        return position + velocity if self._has_velocities else position
+    def rest(self, n: int) -> list[float]:
+        return [0.0] * len(self.joint_names) if n else [*self._joints.positions]
 
     @override
-    def on_set_chained_mode(self, chained_mode: bool) -> bool:
-        # A set-point from before the chain must not come back after it.
-        if not chained_mode:
-            self._active.start_at_rest()
-        return True
+    def rest_reader(self, n: int, k: int) -> Callable[[], float]:
+        # The copy of the positions is old while the controller does not run.
+        return super().rest_reader(n, k) if n else self._handles[k].get_position
 
     @override
     def starting(self, time: float) -> None:
         self._joints.read()
         self._rule.reset()
-        self._active.start_at_rest()
-        put(self._q_ref, self._joints.positions)
-        put(self._dq_ref, [0.0] * len(self.joint_names))
-
-    @override
-    def update_reference_from_subscribers(self, time: float, period: float) -> None:
-        put(self._q_ref, self._active.newest())
-        rates = self._active.desired_rates if self._active.has_rates else None
-        put(self._dq_ref, rates or [0.0] * len(self.joint_names))
+        super().starting(time)
 
     @override
     def update_and_write_commands(self, time: float, period: float) -> None:
         rule, joints = self._rule, self._joints
+        q_ref, dq_ref = self.references
         joints.read()
         wrench = self._sensor.get_force() + self._sensor.get_torque()
         if self._sensor.is_reaction:
             wrench = [-value for value in wrench]
         put(rule.wrench, wrench)
-        rule.compute_motion(joints.positions, self._q_ref, period)
-        references, way = self._q_ref, rule.positions
+        rule.compute_motion(joints.positions, q_ref, period)
+        references, way = q_ref, rule.positions
         if not self._commands_positions:
-            references, way = self._dq_ref, rule.velocities
+            references, way = dq_ref, rule.velocities
         commands = [a + b for a, b in zip(references, way, strict=True)]
         put(joints.commands, commands)
         joints.write()
         self.sample = ControllerSample(
-            time, [*self._q_ref], [*joints.positions], [*rule.positions], commands
+            time, [*q_ref], [*joints.positions], [*rule.positions], commands
         )
 
     @override
@@ -321,27 +293,11 @@ class AdmittanceController(ChainableController):
         kinds = _REFERENCES.read_str_list(params)
         if kinds not in (["position"], ["position", "velocity"]):
             _REFERENCES.refuse(params, kinds, "[position] or [position, velocity]")
-        self._has_velocities = len(kinds) > 1
-        self._q_ref = zeros(len(self.joint_names))
-        self._dq_ref = zeros(len(self.joint_names))
         description = require_robot_description(params)
         joints = [description.joint(name) for name in self.joint_names]
-        ports = [
-            [
-                SetPointElement(each.name, kind.unit(each), *kind.range(each))
-                for each in joints
-            ]
-            for kind in (JointQuantity.POSITION, JointQuantity.VELOCITY)
-        ]
-        timeout, action = read_command_timeout(params)
-        self.set_points = SetPointPort(ports[0], timeout=timeout)
-        self.set_points.feed_forward = ports[1]
-        self._active = ActiveSetPoint(
-            self.set_points,
-            action,
-            ", ".join(self.joint_names),
-            lambda: [*self._joints.positions],
-        )
+        quantities = (JointQuantity.POSITION, JointQuantity.VELOCITY)
+        self.make_references(params, joints, quantities)
+        self.exported_quantities = len(kinds)
 
     def _read_tunables(self, params: Parameters) -> None:
         lists = {

@@ -349,20 +349,15 @@ class DiffDriveController(Controller[VelocityJointInterface]):
 
     hardware_interface: ClassVar[type] = VelocityJointInterface
     odometry: Odometry
-
-    @classmethod
-    @override
-    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
-        return (
-            *super().declared_parameters(),
-            *(_LEFT, _RIGHT, _SEPARATION, _RADIUS, _SEPARATION_FACTOR, _RADIUS_FACTOR),
-            *(_RATE, _TIMEOUT, _WINDOW, _OPEN_LOOP, _PUBLISH_CMD, _PUBLISH_STATE),
-            *(_ENABLE_TF, _MULTIPLE, _BASE_FRAME, _ODOM_FRAME),
-            *(_POSE_COVARIANCE, _TWIST_COVARIANCE),
-            *_VALIDITY_AND_ACTION,
-            *limiter_parameters("linear/x", "m"),
-            *limiter_parameters("angular/z", "rad"),
-        )
+    own_parameters = (
+        *(_LEFT, _RIGHT, _SEPARATION, _RADIUS, _SEPARATION_FACTOR, _RADIUS_FACTOR),
+        *(_RATE, _TIMEOUT, _WINDOW, _OPEN_LOOP, _PUBLISH_CMD, _PUBLISH_STATE),
+        *(_ENABLE_TF, _MULTIPLE, _BASE_FRAME, _ODOM_FRAME),
+        *(_POSE_COVARIANCE, _TWIST_COVARIANCE),
+        *_VALIDITY_AND_ACTION,
+        *limiter_parameters("linear/x", "m"),
+        *limiter_parameters("angular/z", "rad"),
+    )
 
     @override
     def init(self, interface: VelocityJointInterface, params: Parameters) -> None:

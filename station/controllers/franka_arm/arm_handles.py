@@ -5,7 +5,6 @@ from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from typing_extensions import override
 
 from station.core.control.controller import (
     MultiInterfaceController,
@@ -54,11 +53,7 @@ class ArmTorqueController(MultiInterfaceController):
         FrankaModelInterface,
         FrankaStateInterface,
     )
-
-    @classmethod
-    @override
-    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
-        return (*super().declared_parameters(), ARM_ID, JOINT_NAMES)
+    own_parameters: ClassVar[tuple[DeclaredParameter, ...]] = (ARM_ID, JOINT_NAMES)
 
 
 def read_arm_id(params: Parameters) -> str:

@@ -22,7 +22,6 @@ from station.controllers.franka_arm.cartesian_spring import (
 )
 from station.controllers.franka_arm.pose_target import PoseTarget
 from station.core.control.tunables import Tunable, Tunables
-from station.core.declared_parameter import DeclaredParameter
 from station.core.hardware.robot_hw import RobotHW
 from station.core.parameters import Parameters
 from station.core.ports.set_point import timeout_parameters
@@ -48,10 +47,7 @@ class CartesianImpedanceExampleController(ArmTorqueController):
     base frame. When the set-point expires, the equilibrium stays where it is then.
     """
 
-    @classmethod
-    @override
-    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
-        return (*super().declared_parameters(), *timeout_parameters())
+    own_parameters = timeout_parameters()
 
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:

@@ -31,7 +31,6 @@ from station.controllers.franka_arm.cartesian_spring import (
 from station.controllers.franka_arm.pose_target import PoseTarget
 from station.core.control.controller import MultiInterfaceController
 from station.core.control.tunables import Tunable, Tunables
-from station.core.declared_parameter import DeclaredParameter
 from station.core.description.robot_description import ROBOT_DESCRIPTION
 from station.core.description.urdf import Pose, Urdf
 from station.core.description.urdf_parser import parse_urdf
@@ -78,15 +77,10 @@ class DualArmCartesianImpedanceExampleController(MultiInterfaceController):
         FrankaModelInterface,
         FrankaStateInterface,
     )
-
-    @classmethod
-    @override
-    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
-        return (
-            *super().declared_parameters(),
-            *(each.inside(arm) for arm in ARMS for each in (ARM_ID, JOINT_NAMES)),
-            *timeout_parameters(),
-        )
+    own_parameters = (
+        *(each.inside(arm) for arm in ARMS for each in (ARM_ID, JOINT_NAMES)),
+        *timeout_parameters(),
+    )
 
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:

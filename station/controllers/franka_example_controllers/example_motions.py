@@ -7,7 +7,7 @@ controller is loaded.
 
 from collections.abc import Sequence
 from math import cos, floor, pi, sin
-from typing import ClassVar
+from typing import ClassVar, TypeVar
 
 from typing_extensions import override
 
@@ -76,35 +76,31 @@ def back_and_forth(elapsed: float, *, peak: float, half_period: float) -> float:
     return sign * (peak / 2.0 * (1.0 - cos(turn)))
 
 
+InterfaceT = TypeVar("InterfaceT", PositionJointInterface, VelocityJointInterface)
+
+
+class _JointExample(Controller[InterfaceT]):
+    own_parameters: ClassVar[tuple[DeclaredParameter, ...]] = (JOINT_NAMES,)
+    _elapsed: float
+
+    @override
+    def init(self, interface: InterfaceT, params: Parameters) -> None:
+        self.joint_names = read_arm_joints(params)
+        self._joints = JointGroup([interface.get_handle(n) for n in self.joint_names])
+
+
 JOINT_AMPLITUDE = 0.2 * pi / 16.0
 """Half of the range in which each joint moves [rad]."""
 _MIRRORED = 4
 
 
-class JointPositionExampleController(Controller[PositionJointInterface]):
+class JointPositionExampleController(_JointExample[PositionJointInterface]):
     """Swings all joints with a period of 10 s, the fifth in the opposite direction.
 
     Parameters: `joint_names`, 7 names.
     """
 
     hardware_interface: ClassVar[type] = PositionJointInterface
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._joints = JointGroup([])
-        self._start: list[float] = []
-        self._elapsed = 0.0
-
-    @classmethod
-    @override
-    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
-        return (*super().declared_parameters(), JOINT_NAMES)
-
-    @override
-    def init(self, interface: PositionJointInterface, params: Parameters) -> None:
-        names = read_arm_joints(params)
-        self._joints = JointGroup([interface.get_handle(name) for name in names])
-        self.joint_names = names
 
     @override
     def starting(self, time: float) -> None:
@@ -133,7 +129,7 @@ JOINT_HALF_PERIOD = 8.0
 """Time after which the direction changes [s]."""
 
 
-class JointVelocityExampleController(Controller[VelocityJointInterface]):
+class JointVelocityExampleController(_JointExample[VelocityJointInterface]):
     """Moves all joints back and forth at the same velocity.
 
     Parameters: `joint_names`, 7 names. `arm_id` is accepted and has no effect.
@@ -141,22 +137,6 @@ class JointVelocityExampleController(Controller[VelocityJointInterface]):
 
     hardware_interface: ClassVar[type] = VelocityJointInterface
     accepted_parameters: ClassVar[tuple[str, ...]] = ("arm_id",)
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._joints = JointGroup([])
-        self._elapsed = 0.0
-
-    @classmethod
-    @override
-    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
-        return (*super().declared_parameters(), JOINT_NAMES)
-
-    @override
-    def init(self, interface: VelocityJointInterface, params: Parameters) -> None:
-        names = read_arm_joints(params)
-        self._joints = JointGroup([interface.get_handle(name) for name in names])
-        self.joint_names = names
 
     @override
     def starting(self, time: float) -> None:
@@ -188,11 +168,7 @@ class CartesianPoseExampleController(Controller[FrankaPoseCartesianInterface]):
     """
 
     hardware_interface: ClassVar[type] = FrankaPoseCartesianInterface
-
-    @classmethod
-    @override
-    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
-        return (*super().declared_parameters(), ARM_ID)
+    own_parameters = (ARM_ID,)
 
     @override
     def init(self, interface: FrankaPoseCartesianInterface, params: Parameters) -> None:
@@ -239,11 +215,7 @@ class CartesianVelocityExampleController(Controller[FrankaVelocityCartesianInter
     """
 
     hardware_interface: ClassVar[type] = FrankaVelocityCartesianInterface
-
-    @classmethod
-    @override
-    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
-        return (*super().declared_parameters(), ARM_ID)
+    own_parameters = (ARM_ID,)
 
     @override
     def init(
@@ -284,11 +256,7 @@ class ElbowExampleController(Controller[FrankaPoseCartesianInterface]):
     """
 
     hardware_interface: ClassVar[type] = FrankaPoseCartesianInterface
-
-    @classmethod
-    @override
-    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
-        return (*super().declared_parameters(), ARM_ID)
+    own_parameters = (ARM_ID,)
 
     @override
     def init(self, interface: FrankaPoseCartesianInterface, params: Parameters) -> None:

@@ -118,22 +118,17 @@ class JointImpedanceExampleController(MultiInterfaceController):
         FrankaModelInterface,
         FrankaPoseCartesianInterface,
     )
-
-    @classmethod
-    @override
-    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
-        return (
-            *super().declared_parameters(),
-            ARM_ID,
-            JOINT_NAMES,
-            _K_GAINS,
-            _D_GAINS,
-            _RADIUS,
-            _VEL_MAX,
-            _ACCELERATION_TIME,
-            _CORIOLIS,
-            _PUBLISH_RATE,
-        )
+    own_parameters = (
+        ARM_ID,
+        JOINT_NAMES,
+        _K_GAINS,
+        _D_GAINS,
+        _RADIUS,
+        _VEL_MAX,
+        _ACCELERATION_TIME,
+        _CORIOLIS,
+        _PUBLISH_RATE,
+    )
 
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:

@@ -12,7 +12,6 @@ from typing_extensions import override
 
 from station.controllers.franka_arm import ARM_ID, read_arm_id
 from station.core.control.controller import Controller
-from station.core.declared_parameter import DeclaredParameter
 from station.core.franka import Frame, FrankaModelHandle, FrankaModelInterface
 from station.core.parameters import Parameters
 from station.core.toolbox.publish_timer import PublishTimer
@@ -54,11 +53,7 @@ class ModelExampleController(Controller[FrankaModelInterface]):
     """
 
     hardware_interface: ClassVar[type] = FrankaModelInterface
-
-    @classmethod
-    @override
-    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
-        return (*super().declared_parameters(), ARM_ID)
+    own_parameters = (ARM_ID,)
 
     @override
     def init(self, interface: FrankaModelInterface, params: Parameters) -> None:

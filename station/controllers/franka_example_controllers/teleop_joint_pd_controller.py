@@ -33,7 +33,6 @@ from station.controllers.franka_example_controllers.teleop_parameters import (
 )
 from station.core.control.controller import ControllerSample, MultiInterfaceController
 from station.core.control.tunables import Tunables
-from station.core.declared_parameter import DeclaredParameter
 from station.core.description.robot_description import require_robot_description
 from station.core.errors import ControllerStateError
 from station.core.franka import FrankaStateHandle, FrankaStateInterface, RobotState
@@ -200,11 +199,7 @@ class TeleopJointPDExampleController(MultiInterfaceController):
         EffortJointInterface,
         FrankaStateInterface,
     )
-
-    @classmethod
-    @override
-    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
-        return (*super().declared_parameters(), *TELEOP_PARAMETERS)
+    own_parameters = TELEOP_PARAMETERS
 
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:
@@ -217,7 +212,6 @@ class TeleopJointPDExampleController(MultiInterfaceController):
         self._motion = FollowerMotion(self._parameters.drift_gains)
         self.joint_names = self._follower.joint_names
         self._timer = PublishTimer(RATE_HZ)
-        self._published: dict[str, dict[str, object]] = {}
 
     @override
     def starting(self, time: float) -> None:
@@ -261,11 +255,6 @@ class TeleopJointPDExampleController(MultiInterfaceController):
         if self._timer.is_due(time):
             self._publish()
 
-    @override
-    def published(self) -> Mapping[str, Mapping[str, object]]:
-        """Return the original's topics of targets and contacts, and `phase`."""
-        return self._published
-
     def _set_bounds(self, gains: Mapping[str, float]) -> None:
         self._bounds = bounds_of(gains)
 
@@ -297,8 +286,9 @@ class TeleopJointPDExampleController(MultiInterfaceController):
         return result
 
     def _publish(self) -> None:
+        # The original's topics of targets and contacts, and `phase`.
         leader, follower = self._leader, self._follower
-        self._published = {
+        self.messages = {
             "leader_target": {
                 "name": leader.joint_names,
                 "effort": leader.tau.tolist(),

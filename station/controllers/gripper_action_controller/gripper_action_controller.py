@@ -108,6 +108,13 @@ class GripperActionController(Controller[CommandInterfaceT]):
     _allows_stalling = False
     _handle: JointHandle
     _port: GripperGoalPort
+    own_parameters: ClassVar[tuple[DeclaredParameter, ...]] = (
+        JOINT,
+        _GOAL_TOLERANCE,
+        _MAX_EFFORT,
+        _STALL_VELOCITY,
+        _STALL_TIMEOUT,
+    )
 
     def __init__(self) -> None:
         super().__init__()
@@ -115,18 +122,6 @@ class GripperActionController(Controller[CommandInterfaceT]):
         self._goal: Goal | None = None
         self._distance = 0.0
         self._last_movement = 0.0
-
-    @classmethod
-    @override
-    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
-        return (
-            *super().declared_parameters(),
-            JOINT,
-            _GOAL_TOLERANCE,
-            _MAX_EFFORT,
-            _STALL_VELOCITY,
-            _STALL_TIMEOUT,
-        )
 
     @override
     def init(self, interface: CommandInterfaceT, params: Parameters) -> None:
@@ -432,14 +427,9 @@ class EffortGripperActionController(GripperActionController[EffortJointInterface
 
     hardware_interface: ClassVar[type] = EffortJointInterface
     _pids: JointPidGroup
-
-    @classmethod
-    @override
-    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
-        return (
-            *super().declared_parameters(),
-            *pid_parameters(error=JointQuantity.POSITION, command=JointQuantity.EFFORT),
-        )
+    own_parameters = (
+        *pid_parameters(error=JointQuantity.POSITION, command=JointQuantity.EFFORT),
+    )
 
     @override
     def init(self, interface: EffortJointInterface, params: Parameters) -> None:

@@ -89,16 +89,12 @@ class CartesianImpedanceController(ArmTorqueController):
     are run-time parameters as well, and so is `<joint>/posture`.
     """
 
-    @classmethod
-    @override
-    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
-        return (
-            *super().declared_parameters(),
-            *timeout_parameters(),
-            *(each.parameter() for each in _SETTINGS),
-            _POSTURE,
-            *FRICTION,
-        )
+    own_parameters = (
+        *timeout_parameters(),
+        *(each.parameter() for each in _SETTINGS),
+        _POSTURE,
+        *FRICTION,
+    )
 
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:

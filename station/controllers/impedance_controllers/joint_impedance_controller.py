@@ -66,16 +66,12 @@ class JointImpedanceController(ArmTorqueController):
     `<joint>/stiffness` with the parameter `stiffness` as first values.
     """
 
-    @classmethod
-    @override
-    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
-        return (
-            *super().declared_parameters(),
-            *timeout_parameters(),
-            _STIFFNESS,
-            *(each.parameter() for each in _SETTINGS),
-            *FRICTION,
-        )
+    own_parameters = (
+        *timeout_parameters(),
+        _STIFFNESS,
+        *(each.parameter() for each in _SETTINGS),
+        *FRICTION,
+    )
 
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:

@@ -3,22 +3,21 @@
 Source: ros2_controllers@4.x pid_controller/src/pid_controller.cpp, pid_controller.yaml.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, nan, sqrt
 from typing import ClassVar
 
 from typing_extensions import override
 
+from station.controllers.joint_references import JointReferenceController
 from station.controllers.pid_controller.saturating_pids import (
     STRATEGIES,
     SaturatingPids,
 )
 from station.controllers.set_point_controller import ControlledJoints, JointQuantity
 from station.core.control.chainable_controller import (
-    ChainableController,
     ExportedState,
-    Reference,
 )
 from station.core.control.controller import ControllerSample, require_interface
 from station.core.control.tunables import Tunable, Tunables
@@ -46,10 +45,6 @@ from station.core.hardware.robot_hw import RobotHW
 from station.core.numerics.joint_errors import CONTINUOUS, PLAIN, JointErrors
 from station.core.parameters import Parameters
 from station.core.ports.set_point import (
-    ActiveSetPoint,
-    SetPointElement,
-    SetPointPort,
-    read_command_timeout,
     timeout_parameters,
 )
 from station.memory.doubles import put, zeros
@@ -182,7 +177,7 @@ class _Ports:
     commanded: list[JointHandle]
 
 
-class PidController(ChainableController):
+class PidController(JointReferenceController):
     """Commands the output of PIDs for the errors of references.
 
     The references `<joint>/<interface>` come from a preceding controller, or from
@@ -201,21 +196,16 @@ class PidController(ChainableController):
         JointStateInterface,
     )
     accepted_parameters: ClassVar[tuple[str, ...]] = ("export_params",)
-
-    @classmethod
-    @override
-    def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
-        return (
-            *super().declared_parameters(),
-            *timeout_parameters(),
-            _DOF_NAMES,
-            _STATE_NAMES,
-            _COMMAND,
-            _MEASURED,
-            _EXTERNAL,
-            _FEEDS_FORWARD,
-            *_GAINS,
-        )
+    own_parameters = (
+        *timeout_parameters(),
+        _DOF_NAMES,
+        _STATE_NAMES,
+        _COMMAND,
+        _MEASURED,
+        _EXTERNAL,
+        _FEEDS_FORWARD,
+        *_GAINS,
+    )
 
     @override
     def init(self, hw: RobotHW, params: Parameters) -> None:
@@ -244,21 +234,15 @@ class PidController(ChainableController):
         )
         quantities = [JointQuantity(kind) for kind in self._kinds]
         self._measured = [each.measured(self._ports.joints) for each in quantities]
-        self._references = [zeros(len(commanded)) for _ in quantities]
         self._exported = [zeros(len(commanded)) for _ in quantities]
         self._pids = SaturatingPids(len(commanded))
-        self._make_port(params, quantities)
-        self._read_gains(params, commanded)
-
-    @override
-    def on_export_reference_interfaces(self) -> Sequence[Reference]:
-        return [
-            Reference(f"{name}/{kind}", references, k, self._rest_of(n, k))
-            for n, (kind, references) in enumerate(
-                zip(self._kinds, self._references, strict=True)
-            )
-            for k, name in enumerate(self.joint_names)
+        description = find_robot_description(params)
+        joints = [
+            JointDescription(name) if description is None else description.joint(name)
+            for name in self.joint_names
         ]
+        self.make_references(params, joints, quantities)
+        self._read_gains(params, commanded)
 
     @override
     def on_export_state_interfaces(self) -> Sequence[ExportedState]:
@@ -269,30 +253,14 @@ class PidController(ChainableController):
         ]
 
     @override
-    def on_set_chained_mode(self, chained_mode: bool) -> bool:
-        # A set-point from before the chain must not come back after it.
-        if not chained_mode:
-            self._active.start_at_rest()
-        return True
-
-    @override
     def starting(self, time: float) -> None:
         self._ports.joints.read()
         self._pids.reset()
-        self._active.start_at_rest()
-        for n, references in enumerate(self._references):
-            put(references, self._rest(n))
-
-    @override
-    def update_reference_from_subscribers(self, time: float, period: float) -> None:
-        put(self._references[0], self._active.newest())
-        if len(self._references) > 1:
-            rates = self._active.desired_rates if self._active.has_rates else None
-            put(self._references[1], rates or self._rest(1))
+        super().starting(time)
 
     @override
     def update_and_write_commands(self, time: float, period: float) -> None:
-        pids, references = self._pids, self._references
+        pids, references = self._pids, self.references
         self._ports.joints.read()
         self._errors.compare()
         if len(references) > 1:
@@ -311,44 +279,15 @@ class PidController(ChainableController):
             time, [*references[0]], [*self._measured[0]], [*pids.errors], commands
         )
 
-    def _rest(self, n: int) -> list[float]:
-        """Return the references of one interface at which the joints rest, (n,)."""
+    @override
+    def rest(self, n: int) -> list[float]:
         if self._kinds[n] == "position":
             return [*self._measured[n]]
         return [0.0] * len(self.joint_names)
 
-    def _rest_of(self, n: int, k: int) -> Callable[[], float]:
-        return lambda: self._rest(n)[k]
-
-    def _make_port(
-        self, params: Parameters, quantities: Sequence[JointQuantity]
-    ) -> None:
-        description = find_robot_description(params)
-        joints = [
-            JointDescription(name) if description is None else description.joint(name)
-            for name in self.joint_names
-        ]
-        elements = [
-            [
-                SetPointElement(each.name, kind.unit(each), *kind.range(each))
-                for each in joints
-            ]
-            for kind in quantities
-        ]
-        timeout, action = read_command_timeout(params)
-        self.set_points = SetPointPort(elements[0], timeout=timeout)
-        if len(elements) > 1:
-            self.set_points.feed_forward = elements[1]
-        self._active = ActiveSetPoint(
-            self.set_points,
-            action,
-            ", ".join(self.joint_names),
-            lambda: self._rest(0),
-        )
-
     def _read_gains(self, params: Parameters, names: Sequence[str]) -> None:
         pids = self._pids
-        self._errors = JointErrors(self._references[0], self._measured[0], pids.errors)
+        self._errors = JointErrors(self.references[0], self._measured[0], pids.errors)
         schema = {
             "enable_feedforward": Tunable("", 0.0, 1.0, _FEEDS_FORWARD.description)
         }

@@ -6,7 +6,7 @@ returning False, and there is one `init(hw, params)` instead of overloads.
 """
 
 from array import array
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from enum import Enum
 from typing import ClassVar, Generic, NamedTuple, TypeAlias, TypeVar
 
@@ -208,9 +208,12 @@ class ControllerBase:
             `sample` itself.
         accepted_parameters: Names of parameters that files written for the original
             have, and that rightly have no effect here; no other is taken silently.
+        own_parameters: The parameters that a class adds to those of its bases.
+        messages: The latest messages by topic, which `published` returns.
     """
 
     accepted_parameters: ClassVar[tuple[str, ...]] = ()
+    own_parameters: ClassVar[tuple[DeclaredParameter, ...]] = ()
 
     def __init__(self) -> None:
         self.state = ControllerState.CONSTRUCTED
@@ -220,6 +223,7 @@ class ControllerBase:
         self.tunables = Tunables()
         self.joint_names: list[str] = []
         self.sampled: SampleColumns | None = None
+        self.messages: Mapping[str, Mapping[str, object]] = {}
         self._sample: ControllerSample | None = None
 
     @property
@@ -243,11 +247,13 @@ class ControllerBase:
     def declared_parameters(cls) -> tuple[DeclaredParameter, ...]:
         """Return the parameters that `init` reads, for people who load a controller.
 
-        Override it with `(*super().declared_parameters(), …)` and read the parameters
-        through these declarations, so that there is no second list of them. Called
-        without an instance, outside of the control thread.
+        They are the `own_parameters` of all classes, those of the bases first. Read the
+        parameters through these declarations, so that there is no second list of them.
+        Override it with `(*super().declared_parameters(), …)` where they depend on the
+        class. Called without an instance, outside of the control thread.
         """
-        return ()
+        classes = [vars(base) for base in reversed(cls.__mro__)]
+        return tuple(one for each in classes for one in each.get("own_parameters", ()))
 
     def starting(self, time: float) -> None:
         """Prepare to run; command the robot to rest where it is."""
@@ -292,7 +298,7 @@ class ControllerBase:
         Called in any thread. The values of a message are numbers, strings, lists of
         numbers, or mappings of these.
         """
-        return {}
+        return self.messages
 
     def is_running(self) -> bool:
         """Return whether the controller is running."""
@@ -321,37 +327,31 @@ class ControllerBase:
 
     def start_request(self, time: float) -> bool:
         """Call `starting`; return False only before initialisation."""
-        if self.state is ControllerState.CONSTRUCTED:
-            return False
+        is_known = self.state is not ControllerState.CONSTRUCTED
         # A set-point that arrived before the start was meant for another situation.
-        if self.set_points is not None:
+        if is_known and self.set_points is not None:
             self.set_points.clear()
-        self.starting(time)
-        self.state = ControllerState.RUNNING
-        return True
+        return self._enter(ControllerState.RUNNING, self.starting, time)
 
     def stop_request(self, time: float) -> bool:
         """Call `stopping`; return False only before initialisation."""
-        if self.state is ControllerState.CONSTRUCTED:
-            return False
-        self.stopping(time)
-        self.state = ControllerState.STOPPED
-        return True
+        return self._enter(ControllerState.STOPPED, self.stopping, time)
 
     def wait_request(self, time: float) -> bool:
         """Call `waiting`; return False only before initialisation."""
-        if self.state is ControllerState.CONSTRUCTED:
-            return False
-        self.waiting(time)
-        self.state = ControllerState.WAITING
-        return True
+        return self._enter(ControllerState.WAITING, self.waiting, time)
 
     def abort_request(self, time: float) -> bool:
         """Call `aborting`; return False only before initialisation."""
+        return self._enter(ControllerState.ABORTED, self.aborting, time)
+
+    def _enter(
+        self, state: ControllerState, callback: Callable[[float], None], time: float
+    ) -> bool:
         if self.state is ControllerState.CONSTRUCTED:
             return False
-        self.aborting(time)
-        self.state = ControllerState.ABORTED
+        callback(time)
+        self.state = state
         return True
 
 

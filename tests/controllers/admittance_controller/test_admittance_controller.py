@@ -109,7 +109,7 @@ def test_trajectories_of_positions_and_velocities_are_its_references():
     halfway = []
     for _ in range(800):
         bench.step()
-        halfway.append(controller._dq_ref[0])
+        halfway.append(controller.references[1][0])
     assert bench.fault("jtc") is None
     assert bench.fault("it") is None
     assert controller.is_in_chained_mode
