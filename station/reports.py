@@ -255,6 +255,27 @@ class SavedScene(Report):
 
 
 @dataclass(frozen=True, slots=True)
+class CameraReport(Report):
+    """A camera that looks at the robots.
+
+    Attributes:
+        name: Its name.
+        frame: Link that it hangs on; empty for the world.
+        width: Of its picture [px].
+        height: Of its picture [px].
+        rate: Pictures per second, at most [Hz].
+        fault: Reason why it has no pictures; empty when none is known.
+    """
+
+    name: str
+    frame: str
+    width: int
+    height: int
+    rate: float
+    fault: str
+
+
+@dataclass(frozen=True, slots=True)
 class HardwareResource(Report):
     """A resource of a hardware interface.
 
@@ -298,6 +319,26 @@ class ComponentInterface(Report):
 
 
 @dataclass(frozen=True, slots=True)
+class AsyncStatistics(Report):
+    """The updates of a controller, or reads and writes of hardware, in a thread.
+
+    Attributes:
+        policy: `synchronized` or `detached`.
+        age: How many cycles old the states are to which the commands of a controller
+            belong; for hardware, how many cycles ago its states began to be read.
+        missed: Updates that did not begin because the one before had not ended.
+        duration: How long an update takes [s].
+        period: Station time from one update to the next [s].
+    """
+
+    policy: str
+    age: int
+    missed: int
+    duration: Percentiles
+    period: Percentiles
+
+
+@dataclass(frozen=True, slots=True)
 class HardwareComponentReport(Report):
     """A part of the robot that has a life cycle of its own.
 
@@ -310,6 +351,8 @@ class HardwareComponentReport(Report):
         command_interfaces: What controllers can command while it is active.
         state_interfaces: What controllers can read, unless it is unconfigured or
             finalized.
+        async_update: Its reads and writes in a thread of its own; None if the control
+            thread reads and writes it.
     """
 
     name: str
@@ -319,6 +362,7 @@ class HardwareComponentReport(Report):
     problem: str = ""
     command_interfaces: Sequence[ComponentInterface] = field(default_factory=tuple)
     state_interfaces: Sequence[ComponentInterface] = field(default_factory=tuple)
+    async_update: AsyncStatistics | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -336,25 +380,6 @@ class HardwareTransmission(Report):
     type: str
     joints: Sequence[str]
     actuators: Sequence[str]
-
-
-@dataclass(frozen=True, slots=True)
-class AsyncStatistics(Report):
-    """The updates of a controller in a thread of its own.
-
-    Attributes:
-        policy: `synchronized` or `detached`.
-        age: How many cycles old the states are to which its commands belong.
-        missed: Updates that did not begin because the one before had not ended.
-        duration: How long its updates take [s].
-        period: Station time from one update to the next [s].
-    """
-
-    policy: str
-    age: int
-    missed: int
-    duration: Percentiles
-    period: Percentiles
 
 
 @dataclass(frozen=True, slots=True)

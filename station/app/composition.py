@@ -14,6 +14,7 @@ from station.core.control.controller_manager import (
 from station.core.control.hardware_components import INITIAL_STATE
 from station.core.errors import StationError
 from station.core.facade.station import Station
+from station.core.hardware.async_robot_hw import AsyncRobotHW
 from station.core.loop.control_loop import ControlLoop
 from station.core.loop.heartbeat import Heartbeat
 from station.core.loop.snapshot import SnapshotRing
@@ -107,8 +108,9 @@ def compose(
     if initial:
         root.set(f"{CONTROLLER_MANAGER}/{INITIAL_STATE}", dict(initial))
     announce(f"Building the robot {config.robot.type}")
-    robot = create_robot(config.robot.type)
-    robot.init(root, root.namespace(ROBOT_NAMESPACE))
+    params = root.namespace(ROBOT_NAMESPACE)
+    robot = AsyncRobotHW.wrap(create_robot(config.robot.type), params)
+    robot.init(root, params)
     robot.check_period(1.0 / config.station.rate)
     loaders = default_loaders(CONTROLLERS, config.controller_modules())
     manager = ControllerManager(robot, root, loaders, clock)

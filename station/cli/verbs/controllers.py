@@ -102,6 +102,13 @@ def list_hardware_components(options: Namespace) -> int:
     for one in components:
         problem = f" ({one.problem})" if one.problem else ""
         say(f"{one.name}: {one.state}{problem}, {one.type}, {one.plugin}")
+        beside = one.async_update
+        if beside is not None:
+            say(
+                f"  asynchronous ({beside.policy}): states {beside.age} cycles old, "
+                f"{1e3 * beside.duration.p50:.3g} ms every "
+                f"{1e3 * beside.period.p50:.3g} ms, left out {beside.missed}"
+            )
         kinds = [("commanded", one.command_interfaces)]
         if options.verbose:
             kinds.append(("read", one.state_interfaces))

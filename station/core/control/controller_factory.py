@@ -5,15 +5,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from station.core.control.async_update import (
-    CYCLES,
-    IS_ASYNC,
-    POLICY,
-    TIME_LIMIT,
-    AsyncParams,
-    AsyncUpdate,
-    PrivateRobotHW,
-)
+from station.core.control.async_update import AsyncUpdate, ControllerHW
 from station.core.control.chains import ChainedRobotHW, claims_of_references
 from station.core.control.command_guard import find_guards
 from station.core.control.controller import ControllerBase
@@ -22,6 +14,13 @@ from station.core.control.loaded_controller import LoadedController
 from station.core.declared_parameter import DeclaredParameter, NameKind, ParameterType
 from station.core.errors import ControllerLoadError, ParameterError, StationError
 from station.core.faults import CONTAINED, describe, trace_of_fault
+from station.core.hardware.async_function import (
+    CYCLES,
+    IS_ASYNC,
+    POLICY,
+    TIME_LIMIT,
+    AsyncParams,
+)
 from station.core.hardware.robot_hw import ControllerInfo, InterfaceResources, RobotHW
 from station.core.parameters import Parameters, unknown_parameters
 
@@ -168,7 +167,7 @@ class ControllerFactory:
         exports = ChainedRobotHW(hw, loaded)
         # A robot without chains is handed over as it is.
         seen = exports if exports.owners else hw
-        private = None if asynchronous is None else PrivateRobotHW(seen)
+        private = None if asynchronous is None else ControllerHW(seen)
         claims = self._initialise(name, controller, params, private or seen)
         if private is not None:
             claims += private.undeclared_claims()

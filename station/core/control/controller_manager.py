@@ -45,6 +45,7 @@ from station.core.errors import (
     ControllerLoadError,
     ControllerStateError,
 )
+from station.core.hardware.async_robot_hw import AsyncRobotHW
 from station.core.hardware.robot_hw import ControllerInfo, RobotHW
 from station.core.parameters import Parameters
 from station.reports import ControllerChains, HardwareComponentReport
@@ -92,6 +93,13 @@ class ControllerManager:
         self._hw = hw
         self._factory = ControllerFactory(hw, parameters, loaders)
         self._clock = clock
+        self._async_hardware = tuple({
+            one.robot: None
+            for one in hw.components()
+            if isinstance(one.robot, AsyncRobotHW)
+        })
+        for robot in self._async_hardware:
+            robot.set_stepped(lambda: self.pump is not None)
         self.lifecycle = ControllerLifecycle(hw)
         self.lifecycle.components.begin(parameters.namespace(CONTROLLER_MANAGER))
         self.controller_update = ControllerUpdate(self.lifecycle)
@@ -261,7 +269,7 @@ class ControllerManager:
         One that is being loaded is given up, and its loading raises an error.
 
         Raises:
-            ControllerNotFoundError: None of that name is loaded.
+            ControllerNotFoundError: No such controller is loaded.
             ControllerStateError: The controller runs, or is about to, or the robot has
                 not
                 been told that it has stopped.
@@ -325,7 +333,7 @@ class ControllerManager:
         """Return the controller loaded as `name`.
 
         Raises:
-            ControllerNotFoundError: None of that name is loaded.
+            ControllerNotFoundError: No such controller is loaded.
         """
         return self.lifecycle.find(name).controller
 
@@ -390,13 +398,15 @@ class ControllerManager:
         return [loaded.statistics(time) for loaded in self.lifecycle.loaded]
 
     def end_async_threads(self) -> None:
-        """End the threads of asynchronous controllers; while no thread runs the loop.
+        """End the threads of what is asynchronous; while no thread runs the loop.
 
-        The controllers run on: a loop that runs again makes new threads.
+        Controllers and hardware go on: a loop that runs again makes new threads.
         """
         for one in self.lifecycle.loaded:
             if one.beside is not None:
                 one.beside.end_thread()
+        for robot in self._async_hardware:
+            robot.calls.end_thread()
 
     def reset_statistics(self) -> None:
         """Start the statistics of all controllers anew."""

@@ -20,6 +20,7 @@ from station.core.errors import (
     suggest,
 )
 from station.core.faults import CONTAINED, describe, reason_of
+from station.core.hardware.async_robot_hw import AsyncRobotHW
 from station.core.hardware.interfaces.interface_manager import interface_type_name
 from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
 from station.core.hardware.robot_hw import ControllerInfo, HardwareComponent, RobotHW
@@ -264,14 +265,14 @@ def _commands(live: _LiveComponent, info: ControllerInfo) -> str | None:
 def _report(
     live: _LiveComponent, claims: Mapping[tuple[str, str], Sequence[str]]
 ) -> HardwareComponentReport:
-    component = live.component
+    component, robot = live.component, live.component.robot
     is_readable = live.state in _ORDER[1:]
     found: dict[bool, list[ComponentInterface]] = {True: [], False: []}
-    for kind in component.robot.interface_types():
+    for kind in robot.interface_types():
         if not issubclass(kind, HardwareResourceManager):
             continue
         name = interface_type_name(kind)
-        for resource in component.robot.get_interface_resources(name):
+        for resource in robot.get_interface_resources(name):
             if component.resources is None or resource in component.resources:
                 is_command = kind.claims_resources
                 found[is_command].append(
@@ -290,4 +291,5 @@ def _report(
         live.problem,
         tuple(found[True]),
         tuple(found[False]),
+        robot.calls.statistics() if isinstance(robot, AsyncRobotHW) else None,
     )

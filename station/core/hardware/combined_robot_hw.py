@@ -13,6 +13,7 @@ from typing_extensions import override
 from station.core.description.repair import Repair
 from station.core.description.urdf import Pose
 from station.core.errors import HardwareInterfaceError, StationError
+from station.core.hardware.async_robot_hw import AsyncRobotHW
 from station.core.hardware.robot_hw import (
     ControllerInfo,
     HardwareComponent,
@@ -131,7 +132,7 @@ class CombinedRobotHW(RobotHW):
         """
         for name in hw_params.get_str_list("robot_hardware"):
             params = hw_params.namespace(name)
-            robot = self._create(params.get_str("type"))
+            robot = AsyncRobotHW.wrap(self._create(params.get_str("type")), params)
             try:
                 robot.init(root_params, params)
             # It names its cause and a remedy already.

@@ -55,6 +55,8 @@ Integrator = Literal["auto", "implicitfast", "rk4"]
 """How the world goes on by a time step; `auto` chooses by the robot."""
 _KEYS = frozenset({
     "type",
+    "is_async",
+    "async_parameters",
     "robot_description",
     "base",
     "base_xyz",

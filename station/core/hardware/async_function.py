@@ -1,0 +1,282 @@
+"""A function in a thread of its own, beside a cycle that never waits for it.
+
+Asynchronous controllers and asynchronous hardware are both made of it.
+
+Source: ros2_control@6.x realtime_tools/async_function_handler.hpp; differs: a result
+counts from a declared number of cycles later, and nobody waits for a call that is under
+way.
+"""
+
+import threading
+from collections import deque
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+
+from station.core.declared_parameter import DeclaredParameter, ParameterType
+from station.core.faults import CONTAINED
+from station.core.numerics.statistics import DurationRing
+from station.core.parameters import Parameters
+from station.memory.wall_time import wall_time
+from station.reports import AsyncStatistics
+
+IS_ASYNC = DeclaredParameter(
+    name="is_async",
+    type=ParameterType.BOOLEAN,
+    default=False,
+    description="update it in a thread of its own, beside the loop",
+)
+POLICY = DeclaredParameter(
+    name="async_parameters/scheduling_policy",
+    type=ParameterType.STRING,
+    default="synchronized",
+    choices=("synchronized", "detached"),
+    description="when the result of an asynchronous update counts",
+)
+CYCLES = DeclaredParameter(
+    name="async_parameters/cycles",
+    type=ParameterType.NUMBER,
+    default=1.0,
+    minimum=1.0,
+    description="after how many cycles the result of an asynchronous update counts",
+)
+TIME_LIMIT = DeclaredParameter(
+    name="async_parameters/time_limit",
+    type=ParameterType.NUMBER,
+    unit="s",
+    default=1.0,
+    minimum=0.0,
+    excludes_minimum=True,
+    description="an asynchronous update that takes longer stops the controller",
+)
+_WITHOUT_EFFECT = (
+    "thread_priority",
+    "cpu_affinity",
+    "execution_rate",
+    "wait_until_initial_trigger",
+    "print_warnings",
+)
+"""What files of ROS 2 may have in `async_parameters`; the rate is `update_rate`."""
+
+
+@dataclass(frozen=True, slots=True)
+class AsyncParams:
+    """The parameters of what is asynchronous.
+
+    Attributes:
+        is_detached: Whether a result counts as soon as it is there.
+        cycles: After how many cycles the result of a call counts, >= 1.
+        time_limit: How long a call may take [s station time], > 0.
+    """
+
+    is_detached: bool
+    cycles: int
+    time_limit: float
+
+    @classmethod
+    def read(cls, params: Parameters, reads: set[str]) -> "AsyncParams | None":
+        """Return the parameters of a namespace; None if it is not asynchronous.
+
+        Args:
+            params: The namespace.
+            reads: Gets the names that files of ROS 2 have and that have no effect.
+
+        Raises:
+            ParameterError: A value is impossible.
+        """
+        # All are read, so that an impossible value is refused before it has an effect.
+        policy, cycles = POLICY.read_str(params), CYCLES.read_float(params)
+        time_limit = TIME_LIMIT.read_float(params)
+        if not IS_ASYNC.read_bool(params):
+            return None
+        reads |= {
+            params.resolve(f"async_parameters/{each}") for each in _WITHOUT_EFFECT
+        }
+        return cls(policy == "detached", int(cycles), time_limit)
+
+
+class AsyncFunction:
+    """Carries out calls of one function, one at a time, in a thread of its own.
+
+    All methods but `statistics` are for the control thread.
+
+    Args:
+        name: What is called, for the name of the thread.
+        function: Takes the station time of the cycle in which a call begins [s] and the
+            time since the last call began [s].
+        params: How it is called.
+
+    Attributes:
+        every: A call begins in every so manieth cycle, >= 1.
+        is_stepped: Returns whether no thread runs the loop. A call is then carried out
+            at once, and counts after the declared cycles.
+        params: As given.
+        under_way: How many calls of this process are under way in threads.
+    """
+
+    def __init__(
+        self, name: str, function: Callable[[float, float], None], params: AsyncParams
+    ) -> None:
+        self.every = 1
+        self.is_stepped: Callable[[], bool] = lambda: True
+        self.params = params
+        self._name = name
+        self._function = function
+        # A thread and what wakes it, from the first call to `end_thread`.
+        self._go: threading.Lock | None = None
+        self._run_number = 0
+        # The call under way: its time and period, and what is owed after its end.
+        self._job = (0.0, 0.0)
+        self._is_busy = self._is_ending = False
+        self._owed: deque[Callable[[], None]] = deque()
+        self._error: BaseException | None = None
+        self._in_flight = False
+        self._waited = self._countdown = 0
+        self._elapsed = 0.0
+        self._age = self._missed = 0
+        self._durations, self._periods = DurationRing(1024), DurationRing(1024)
+
+    def statistics(self) -> AsyncStatistics:
+        """Return periods and durations of the calls. Any thread."""
+        return AsyncStatistics(
+            "detached" if self.params.is_detached else "synchronized",
+            self._age,
+            self._missed,
+            self._durations.percentiles(),
+            self._periods.percentiles(),
+        )
+
+    def is_idle(self) -> bool:
+        """Return whether neither a call nor what is owed after it is under way."""
+        return not (self._is_busy or self._is_ending)
+
+    def is_overdue(self, time: float) -> bool:
+        """Return whether the call under way takes longer than the time limit.
+
+        Args:
+            time: Station time [s].
+        """
+        return (
+            self._in_flight
+            and self._is_busy
+            and time - self._job[0] > self.params.time_limit
+        )
+
+    def end_thread(self) -> None:
+        """End the thread, after the call under way; another call makes a new one.
+
+        In the control thread, or while no thread runs the loop.
+        """
+        self._run_number += 1
+        go, self._go = self._go, None
+        if go is not None and not self._is_busy:
+            go.release()
+
+    def begin_anew(self) -> None:
+        """Forget results that do not count yet; the next call begins at once."""
+        self._in_flight, self._error = False, None
+        self._waited = self._countdown = self._age = 0
+        self._elapsed = 0.0
+
+    def end(self, last: Callable[[], None]) -> bool:
+        """Void the call under way, end the thread, and let it call a function last.
+
+        Args:
+            last: Called in the thread, after the call under way.
+
+        Returns:
+            Whether nothing is under way, so that the caller calls the function itself.
+        """
+        self._in_flight = False
+        self._owed.append(last)
+        self.end_thread()
+        if self._is_busy:
+            return False  # its thread calls it
+        try:
+            self._owed.pop()
+        except IndexError:
+            return False  # its thread has just ended, and calls it
+        return True
+
+    def take_result(self, period: float) -> bool:
+        """Count a cycle; return whether the result of a call counts from it on.
+
+        Args:
+            period: Time since the last cycle [s].
+
+        Raises:
+            BaseException: Whatever the function raised.
+        """
+        self._age += 1
+        self._elapsed += period
+        self._countdown -= 1
+        if not self._in_flight:
+            return False
+        self._waited += 1
+        is_early = self.params.is_detached and not self.is_stepped()
+        if self._is_busy or (self._waited < self.params.cycles and not is_early):
+            return False
+        self._in_flight = False
+        error, self._error = self._error, None
+        if error is not None:
+            raise error
+        self._age = self._waited
+        return True
+
+    def begin_call(self, time: float, prepare: Callable[[], None]) -> None:
+        """Begin a call, if one is due and the last one has ended.
+
+        Args:
+            time: Station time [s].
+            prepare: Called before it, in the control thread.
+        """
+        if self._countdown > 0:
+            return
+        if self._in_flight:
+            if not self.params.is_detached:
+                # The trigger finds it busy, and comes again in its turn.
+                self._missed += 1
+                self._countdown = self.every
+            return
+        self._countdown = self.every
+        prepare()
+        self._job, self._elapsed = (time, self._elapsed), 0.0
+        self._periods.add(self._job[1])
+        self._in_flight, self._waited, self._is_busy = True, 0, True
+        if self.is_stepped():
+            self._call()
+            return
+        go = self._go
+        if go is None:
+            go = self._go = threading.Lock()
+            go.acquire()
+            threading.Thread(
+                target=self._run,
+                args=(go, self._run_number),
+                name=f"async {self._name}",
+                daemon=True,
+            ).start()
+        go.release()
+
+    def _run(self, go: threading.Lock, run_number: int) -> None:
+        while run_number == self._run_number:
+            go.acquire()
+            # It is also woken to end.
+            if self._is_busy:
+                self._call()
+
+    def _call(self) -> None:
+        begin = wall_time()
+        try:
+            self._function(*self._job)
+        except CONTAINED as error:  # raised again in the control thread
+            self._error = error
+        self._durations.add(wall_time() - begin)
+        # In this order: whatever is owed later finds that nothing is under way.
+        self._is_ending = True
+        self._is_busy = False
+        if self._owed:
+            # Results and faults of what has stopped are void.
+            with suppress(*CONTAINED, IndexError):
+                self._owed.pop()()
+        self._is_ending = False
