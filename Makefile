@@ -9,9 +9,12 @@
 #   make compile  compiles the control cycle now; `make run` does it beside the station
 #   make client  writes the reference of the client in docs/client.md, and the notebook
 
+# What `make static` checks, two at a time, and what takes longest first.
+CHECKS := mypy imports ruff format client-page notebook import-rules page-modules subjects
+
 .DEFAULT_GOAL := help
 .PHONY: help setup run compile compile-if-possible browser test check static client lock bench \
-	performance clean
+	performance clean $(CHECKS:%=static-%)
 
 ARGS ?=
 PYTEST_ARGS ?=
@@ -46,14 +49,25 @@ browser:
 	@sh tools/browser.sh
 
 static: $(READY_DEV)
-	.venv/bin/ruff check .
-	.venv/bin/ruff format --check .
+	@$(MAKE) --no-print-directory -j2 $(CHECKS:%=static-%)
+
+static-mypy:
 	.venv/bin/mypy
+static-imports:
 	.venv/bin/lint-imports --no-logo
+static-ruff:
+	.venv/bin/ruff check .
+static-format:
+	.venv/bin/ruff format --check .
+static-client-page:
 	.venv/bin/python tools/client_page.py --check
+static-notebook:
 	.venv/bin/python tools/generate_notebook.py --check
+static-import-rules:
 	.venv/bin/python tools/import_rules.py --check
+static-page-modules:
 	.venv/bin/python tools/page_modules.py --check
+static-subjects:
 	.venv/bin/python tools/check_subjects.py
 
 client: $(READY_DEV)

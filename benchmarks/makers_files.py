@@ -1,6 +1,6 @@
 """How the parameter files of robot makers fare, each in a station of its own.
 
-Run `python benchmarks/makers_files.py [--folder DIR] [--table docs/any_robot.md]`.
+Run `python benchmarks/makers_files.py [--folder DIR] [--table FILE]`.
 `makers_files.txt` beside this script names the files: repository, commit and path.
 They are fetched from GitHub into the folder, by default one in the user's cache, once;
 none is part of this project. A file runs unchanged when every controller in it is

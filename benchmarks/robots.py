@@ -1,6 +1,6 @@
 """Does every robot of example-robot-data start, stand still, and reach a goal?
 
-Run `python benchmarks/robots.py [NAME ...] [--workers 2] [--table docs/any_robot.md]`.
+Run `python benchmarks/robots.py [NAME ...] [--workers 2] [--table FILE]`.
 Each robot is looked at twice. A station in this process is stepped as fast as the
 processor can: one second without a command, and, with self-collision and floor left
 out, every motor's full effort against both mechanical stops. Then `station run --robot`

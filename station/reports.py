@@ -255,6 +255,27 @@ class SavedScene(Report):
 
 
 @dataclass(frozen=True, slots=True)
+class CameraReport(Report):
+    """A camera that looks at the robots.
+
+    Attributes:
+        name: Its name.
+        frame: Link that it hangs on; empty for the world.
+        width: Of its picture [px].
+        height: Of its picture [px].
+        rate: Pictures per second, at most [Hz].
+        fault: Reason why it has no pictures; empty when none is known.
+    """
+
+    name: str
+    frame: str
+    width: int
+    height: int
+    rate: float
+    fault: str
+
+
+@dataclass(frozen=True, slots=True)
 class HardwareResource(Report):
     """A resource of a hardware interface.
 

@@ -6,12 +6,16 @@ from pathlib import Path
 
 import hypothesis
 import pytest
+from xdist.remote import Producer
+from xdist.scheduler import LoadFileScheduling
 
 from station.compiled import status
 from tests.compiled_reach import reaches_compiled
 from tests.thread_guard import leaked_threads
 
 TESTS = Path(__file__).parent
+ONE_STATION = "tests/browser/workspace/"
+"""The folder whose files share a station."""
 
 # Reproducible examples, and no time limit for one on a busy machine.
 hypothesis.settings.register_profile("station", deadline=None, derandomize=True)
@@ -48,6 +52,39 @@ def pytest_collection_modifyitems(
             item.add_marker(pytest.mark.slow)
         if folder in {"browser", "system", "ui"}:
             item.add_marker(pytest.mark.alone)
+    items.sort(key=_turn)
+
+
+def _turn(item: pytest.Item) -> int:
+    """Return when an item is run: long parts first, and small ones last.
+
+    While one worker has the browser of the shared station, the other one has whole
+    processes, which wait most of the time.
+    """
+    parts = (ONE_STATION, "tests/system/", "tests/browser/")
+    found = (n for n, part in enumerate(parts) if item.nodeid.startswith(part))
+    return next(found, len(parts))
+
+
+class _OneWorkerForOneStation(LoadFileScheduling):
+    """Gives each file to one worker, and all that share a station to the same.
+
+    A browser needs a processor of its own: two of them at the same time take longer
+    than one after the other, while other tests wait most of the time.
+    """
+
+    def _split_scope(self, nodeid: str) -> str:
+        return ONE_STATION if nodeid.startswith(ONE_STATION) else nodeid.split("::")[0]
+
+
+@pytest.hookimpl(tryfirst=True, optionalhook=True)
+def pytest_xdist_make_scheduler(
+    config: pytest.Config, log: Producer
+) -> LoadFileScheduling | None:
+    """Keep the files together that share a station."""
+    if config.getoption("dist") == "loadfile":
+        return _OneWorkerForOneStation(config, log)
+    return None
 
 
 def _reaches_compiled(item: pytest.Item) -> bool:

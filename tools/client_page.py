@@ -13,7 +13,6 @@ from station import client
 
 PAGE = Path(__file__).parents[1] / "docs" / "client.md"
 BEGIN = "<!-- Below: written by `make client` from the docstrings. -->\n"
-MOST = 160  # characters of a line of a page
 NOWHERE = client.StationClient("http://nowhere", "token")
 # The parts of a client, such as `client.recordings`, in the order in which it has them.
 PARTS = tuple(
@@ -35,53 +34,16 @@ CLASSES = (
 def page() -> str:
     """Return the text of the page: what is written by hand, and the reference."""
     by_hand, _, _ = PAGE.read_text().partition(BEGIN)
-    return by_hand + BEGIN + "".join(_section(kind) for kind in CLASSES)
+    return by_hand + BEGIN + "\n" + "".join(_section(kind) for kind in CLASSES)
 
 
 def _section(kind: type) -> str:
-    rows = "".join(
-        _row(name, member)
-        for name, member in _members(kind).items()
-        if not name.startswith("_") and _is_described(member)
-    )
-    title = f"\n### {kind.__name__}\n\n{_first_line(kind)}\n"
-    return title + (f"\n| Name | |\n|---|---|\n{rows}" if rows else "")
-
-
-def _row(name: str, member: object) -> str:
-    row = f"| `{name}{_arguments(member)}` | {_first_line(member)} |\n"
-    if len(row) <= MOST:
-        return row
-    # Too long for a line of a page: the arguments without their defaults.
-    return f"| `{name}{_arguments(member, defaults=False)}` | {_first_line(member)} |\n"
-
-
-def _members(kind: type) -> dict[str, object]:
-    """Return the members of a class and of its bases, in the order of their text."""
-    found: dict[str, object] = {}
-    for base in reversed(kind.__mro__[:-1]):  # without `object`
-        found |= vars(base)
-    return found
-
-
-def _is_described(member: object) -> bool:
-    return inspect.isfunction(member) or isinstance(member, property)
-
-
-def _arguments(member: object, *, defaults: bool = True) -> str:
-    """Return the arguments of a method with their defaults; nothing for a property."""
-    if not inspect.isfunction(member):
-        return ""
-    parameters = list(inspect.signature(member).parameters.values())[1:]
-    plain = [p.replace(annotation=inspect.Parameter.empty) for p in parameters]
-    if not defaults:
-        plain = [p.replace(default=inspect.Parameter.empty) for p in plain]
-    return str(inspect.Signature(plain))
+    return f"- **{kind.__name__}**: {_first_line(kind)}\n"
 
 
 def _first_line(member: object) -> str:
     paragraph = (inspect.getdoc(member) or "").partition("\n\n")[0]
-    return re.sub(r"\s+", " ", paragraph).replace("|", "\\|")
+    return re.sub(r"\s+", " ", paragraph)
 
 
 def main() -> int:

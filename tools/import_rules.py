@@ -5,7 +5,6 @@ python tools/import_rules.py --check   fails when it is stale
 """
 
 import sys
-import textwrap
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -14,8 +13,6 @@ ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "architecture.md"
 BEGIN = "<!-- imports: written by `python tools/import_rules.py` -->\n"
 END = "<!-- end of imports -->"
-# What type hints need says nothing about the direction.
-TYPING = {"typing_extensions", "mypy_extensions"}
 
 
 def page() -> str:
@@ -25,17 +22,14 @@ def page() -> str:
 
 
 def rules() -> str:
-    """Return the layers of the station and of core, and the imports of each package."""
+    """Return the layers of the station and of core."""
     settings = tomllib.loads((ROOT / "pyproject.toml").read_text())
     contracts = {c["id"]: c for c in settings["tool"]["importlinter"]["contracts"]}
-    lists = [_allowed(c) for c in contracts.values() if c["type"] == "allowed_imports"]
     return (
         f"{_layers(contracts['layers'])}\n"
         "A line may import those below it. `|` separates siblings that do not know "
         "each other, `:` those that may.\nInside `core` the order is:\n\n"
-        f"{_layers(contracts['core-layers'])}\n"
-        "Besides itself and the standard library a package may import:\n\n"
-        f"{''.join(sorted(lists))}"
+        f"{_layers(contracts['core-layers'])}"
     )
 
 
@@ -46,21 +40,6 @@ def _layers(contract: dict[str, Any]) -> str:
 
 def _plain(line: str) -> str:
     return line.replace("(", "").replace(")", "")
-
-
-def _allowed(contract: dict[str, Any]) -> str:
-    package, *names = (
-        f"`{name.removeprefix('station.')}`"
-        for name in (contract["package"], *contract["allowed"])
-        if name not in TYPING
-    )
-    alone: dict[str, list[str]] = {}
-    for edge in contract.get("permitted_imports", ()):
-        module, _, library = edge.partition(" -> ")
-        alone.setdefault(library, []).append(f"`{module.rpartition('.')[2]}`")
-    names += [f"`{lib}` in {' and '.join(of)}" for lib, of in alone.items()]
-    text = f"- {package}: {', '.join(names) or 'nothing else'}"
-    return textwrap.fill(text, 150, subsequent_indent="  ") + "\n"
 
 
 def main() -> int:

@@ -62,7 +62,7 @@ quick)
     ;;
 slow)
     # A file is run by one worker: its stations and pages are started once. One worker
-    # more than processors takes longer: browsers draw in software.
+    # more than processors takes longer. tests/conftest.py has the order.
     # shellcheck disable=SC2046
     [ $# -gt 0 ] || set -- $(files_with slow tests/browser tests/system)
     patiently slow auto --dist loadfile --no-loadscope-reorder "$@"

@@ -15,6 +15,7 @@ from station.api import index, metrics
 from station.api.agents import AgentPolicy, Agents
 from station.api.audit import Audit, EventRecorder
 from station.api.auth import Authenticator
+from station.api.cameras import Cameras
 from station.api.control import Control
 from station.api.errors import add_error_handlers
 from station.api.event_feed import EventFeed
@@ -119,6 +120,7 @@ def create_app(  # noqa: PLR0913 - parts and bounds of one application
     dashboard_url: Callable[[], str | None] = lambda: None,
     kept: Kept | None = None,
     agents: AgentPolicy | None = None,
+    cameras: Cameras | None = None,
 ) -> FastAPI:
     """Return the application that serves `station`.
 
@@ -134,6 +136,7 @@ def create_app(  # noqa: PLR0913 - parts and bounds of one application
         kept: Where events and recordings are kept; only events, and these in memory,
             when left out.
         agents: What the station asks of agents; a person's leave when left out.
+        cameras: Cameras; none when left out.
     """
     app = StationApi(
         title="Control station",
@@ -147,6 +150,8 @@ def create_app(  # noqa: PLR0913 - parts and bounds of one application
     streams = Broadcaster(station, slow_after=slow_after, max_clients=max_streams)
     seat = Agents(station, kept.events, agents or AgentPolicy())
     services = _services(station, authenticator, kept, seat, streams)
+    if cameras is not None:
+        services.cameras = cameras
     services.dashboard_url = dashboard_url
     app.state.services = services
     add_error_handlers(app)
@@ -205,6 +210,7 @@ def _services(
         waypoint_paths=paths,
         path_player=player,
         rehearsals=rehearsals,
+        cameras=Cameras(),
     )
 
 

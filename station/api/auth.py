@@ -39,7 +39,7 @@ class Role(Enum):
         return self in (Role.OPERATOR, needed) or needed is Role.VIEWER
 
 
-class Session:
+class LoginSession:
     """A browser that has logged in. For one event loop.
 
     Args:
@@ -93,7 +93,7 @@ class Access:
     """
 
     role: Role
-    session: Session | None = None
+    session: LoginSession | None = None
     token: NamedToken | None = None
 
     @property
@@ -158,7 +158,7 @@ class _Sessions:
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
-        self._open: dict[str, Session] = {}
+        self._open: dict[str, LoginSession] = {}
 
     def open(self, role: Role, token: NamedToken | None) -> str:
         for session in list(self._open.values()):
@@ -168,11 +168,11 @@ class _Sessions:
         alike = [one.cookie for one in self._open.values() if one.role is role]
         if len(alike) >= MAX_GRANTS:
             self.close(alike[0])
-        session = Session(role, self._clock, token)
+        session = LoginSession(role, self._clock, token)
         self._open[session.cookie] = session
         return session.cookie
 
-    def find(self, cookie: str) -> Session | None:
+    def find(self, cookie: str) -> LoginSession | None:
         session = self._open.get(cookie)
         return None if session is None or session.has_ended() else session
 

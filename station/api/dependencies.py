@@ -65,7 +65,7 @@ async def access(
     """Return the caller's access and the proof of it.
 
     Raises:
-        ProblemError: The caller proves nothing.
+        ProblemError: The request has no valid token and no valid session.
     """
     found = services.authenticator.access_of_headers(request.headers)
     if found is None:

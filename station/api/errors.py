@@ -17,6 +17,7 @@ from station.api.agents import (
     AgentRequestNotFoundError,
     TooManyAgentRequestsError,
 )
+from station.api.cameras import CameraError, CameraNotFoundError
 from station.api.control import ControlHeldError, ControlNotHeldError
 from station.api.named_tokens import (
     TokenExistsError,
@@ -110,6 +111,8 @@ STATUS: Mapping[type[errors.StationError], int] = {
     TokenNotFoundError: 404,
     TokensNotKeptError: 500,
     BenchRunNotFoundError: 404,
+    CameraNotFoundError: 404,
+    CameraError: 503,
     LessonNotFoundError: 404,
     AgentRefusedError: 403,
     AgentEnvelopeError: 403,

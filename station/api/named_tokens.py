@@ -168,7 +168,7 @@ class NamedTokens:
         """Return a valid token.
 
         Raises:
-            TokenNotFoundError: There is none of that name.
+            TokenNotFoundError: No valid token has this name.
         """
         self._forget_ended()
         if name not in self._tokens:
@@ -185,7 +185,7 @@ class NamedTokens:
         The token ends even if the disk fails, but then comes back at the next start.
 
         Raises:
-            TokenNotFoundError: There is none of that name.
+            TokenNotFoundError: No valid token has this name.
             TokensNotKeptError: The file still has it.
         """
         # A disk that is slow must not keep a revoked token alive.

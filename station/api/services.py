@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from station.api.agents import Agents
     from station.api.audit import EventRecorder
     from station.api.auth import Authenticator
+    from station.api.cameras import Cameras
     from station.api.control import Control
     from station.api.event_feed import EventFeed
     from station.api.idempotency import IdempotentAnswers
@@ -56,6 +57,7 @@ class Services:
         waypoint_paths: Named waypoint paths on the disk.
         path_player: Plays waypoint paths.
         rehearsals: Tries commands in a copy of the station.
+        cameras: Cameras, and their pictures.
         dashboard_url: Returns the address of the dashboard; None while it is unknown.
         command_streams: Number of open streams of set-points.
     """
@@ -81,6 +83,7 @@ class Services:
     waypoint_paths: "WaypointPaths"
     path_player: "PathPlayer"
     rehearsals: "Rehearsals"
+    cameras: "Cameras"
     dashboard_url: Callable[[], str | None] = lambda: None
     command_streams: int = 0
 

@@ -144,11 +144,8 @@ class FciBeside:
             StationError: The port or the certificate cannot be used.
         """
         # Imported here: without Desk no second web server is needed.
-        from station.hw.franka.fci.desk.desk_server import (
-            DeskServer,
-            ServedArm,
-            new_desk,
-        )
+        from station.hw.franka.fci.desk.desk_server import DeskServer, new_desk
+        from station.hw.franka.fci.desk.desk_state import ServedArm
 
         arm, parameters = self._hw.arm, self._hw.parameters
         if not isinstance(arm, SimulatedArm):

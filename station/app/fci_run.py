@@ -133,11 +133,8 @@ class FciRun:
             StationError: The port or the certificate cannot be used.
         """
         # Imported here: without Desk no web server is needed.
-        from station.hw.franka.fci.desk.desk_server import (
-            DeskServer,
-            ServedArm,
-            new_desk,
-        )
+        from station.hw.franka.fci.desk.desk_server import DeskServer, new_desk
+        from station.hw.franka.fci.desk.desk_state import ServedArm
 
         host, port = self._settings.host, self._desk_port or 0
         desk = DeskServer(new_desk(ServedArm(server, arm, hand, kind)), host, port)

@@ -37,8 +37,8 @@ def set_up_log(form: str) -> None:
     """Let the process log to stderr.
 
     Args:
-        form: `text`: warnings alone, for people; `json`: requests that change something
-            or were refused, too.
+        form: `text` for people has warnings alone; `json` for programs also has the
+            requests that changed something or were refused.
     """
     handler = logging.StreamHandler()
     if form == JSON:

@@ -17,6 +17,7 @@ from station import compiled
 from station.api.agents import AgentPolicy
 from station.api.app import Kept, create_app
 from station.api.auth import Authenticator
+from station.api.cameras import Cameras
 from station.api.server import ApiServer
 from station.app.access import check_exposure, host_names
 from station.app.announcement import Announcement
@@ -236,6 +237,18 @@ class StationRun:
             kept=Kept(journal.log, self._recorder, experiments),
             agents=AgentPolicy(
                 self._config.agents.approval == "always", self._config.agents.wait
+            ),
+            cameras=stack.enter_context(
+                closing(
+                    Cameras(
+                        self._config.cameras,
+                        lambda: {
+                            "url": server.url,
+                            "token": authenticator.viewer_token,
+                            "robots": _drawn_robots(placed),
+                        },
+                    )
+                )
             ),
         )
         app.state.services.rehearsals.adopt(_rules_of(self._config))

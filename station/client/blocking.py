@@ -30,6 +30,7 @@ from station.client.stores import (
     AsyncAgentsClient,
     AsyncAlarmsClient,
     AsyncBenchRunsClient,
+    AsyncCamerasClient,
     AsyncExperimentsClient,
     AsyncFilesClient,
     AsyncGainSetsClient,
@@ -220,6 +221,13 @@ class BenchRunsClient(_Client[AsyncBenchRunsClient]):
     list = _waited_for(AsyncBenchRunsClient.list)
     get = _waited_for(AsyncBenchRunsClient.get)
     delete = _waited_for(AsyncBenchRunsClient.delete)
+
+
+class CamerasClient(_Client[AsyncCamerasClient]):
+    """Cameras that look at the robots: `client.cameras`."""
+
+    list = _waited_for(AsyncCamerasClient.list)
+    save = _waited_for(AsyncCamerasClient.save)
 
 
 class LessonsClient(_Client[AsyncLessonsClient]):
@@ -472,6 +480,7 @@ class StationClient(_Client[AsyncStationClient]):
         self.simulation = SimulationClient(source.simulation)
         self.bench_runs = BenchRunsClient(source.bench_runs)
         self.lessons = LessonsClient(source.lessons)
+        self.cameras = CamerasClient(source.cameras)
         self.gain_sets = GainSetsClient(source.gain_sets)
         self.recordings = RecordingsClient(source.recordings)
         self.incidents = IncidentsClient(source.incidents)

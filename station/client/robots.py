@@ -285,7 +285,7 @@ class AsyncSimulationClient(ClientPart):
     _path = "/simulation"
 
     async def state(self) -> wire.Simulation:
-        """Return whether time passes, and how fast."""
+        """Return whether simulated time passes, and how fast."""
         return await self._get(self._path, wire.Simulation)
 
     async def bases(self) -> list[wire.MovingBase]:

@@ -20,6 +20,7 @@ from station.client.stores import (
     AsyncAgentsClient,
     AsyncAlarmsClient,
     AsyncBenchRunsClient,
+    AsyncCamerasClient,
     AsyncExperimentsClient,
     AsyncGainSetsClient,
     AsyncIncidentsClient,
@@ -69,6 +70,7 @@ class AsyncStationClient(AsyncControllersClient):
         simulation: Pause, step and reset of a simulated robot.
         bench_runs: Runs of the bench that the station keeps.
         lessons: Exercises that the station checks on the student's own run.
+        cameras: Cameras that look at the robots, and their pictures.
         gain_sets: Named sets of gains on the station's disk.
         plot_layouts: Named layouts of plots on the station's disk.
         scenes: Named scenes on the station's disk.
@@ -101,6 +103,7 @@ class AsyncStationClient(AsyncControllersClient):
         self.simulation = AsyncSimulationClient(connection)
         self.bench_runs = AsyncBenchRunsClient(connection)
         self.lessons = AsyncLessonsClient(connection)
+        self.cameras = AsyncCamerasClient(connection)
         self.gain_sets = AsyncGainSetsClient(connection)
         self.recordings = AsyncRecordingsClient(connection)
         self.incidents = AsyncIncidentsClient(connection)

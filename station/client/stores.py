@@ -240,6 +240,36 @@ class AsyncLessonsClient(ClientPart):
         return await self._send("POST", self._of(name, "check"), LessonResult, request)
 
 
+class AsyncCamerasClient(ClientPart):
+    """Cameras that look at the robots: `client.cameras`.
+
+    Every method raises what the station client's own methods raise.
+    """
+
+    _path = "/cameras"
+
+    async def list(self) -> wire.Cameras:
+        """Return the cameras; `fault` says why one has no pictures."""
+        return await self._get(self._path, wire.Cameras)
+
+    async def save(self, name: str, target: Path | str) -> Path:
+        """Draw a picture now, and write it to a new file.
+
+        Args:
+            name: Name of the camera.
+            target: The JPEG file to be.
+
+        Returns:
+            The file.
+
+        Raises:
+            FileExistsError: There is such a file.
+        """
+        target = Path(target)
+        await self._connection.download(self._of(name), target)
+        return target
+
+
 class AsyncGainSetsClient(NamedThings[wire.GainSet]):
     """Named sets of gains on the station's disk: `client.gain_sets`.
 

@@ -5,7 +5,7 @@ is not 1.
 """
 
 from collections.abc import Callable
-from math import inf
+from math import hypot, inf
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
@@ -186,7 +186,7 @@ class UiSection(_Section):
     Attributes:
         enabled: Whether to start it.
         port: TCP port at the API's host; 0 for any free one.
-        reconnect_window: How long the dashboard waits, with everybody's login, for
+        reconnect_window: Time in which the dashboard keeps all sessions and waits for
             another station when its own has crashed [s]; then it ends.
     """
 
@@ -301,8 +301,8 @@ class AgentsSection(_Section):
     """Programs with a token of the role `agent`.
 
     Attributes:
-        approval: `always`: a person allows each change; `never`: none is asked, which
-            is for a simulation alone that is paused and stepped.
+        approval: `always`: a person allows each change; `never`: nobody is asked,
+            which is possible in a simulation alone that is paused and stepped.
         wait: How long a request waits for a person [s].
         envelope: Bounds of their motions.
     """
@@ -310,6 +310,47 @@ class AgentsSection(_Section):
     approval: Literal["always", "never"] = "always"
     wait: float = Field(default=60.0, gt=0.0, le=600.0)
     envelope: EnvelopeSection = Field(default_factory=EnvelopeSection)
+
+
+Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
+"""Three coordinates."""
+
+
+class CameraSection(_Section):
+    """A camera that looks at the robots, drawn from where they are.
+
+    Attributes:
+        frame: Link that it hangs on; empty for the world.
+        position: Its place in that frame [m].
+        target: The place there that is in the middle of its picture [m].
+        up: Direction there that is up in its picture.
+        fov: Angle between the upper and the lower edge of its picture [rad].
+        width: Of its picture [px].
+        height: Of its picture [px].
+        rate: Pictures per second, at most, while somebody looks [Hz].
+    """
+
+    frame: str = ""
+    position: Vector
+    target: Vector
+    up: Vector = [0.0, 0.0, 1.0]
+    fov: float = Field(default=0.8, gt=0.01, lt=3.0)
+    width: int = Field(default=320, ge=16, le=1920)
+    height: int = Field(default=240, ge=16, le=1080)
+    rate: float = Field(default=5.0, gt=0.0, le=30.0)
+
+    @model_validator(mode="after")
+    def _has_a_direction(self) -> Self:
+        x, y, z = (t - p for t, p in zip(self.target, self.position, strict=True))
+        a, b, c = self.up
+        area = hypot(y * c - z * b, z * a - x * c, x * b - y * a)
+        if area < 1e-9 * max(1.0, hypot(x, y, z) * hypot(a, b, c)):
+            raise PydanticCustomError(
+                "no_direction",
+                "Input should have a target beside the position, and an up that does "
+                "not point there",
+            )
+        return self
 
 
 class StationConfig(_Section):
@@ -334,6 +375,7 @@ class StationConfig(_Section):
         agents: Programs that ask people before they change anything.
         fci: The server for programs of libfranka.
         rehearsal: The need of rehearsals before motions.
+        cameras: Cameras, by name.
         arguments: Values of `$(var NAME)` in parameter files, by name.
     """
 
@@ -351,6 +393,7 @@ class StationConfig(_Section):
     agents: AgentsSection = Field(default_factory=AgentsSection)
     fci: FciSection
     rehearsal: RehearsalSection
+    cameras: dict[Name, CameraSection] = Field(default_factory=dict)
     arguments: dict[str, str] = Field(default_factory=dict)
     parameters: dict[str, Any] = Field(default_factory=dict, exclude=True)
     ros_controllers: frozenset[str] = Field(default=frozenset(), exclude=True)

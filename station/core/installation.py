@@ -18,7 +18,7 @@ EXTRAS: Mapping[str, tuple[str, ...]] = {
     ),
     **dict.fromkeys(("mujoco", "ruckig"), ("sim",)),
     "trimesh": ("sim", "ui"),
-    **dict.fromkeys(("viser", "yourdfpy"), ("ui",)),
+    **dict.fromkeys(("PIL", "viser", "yourdfpy"), ("ui",)),
     "gymnasium": ("gym",),
     **dict.fromkeys(("foxglove", "lz4", "mcap"), ("records",)),
     **dict.fromkeys(("cma", "matplotlib", "pandas", "scipy"), ("experiments",)),

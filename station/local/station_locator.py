@@ -48,7 +48,7 @@ class RunningStation:
 
 
 def write_runtime_file(running: RunningStation) -> Path:
-    """Write the file of a station; readable by its user alone.
+    """Write the runtime file of a station, which its user alone can read.
 
     Raises:
         RuntimeDirectoryError: The directory belongs to somebody else, or cannot be

@@ -21,10 +21,14 @@ Values = dict[str, Any]
 _ENCAPSULATION = b"\x00\x01\x00\x00"
 PRIMITIVES = {
     "bool": "?",
+    "int8": "b",
     "uint8": "B",
+    "uint16": "H",
     "int32": "i",
     "uint32": "I",
+    "int64": "q",
     "uint64": "Q",
+    "float32": "f",
     "float64": "d",
 }
 _FIELD = re.compile(r"([\w/]+)(\[\d*\])? +(\w+)(?: *#.*)?")

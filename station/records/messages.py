@@ -163,13 +163,19 @@ def transforms(urdf: Urdf, positions: Mapping[str, float], stamp: int) -> Values
     """
     return {
         "transforms": [
-            _transform(joint, joint_pose(joint, _position(joint, positions)), stamp)
+            stamped_transform(
+                joint.parent,
+                joint.child,
+                joint_pose(joint, joint_position(joint, positions)),
+                stamp,
+            )
             for joint in urdf.joints.values()
         ]
     }
 
 
-def _position(joint: Joint, positions: Mapping[str, float]) -> float:
+def joint_position(joint: Joint, positions: Mapping[str, float]) -> float:
+    """Return a joint's position [rad or m], of those by joint as in `transforms`."""
     if joint.name in positions:
         return positions[joint.name]
     mimic = joint.mimic
@@ -178,12 +184,13 @@ def _position(joint: Joint, positions: Mapping[str, float]) -> float:
     return mimic.multiplier * positions.get(mimic.joint, 0.0) + mimic.offset
 
 
-def _transform(joint: Joint, pose: Pose, stamp: int) -> Values:
+def stamped_transform(parent: str, child: str, pose: Pose, stamp: int) -> Values:
+    """Return a `geometry_msgs/TransformStamped` of a frame in its parent."""
     x, y, z = pose.xyz
     qw, qx, qy, qz = pose.quaternion
     return {
-        "header": header(stamp, joint.parent),
-        "child_frame_id": joint.child,
+        "header": header(stamp, parent),
+        "child_frame_id": child,
         "transform": {
             "translation": {"x": x, "y": y, "z": z},
             "rotation": {"x": qx, "y": qy, "z": qz, "w": qw},

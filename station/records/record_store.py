@@ -222,7 +222,7 @@ class RecordStore:
             identifier: Which one; or its name, if no other one has it.
 
         Raises:
-            RecordingNotFoundError: There is none of that name.
+            RecordingNotFoundError: There is no such recording.
             RecordingRefusedError: Several have that name.
         """
         path = self._description(identifier)
@@ -255,7 +255,7 @@ class RecordStore:
         """Delete a recording that is not running; return its description.
 
         Raises:
-            RecordingNotFoundError: There is none of that name.
+            RecordingNotFoundError: There is no such recording.
             RecordingRefusedError: The recording is not finished, or several have that
                 name.
             RecordingFileError: The folder cannot be written to.

@@ -5,7 +5,7 @@ import secrets
 import threading
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from typing_extensions import override
@@ -14,6 +14,7 @@ from station.core.errors import (
     CertificateNotFoundError,
     CertificateVoidError,
 )
+from station.core.hardware.robot_report import SceneObjectReport
 from station.core.loop.cycle_tap import CycleTap
 from station.core.loop.snapshot import HEAD
 from station.core.ports.receipt import Receipt
@@ -59,7 +60,7 @@ class Conditions:
         changes: How many changes of settings there had been.
         running: Names of the controllers that ran.
         gains: Gains by controller and name.
-        scene: Pose of each object around the robot, by its name and kind.
+        scene: Pose of each object around the robot, by the object without it.
         position: Positions of the joints [rad or m] by name.
         velocity: Velocities of the joints [rad/s or m/s] by name.
     """
@@ -68,13 +69,13 @@ class Conditions:
     changes: int
     running: frozenset[str]
     gains: Mapping[str, Mapping[str, float]]
-    scene: Mapping[tuple[str, ...], Sequence[float]]
+    scene: Mapping[SceneObjectReport, Sequence[float]]
     position: Mapping[str, float]
     velocity: Mapping[str, float]
 
     @classmethod
     def of(cls, station: "Station") -> "Conditions":
-        """Return the present ones.
+        """Return the present conditions of a station.
 
         Raises:
             LoopError: The loop died or hangs, or no cycle has run yet.
@@ -87,7 +88,7 @@ class Conditions:
             frozenset(one.info.name for one in gate.running),
             station.tuning.all_gains(),
             {
-                (one.name, one.kind, *map(str, one.size)): (
+                replace(one, position=(), orientation=(), colour=()): (
                     *one.position,
                     *one.orientation,
                 )
@@ -115,11 +116,11 @@ class Conditions:
                 if present != value:
                     return f"The gain {key} of '{name}' was {value} and is {present}."
         for thing in self.scene.keys() ^ now.scene.keys():
-            return f"The object '{thing[0]}' was added, removed or changed."
+            return f"The object '{thing.name}' was added, removed or changed."
         for thing, pose in self.scene.items():
             far = max(abs(a - b) for a, b in zip(pose, now.scene[thing], strict=True))
             if far > _SCENE_TOLERANCE:
-                return f"The object '{thing[0]}' has moved."
+                return f"The object '{thing.name}' has moved."
         if now.changes != self.changes:
             return f"The station has changed; the last change was: {last_change}."
         return None

@@ -74,7 +74,7 @@ def plan(station: "Station", wish: Wish) -> Plan:
         wish: What is wanted.
 
     Raises:
-        ControllerNotFoundError: None of that name is loaded.
+        ControllerNotFoundError: No such controller is loaded.
         ControllerStateError: The controller is not running.
         InvalidCommandError: The controller takes no trajectories, has no such joint, or
             moves no end effector.

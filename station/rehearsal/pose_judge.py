@@ -56,7 +56,12 @@ class PoseJudge:
             if arm is not None and set(names) & set(joints):
                 q = arm.get_robot_state().q
                 self._arms.append((arm.model().model, arm_id, names, q))
-        self._near = world.nearness(joints, MARGIN)
+        carried = {
+            one.name: f"{one.carried_by}_link7"
+            for one in station.scene()
+            if one.solid and one.carried_by
+        }
+        self._near = world.nearness(joints, MARGIN, carried)
         self._allowed: dict[tuple[str, str], float] = {}
         for one, other, distance, _ in self._pairs(start):
             before = self._allowed.get((one, other), distance)

@@ -225,7 +225,7 @@ class Rehearsals:
             who: Name of the client; None for the program that the station runs in.
 
         Raises:
-            ControllerNotFoundError: None of that name is loaded.
+            ControllerNotFoundError: No such controller is loaded.
             ControllerStateError: The controller is not running.
             InvalidCommandError: The controller takes no trajectories, has no such
                 joint, or moves no end effector.

@@ -35,9 +35,9 @@ class RunState:
     Attributes:
         name: Its name.
         state: `running`, `done`, `cancelled` or `failed`.
-        reason: Why it ended; empty when there is nothing to say.
+        reason: Reason of its end; empty while it runs, and when it is done.
         ended: How many trials have ended.
-        total: How many it has at most.
+        total: Largest number of trials that it can have.
         failed: How many trials of this run have failed.
         resumed: How many trials had ended before this run.
         seconds: Time since it began [s].
@@ -159,7 +159,7 @@ class BackgroundExperiments:
         """End the experiment that runs; trials that run may end.
 
         Raises:
-            ExperimentNotFoundError: There is none of that name.
+            ExperimentNotFoundError: There is no such experiment.
             ExperimentRunningError: The experiment does not run.
         """
         process = self._process
@@ -177,7 +177,7 @@ class BackgroundExperiments:
         """Delete the file of an experiment.
 
         Raises:
-            ExperimentNotFoundError: There is none of that name.
+            ExperimentNotFoundError: There is no such experiment.
             ExperimentRunningError: The experiment runs, in this station or another.
             ExperimentError: The file cannot be deleted.
         """

@@ -105,7 +105,7 @@ def check_measured(name: str, script: Script) -> None:
 
     Raises:
         UnknownParameterError: There is no such metric.
-        ExperimentError: The script lacks what it takes.
+        ExperimentError: The metric needs a script whose only motion is a step.
     """
     check_metric(name)
     if name in _OF_A_STEP and _only_step(script) is None:

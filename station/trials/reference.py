@@ -224,7 +224,7 @@ def _column(motion: Motion, names: list[str]) -> int:
     """Return the index of the set-point's element that a motion moves.
 
     Raises:
-        UnknownParameterError: There is none of that name.
+        UnknownParameterError: The controller has no such joint.
     """
     if motion.joint not in names:
         raise UnknownParameterError(

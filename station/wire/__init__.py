@@ -7,6 +7,7 @@ from station.reports import (
     AgentRequest as AgentRequest,
     ArmRecord as ArmRecord,
     AsyncStatistics as AsyncStatistics,
+    CameraReport as CameraReport,
     ChainedController as ChainedController,
     Clearance as Clearance,
     ComponentInterface as ComponentInterface,
@@ -171,6 +172,7 @@ from station.wire.robots import (
 )
 from station.wire.simulation import (
     AttachRequest as AttachRequest,
+    Cameras as Cameras,
     Contact as Contact,
     DetachRequest as DetachRequest,
     MovingBase as MovingBase,

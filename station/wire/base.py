@@ -85,7 +85,7 @@ FromEnum = BeforeValidator(name_of)
 
 
 class WireModel(Described, BaseModel):
-    """Describes its fields in the JSON schema by its docstring."""
+    """A model whose docstring describes its fields in the JSON schema."""
 
 
 # Making a reader takes a millisecond, reading with it some microseconds.

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import AliasChoices, Field
 
-from station.reports import Clearance
+from station.reports import CameraReport, Clearance
 from station.wire.base import Items, Measurements, RequestModel, ResponseModel
 
 
@@ -223,3 +223,17 @@ class Scene(ResponseModel):
     contacts: Items[Contact] = Field(default_factory=list)
     bases: Items[MovingBase] = Field(default_factory=list)
     clearances: Items[Clearance] = Field(default_factory=list)
+
+
+class Cameras(ResponseModel):
+    """The cameras that look at the robots.
+
+    Attributes:
+        cameras: The cameras, in the order of the configuration.
+
+    Example:
+        {"cameras": [{"name": "cell", "frame": "", "width": 320, "height": 240, "rate":
+         5.0, "fault": ""}]}
+    """
+
+    cameras: Items[CameraReport]

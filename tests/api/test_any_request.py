@@ -27,7 +27,6 @@ from tests.franka_station import make_franka_station
 
 pytestmark = pytest.mark.slow
 
-HOST = {"Host": "127.0.0.1:8000"}
 PROMISED = [
     status_code_conformance,
     content_type_conformance,
@@ -52,17 +51,11 @@ def make_app():
 @cache
 def operations():
     """Return what can be asked of the app, by method and path."""
-    document = schemathesis.openapi.from_asgi(
-        "/api/v1/openapi.json", make_app(), headers=HOST
-    )
+    with httpx.Client(transport=AppTransport(make_app())) as client:
+        answer = client.get(f"{URL}/api/v1/openapi.json")
+    document = schemathesis.openapi.from_dict(answer.json())
     found = (one.ok() for one in document.get_all_operations())
     return {one.label: one for one in found if "/streams/" not in one.label}
-
-
-@pytest.fixture(scope="module", autouse=True)
-def read_document():
-    """Read the document once; the thread that reads it stays."""
-    operations()
 
 
 def send_made_up_requests(name, known, checks):
@@ -97,6 +90,12 @@ def test_every_operation_refuses_malformed_requests(name):
     send_made_up_requests(name, {}, [*PROMISED, negative_data_rejection])
 
 
-@for_each("name", operations)
+def operations_of_known_things():
+    """Return what asks for a thing that can exist; the rest is asked the same above."""
+    asked = (label for label in operations() if any(f"{{{k}}}" in label for k in KNOWN))
+    return sorted({*asked, STOP})
+
+
+@for_each("name", operations_of_known_things)
 def test_every_answer_about_existing_things_is_documented(name):
     send_made_up_requests(name, KNOWN, PROMISED)

@@ -4,7 +4,7 @@ import threading
 
 import pytest
 
-from station.api.auth import Access, Role, Session
+from station.api.auth import Access, LoginSession, Role
 from station.api.control import Control, ControlHeldError, ControlNotHeldError
 from station.api.named_tokens import NamedToken
 from station.core.clock import ManualClock
@@ -82,7 +82,7 @@ def test_who_shares_a_token_is_told_apart_by_the_lease(control):
 
 
 def test_a_browser_session_is_one_person(control, clock):
-    one, other = (Session(Role.OPERATOR, clock) for _ in range(2))
+    one, other = (LoginSession(Role.OPERATOR, clock) for _ in range(2))
     control.take(Access(Role.OPERATOR, one), None, "tab", 10.0, origin=ME)
 
     control.check(Access(Role.OPERATOR, one), None)

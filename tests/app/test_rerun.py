@@ -11,6 +11,8 @@ from station.core.control.hardware_components import ComponentState
 from station.core.errors import RecordingFileError
 from station.records import recording_reader
 
+POSITION = "position_joint_trajectory_controller"
+CRATE = {"name": "crate", "type": "box", "size": [0.1] * 3, "position": [0.0, 0.8, 0.3]}
 EFFORT = "effort_group_position_controller"
 
 
@@ -31,6 +33,7 @@ def _move(robot):
     robot.facade.loop.delay_next_cycle(3)
     robot.run(0.1)
     robot.reset()
+    _change_the_scene(robot)
     robot.run(0.1)
     (component,) = robot.facade.manager.hardware_components()
     for state in (ComponentState.INACTIVE, ComponentState.ACTIVE):
@@ -49,11 +52,33 @@ def _move_in_a_chain(robot):
     robot.run(0.2)
 
 
+def _change_the_scene(robot):
+    """Move things while the arm moves towards them, which slows it."""
+    scene = robot.facade.surroundings
+    ball = {"type": "sphere", "size": [0.1], "position": [0.6, 0.5, 0.6]}
+    scene.put("ball", {**ball, "role": "keep_out"})
+    scene.put("cup", {"type": "sphere", "size": [0.02], "role": "keep_out"})
+    scene.attach("cup", load=False)
+    names = [f"panda_joint{k}" for k in range(1, 8)]
+    point = {"positions": [0.9, *robot.latest().position[1:7]], "time_from_start": 1.0}
+    robot.switch(start=[POSITION], stop=[EFFORT])
+    request = {"trajectory": {"joint_names": names, "points": [point]}}
+    robot.facade.motion.submit_goal(POSITION, request)
+    robot.run(0.5)
+    scene.put("ball", {"position": [0.3, 0.35, 0.5]})
+    robot.run(0.4)
+    assert scene.clearance("panda").interventions > 0
+    scene.put("crate", {"position": [0.0, 0.7, 0.3]})
+    scene.replace_roles([{**ball, "name": "dot", "role": "keep_out"}])
+    scene.detach("cup", load=False)
+    scene.remove("dot")
+
+
 @pytest.fixture(scope="module")
 def recording(tmp_path_factory):
     """Return the file of a recording of all inputs."""
     with (
-        station.open() as robot,
+        station.open({"scene": {"objects": [CRATE]}}) as robot,
         robot.record(tmp_path_factory.mktemp("recordings"), "all") as path,
     ):
         _move(robot)

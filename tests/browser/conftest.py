@@ -14,7 +14,12 @@ from playwright.sync_api import sync_playwright
 
 from station.client import StationClient
 from tests.browser.viser_page import ViserPage
-from tests.browser.workspace_page import CONTROLLER, WorkspacePage, without_scene
+from tests.browser.workspace_page import (
+    CONTROLLER,
+    WorkspacePage,
+    run_alone,
+    without_scene,
+)
 
 CHROMIUM = "/usr/bin/chromium"
 FLAGS = [
@@ -69,13 +74,6 @@ def browser():
         chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
         yield chromium
         chromium.close()
-
-
-@pytest.fixture(scope="module")
-def running_station(tmp_path_factory):
-    """`station run` with its dashboard on free ports."""
-    with run_station(tmp_path_factory.mktemp("station")) as running:
-        yield running
 
 
 @contextmanager
@@ -211,10 +209,8 @@ def workspace(workspace_tab):
 @pytest.fixture
 def enabled(client, workspace):
     """The default controller runs, and the page has noticed."""
-    running = [c.name for c in client.controllers() if c.state == "running"]
-    others = [n for n in running if n not in {CONTROLLER, "joint_state_controller"}]
-    if CONTROLLER not in running:
-        client.switch_controllers(start=[CONTROLLER], stop=others)
+    if client.controller(CONTROLLER).state != "running":
+        run_alone(client, CONTROLLER)
     # An open dock that finds no room folds the one that was used longest ago.
     workspace.dock("joints")
     workspace.page.wait_for_function(

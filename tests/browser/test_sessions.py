@@ -17,7 +17,9 @@ from tests.browser.workspace_page import (
     CONTROLLER,
     OTHER,
     WorkspacePage,
+    allow_motion,
     position,
+    run_alone,
     wait_until,
     without_scene,
 )
@@ -66,13 +68,8 @@ class _Place:
         if self.station is None or self.station.poll() is not None:
             self.start()
         with self.client() as client:
-            running = [c.name for c in client.controllers() if c.state == "running"]
-            moving = [name for name in running if name != "joint_state_controller"]
-            if moving:
-                client.switch_controllers(stop=moving)
-            if client.status().stop_state != "armed":
-                client.release_stop()
-                client.release_stop(arm=True)
+            run_alone(client)
+            allow_motion(client)
             client.simulation.reset()
 
     def client(self):

@@ -14,6 +14,7 @@ from tests.browser.workspace_page import (
     CONTROLLER,
     WorkspacePage,
     position,
+    run_alone,
     wait_until,
 )
 
@@ -79,10 +80,7 @@ def running_station(tmp_path_factory):
 @pytest.fixture
 def person(workspace_tab, client):
     """Somebody in front of a page just opened; nothing but the states runs."""
-    running = [c.name for c in client.controllers() if c.state == "running"]
-    others = [name for name in running if name != "joint_state_controller"]
-    if others:
-        client.switch_controllers(stop=others)
+    run_alone(client)
     client.simulation.reset()
     workspace_tab.evaluate(
         "() => { localStorage.clear(); localStorage['station.tour'] = '\"done\"'; }"

@@ -13,7 +13,13 @@ import pytest
 
 from tests.browser.conftest import keep_screenshot, logged_in, run_station
 from tests.browser.viser_page import SceneNodes, SceneWords, ViserPage
-from tests.browser.workspace_page import CONTROLLER, WorkspacePage, position, wait_until
+from tests.browser.workspace_page import (
+    CONTROLLER,
+    WorkspacePage,
+    position,
+    run_alone,
+    wait_until,
+)
 
 pytestmark = pytest.mark.slow
 
@@ -100,10 +106,7 @@ def at_rest(client):
 
 
 def _reset(client):
-    running = [c.name for c in client.controllers() if c.state == "running"]
-    moving = [name for name in running if name != "joint_state_controller"]
-    if moving:
-        client.switch_controllers(stop=moving)
+    run_alone(client)
     client.simulation.reset()
 
 

@@ -50,6 +50,22 @@ def position(client, joint):
     return joints.position[joints.name.index(joint)]
 
 
+def run_alone(client, *names):
+    """Let these controllers run, and no others but the one that tells the states."""
+    running = {one.name for one in client.controllers() if one.state == "running"}
+    stop = running - {*names, "joint_state_controller"}
+    start = {*names} - running
+    if start or stop:
+        client.switch_controllers(start=sorted(start), stop=sorted(stop))
+
+
+def allow_motion(client):
+    """Take back a STOP, if there is one."""
+    if client.status().stop_state != "armed":
+        client.release_stop()
+        client.release_stop(arm=True)
+
+
 def without_scene(context):
     """Leave the 3D view empty: drawn in software it takes longer than the rest."""
     context.route("**/ui/", lambda route: route.fulfill(body="<p>no 3D view</p>"))

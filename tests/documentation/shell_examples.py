@@ -13,6 +13,8 @@ PAGES = sorted([
     *(ROOT / "docs").rglob("*.md"),
 ])
 
+EVERY_ROUTE = ROOT / "examples" / "every_route.sh"
+
 _BLOCK = re.compile(r"^```sh\n(.*?)^```", re.DOTALL | re.MULTILINE)
 _ASSIGNMENT = re.compile(r"([A-Z]+)=(.*)")
 _STATUS = re.compile(r"\s#\s*(\d{3})\b")
@@ -45,8 +47,9 @@ class Request:
 
 
 def blocks(page: Path) -> list[str]:
-    """Return the shell blocks of a page."""
-    return _BLOCK.findall(page.read_text())
+    """Return the shell blocks of a page; a script is one block."""
+    text = page.read_text()
+    return [text] if page.suffix == ".sh" else _BLOCK.findall(text)
 
 
 def commands(page: Path, variables: dict[str, str] | None = None) -> Iterator[Command]:

@@ -29,7 +29,6 @@ def client_page(monkeypatch):
 
 def test_reference_is_that_of_the_docstrings(client_page):
     assert client_page["page"]() == PAGE, "run make client"
-    assert "| `collect(seconds, topic='joint_states', *, rate='full')` |" in PAGE
 
 
 def test_reference_has_every_part_of_the_client():
@@ -37,10 +36,8 @@ def test_reference_has_every_part_of_the_client():
     client = StationClient("http://nowhere", "token")
     for name, part in vars(client).items():
         if not name.startswith("_"):
-            section = PAGE.partition(f"### {type(part).__name__}\n")[2]
-            section = section.partition("\n### ")[0]
-            assert f"`client.{name}`" in section
-            assert "| Name | |" in section
+            section = PAGE.partition(f"- **{type(part).__name__}**:")[2]
+            assert f"`client.{name}`" in section.partition("\n")[0]
 
 
 @pytest.mark.slow

@@ -24,7 +24,13 @@ from station.trials.background_experiments import BackgroundExperiments
 from station.trials.results import Results, file_of
 from station.trials.trial import Script, Setup, Trial, TrialResult
 from tests.api.spring import make_station
-from tests.documentation.shell_examples import PAGES, ROOT, commands, curl_request
+from tests.documentation.shell_examples import (
+    EVERY_ROUTE,
+    PAGES,
+    ROOT,
+    commands,
+    curl_request,
+)
 from tests.for_each import for_each
 
 OPERATOR = "operator-token"
@@ -32,6 +38,7 @@ TRIED = [
     ROOT / "README.md",
     ROOT / "docs" / "api.md",
     ROOT / "docs" / "controllers.md",
+    EVERY_ROUTE,
 ]
 ENDLESS = {"run", "ui", "doctor"}
 """Verbs that are not tried: they last, or look at the machine."""

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import station
+from station.core.description.urdf import Pose
 from station.core.errors import (
     InvalidCommandError,
     InvalidTrajectoryError,
@@ -14,6 +15,7 @@ from station.core.errors import (
 from station.core.franka.arms import Arms
 from station.rehearsal.path_search import PathSearch
 from station.rehearsal.planning import Wish
+from station.rehearsal.pose_judge import PoseJudge
 from station.rehearsal.rehearsals import Rehearsals
 from tests.rehearsal.cluttered_scenes import Scene
 
@@ -115,7 +117,7 @@ def test_planned_path_keeps_clear_of_a_place_that_nothing_touches():
     robot = at_begin([])
     place = {**SCENES["post"][0], "role": "keep_out", "margin": 0.02}
     robot.facade.surroundings.put("post", {k: place[k] for k in place if k != "name"})
-    found = Rehearsals(robot.facade).plan(Wish(ARM, BEHIND))
+    found = Rehearsals(robot.facade).plan(Wish(ARM, BEHIND, timeout=20.0))
     goal = robot.facade.motion.submit_goal(ARM, found.goal)
     least = 1.0
     for _ in range(int(1000 * found.duration) + 300):
@@ -127,6 +129,31 @@ def test_planned_path_keeps_clear_of_a_place_that_nothing_touches():
     with pytest.raises(NoPathError, match="post") as touching:
         Rehearsals(robot.facade).plan(Wish(ARM, {"panda_joint1": 0.0}))
     assert "post" in touching.value.details["pair"]
+
+
+def test_what_a_hand_carries_counts_as_a_part_of_it():
+    # The hand passes 0.15 m above the block, the stick reaches 0.12 m below the fingers.
+    stick = {**box("stick", [0.01, 0.01, 0.2], [0.0, 0.0, 0.0]), "mass": 0.05}
+    robot = at_begin([stick, box("block", [0.1, 0.1, 0.4], [0.42, 0.0, 0.2])])
+    over = np.array([0.0, *BEGIN[1:]])
+    world = robot.facade.loop.hw.simulated_world()
+    hand = robot.facade.surroundings._guards[0].hand()
+    x, y, z = hand.compose(Pose((0.0, 0.0, 0.24))).xyz
+    robot.facade.surroundings.put("stick", {"position": [x, y, z]})
+    assert PoseJudge(robot.facade, JOINTS, np.array(BEGIN)).is_clear(over)
+    world.nearness(JOINTS, 0.01)(BEGIN)
+    robot.facade.surroundings.attach("stick", load=False)
+    judge = PoseJudge(robot.facade, JOINTS, np.array(BEGIN))
+    assert {"stick", "block"} in [{*pair[:2]} for pair in judge.blocked(over)]
+    # Turned by the first joint, it is where the hand has taken it.
+    for q1 in (-0.9, 0.4, 0.0):
+        judge.is_clear(np.array([q1, *BEGIN[1:]]))
+        here = next(one for one in world.scene() if one.name == "stick").position
+        angle = q1 - BEGIN[0]
+        turned = Pose.from_rpy((0.0, 0.0, 0.0), (0.0, 0.0, angle)).compose(
+            Pose((x, y, z))
+        )
+        assert here == pytest.approx(turned.xyz, abs=1e-4)
 
 
 @pytest.mark.slow

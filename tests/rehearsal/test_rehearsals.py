@@ -277,6 +277,7 @@ def test_script_carries_its_steps_out_at_their_times(ready):
 
 
 CHANGES = {
+    "'wall' was": lambda robot: robot.facade.surroundings.put("wall", {"margin": 0.03}),
     "epoch": lambda robot: robot.reset(),
     "gain": lambda robot: robot.set_gains(EFFORT, {"panda_joint1/p": 590.0}),
     "wall": lambda robot: move_wall(robot),

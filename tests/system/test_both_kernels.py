@@ -17,8 +17,8 @@ pytestmark = [
     pytest.mark.skipif(find_misfit() is not None, reason=str(find_misfit())),
 ]
 
-SECONDS = 10
-"""Of station time: two periods of the set-points, four goals."""
+SECONDS = 5
+"""Of station time: a period of the set-points, two goals."""
 
 
 @pytest.fixture(scope="module")

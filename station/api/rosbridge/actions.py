@@ -96,11 +96,13 @@ class Action:
         name: Its name.
         type: Its type.
         begin: Begins a goal; may wait.
+        changes: Whether it changes something of the station.
     """
 
     name: str
     type: str
     begin: Callable[[ToolClient, Values], Running]
+    changes: bool = True
 
 
 @dataclass(slots=True, eq=False)
@@ -205,12 +207,14 @@ class StationActions:
                 action, client, message["goal"], message["goal_id"]
             ),
             is_quick=True,
+            changes=action.changes,
         )
         yield Topic(
             f"{action.name}/cancel",
             "actionlib_msgs/GoalID",
             write=lambda _, message: self.cancel(action, message["id"]),
             is_quick=True,
+            changes=action.changes,
         )
 
     async def start(
@@ -237,7 +241,8 @@ class StationActions:
         tracked = TrackedGoal(action, goal_id, told)
         self._forget()
         try:
-            if sum(one.ended is None for one in self._goals) >= MOST_GOALS:
+            running = sum(g.ended is None and g.action.changes for g in self._goals)
+            if action.changes and running >= MOST_GOALS:
                 raise InvalidCommandError(f"There are {MOST_GOALS} goals already.")
             self._goals.append(tracked)
             begin = partial(action.begin, client, goal)
@@ -282,9 +287,11 @@ class StationActions:
             if status in ROS2:
                 self._end(tracked, values)
             # A goal that the control thread has not taken up yet has no feedback.
-            elif status is GoalStatus.ACTIVE and progress.values:
+            has_feedback = status is GoalStatus.ACTIVE and bool(progress.values)
+            if has_feedback:
                 self._send(tracked, "feedback", values)
-            tracked.told(progress._replace(values=values))
+            if has_feedback or status in ROS2:
+                tracked.told(progress._replace(values=values))
             await asyncio.sleep(FEEDBACK_PERIOD)
 
     def _filled(

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import orjson
 from websockets.frames import Frame, Opcode
 
-from station.api.rosbridge.ros_types import as_ros1, find_type, serialized
+from station.api.rosbridge.ros_types import fields_of, in_style, serialized
 from station.records.cdr import Values
 
 COMPRESSIONS = ("none", "png", "cbor", "cbor-raw")
@@ -67,7 +67,7 @@ class Publication:
         return found
 
     def _make(self, form: Form) -> bytes:
-        message = self._message if form.is_ros2 else as_ros1(self._type, self._message)
+        message = in_style(self._type, self._message, ros2=form.is_ros2)
         envelope = {"op": "publish", "topic": form.topic or self.topic}
         if form.compression == "cbor":
             body = _Typed(self._type, message)
@@ -162,7 +162,9 @@ def _cbor_map(items: Iterable[tuple[str, Any]]) -> bytes:
 
 
 def _cbor_message(typed: _Typed) -> bytes:
-    fields = {field.name: field for field in find_type(typed.type_name).fields}
+    fields = fields_of(typed.type_name)
+    if not fields:
+        return cbor(typed.message)
     found = []
     for name, value in typed.message.items():
         field = fields[name]

@@ -1,16 +1,20 @@
 """The graph of a station: its topics, services and actions by name."""
 
+from collections import ChainMap
 from collections.abc import Callable, Mapping
 from typing import Any
 
 from station.api.rosbridge.actions import Action, StationActions
+from station.api.rosbridge.broker import Broker, Offer
 from station.api.rosbridge.ros_types import RosTypeError, split_style
 from station.api.rosbridge.rosapi import Rosapi
 from station.api.rosbridge.services import RosService, StationServices
+from station.api.rosbridge.tf_republisher import TfRepublisher
 from station.api.rosbridge.topics import StationTopics, Topic
 from station.core.description.urdf import Urdf
 from station.core.errors import suggest
 from station.core.facade.station import Station
+from station.events import EventLog
 from station.records.cdr import Values
 
 
@@ -21,13 +25,15 @@ class RosGraph:
         station: The station.
         urdf: The robot for transforms; None sends none.
         texts: Text by topic, such as `/robot_description`.
+        log: The events.
         publish: Publishes a message: topic, type, message.
 
     Attributes:
         station: The station.
-        topics: The topics by name.
-        services: The services by name.
-        actions: The actions by name.
+        broker: What clients offer to each other.
+        topics: The topics by name: the station's first, then those of clients.
+        services: The services by name, likewise.
+        actions: The actions by name, likewise.
         clock: Makes the messages of cycles, and knows their time.
         goals: Follows the goals of clients.
     """
@@ -37,17 +43,29 @@ class RosGraph:
         station: Station,
         urdf: Urdf | None,
         texts: Mapping[str, str],
+        log: EventLog,
         publish: Callable[[str, str, Values], None],
     ) -> None:
         self.station = station
-        self.topics: dict[str, Topic] = {}
-        self.services: dict[str, RosService] = {}
-        self.actions: dict[str, Action] = {}
-        self.clock = StationTopics(station, urdf, texts)
+        self.broker = Broker(publish)
+        self.topics: ChainMap[str, Topic] = ChainMap({}, self.broker.topics)  # type: ignore[arg-type]  # read alone
+        self.services: ChainMap[str, RosService | Offer] = ChainMap({})
+        self.services.maps.append(self.broker.services)  # type: ignore[arg-type]  # read alone
+        self.actions: ChainMap[str, Action | Offer] = ChainMap({})
+        self.actions.maps.append(self.broker.actions)  # type: ignore[arg-type]  # read alone
+        self.clock = StationTopics(station, urdf, texts, log)
         self.goals = StationActions(station, self.clock, publish)
         self._services = StationServices(station, self.clock)
         self._rosapi = Rosapi(self)
+        self._republisher = None
+        if urdf is not None:
+            self._republisher = TfRepublisher(
+                urdf, self.clock, station.joint_names, self._add
+            )
         self._known: list[tuple[str, str]] = []
+
+    def _add(self, topic: Topic) -> None:
+        self.topics.maps[0][topic.name] = topic
 
     def _loaded(self) -> list[tuple[str, str]]:
         conditions = self.station.manager.conditions()
@@ -56,19 +74,30 @@ class RosGraph:
     def refresh(self) -> None:
         """Look which controllers are loaded."""
         self._known = self._loaded()
-        self.actions = {one.name: one for one in self.goals.all()}
-        topics = {one.name: one for one in self.clock.all()}
-        for action in self.actions.values():
-            topics |= {one.name: one for one in self.goals.topics_of(action)}
+        actions, own = list(self.goals.all()), self.topics.maps[0]
+        topics = list(self.clock.all())
+        services = [*self._services.all(), *self._rosapi.all()]
+        if self._republisher is not None:
+            actions.append(self._republisher.action)
+            services.append(self._republisher.service)
+            topics += self._republisher.topics()
+        self.actions.maps[0] = {one.name: one for one in actions}
+        for action in actions:
+            topics += self.goals.topics_of(action)
         # A topic that stays keeps its time, and what it has sent last.
-        self.topics = {
-            name: self.topics[name]
-            if name in self.topics and self.topics[name].type == topic.type
-            else topic
-            for name, topic in topics.items()
+        kept = {name: (one.type, one) for name, one in own.items()}
+        self.topics.maps[0] = {
+            one.name: kept[one.name][1]
+            if one.name in kept and kept[one.name][0] == one.type
+            else one
+            for one in topics
         }
-        services = (*self._services.all(), *self._rosapi.all())
-        self.services = {one.name: one for one in services}
+        self.services.maps[0] = {one.name: one for one in services}
+        names = [*self.topics.maps[0], *self.services.maps[0], *self.actions.maps[0]]
+        names += [name for name, _ in self._known]
+        root = self.station.parameter_server.get()
+        names += root if isinstance(root, dict) else ()
+        self.broker.reserve(frozenset(n.strip("/").partition("/")[0] for n in names))
 
     def find(self, what: str, name: str, type_name: str = "") -> Any:  # noqa: ANN401 - of the kind of `what`
         """Return a topic, a service or an action.
@@ -81,11 +110,10 @@ class RosGraph:
         Raises:
             RosTypeError: There is none of that name, or it has another type.
         """
-        name = f"/{name.strip('/')}"  # roslibjs asks for `rosapi/topics`
+        name, known = path_of(name), getattr(self, what)
         # Looking anew costs a millisecond, and a client may ask for anything.
-        if name not in getattr(self, what) and self._known != self._loaded():
+        if name not in known.maps[0] and self._known != self._loaded():
             self.refresh()
-        known = getattr(self, what)
         if name not in known:
             raise RosTypeError(
                 f"There is no {what[:-1]} '{name:.80}'.", remedy=suggest(name, known)
@@ -96,3 +124,8 @@ class RosGraph:
                 f"'{name}' has the type {found.type}, not {type_name:.80}."
             )
         return found
+
+
+def path_of(name: object) -> str:
+    """Return a name from the root: roslibjs asks for `rosapi/topics`."""
+    return f"/{str(name).strip('/')}"

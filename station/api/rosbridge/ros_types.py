@@ -12,7 +12,8 @@ messages of ROS Noetic, in `ros_interfaces.txt`.
 import base64
 import binascii
 import struct
-from collections.abc import Iterator, Mapping
+import sys
+from collections.abc import Iterator, Mapping, ValuesView
 from functools import cache
 from importlib.resources import files
 from math import isfinite
@@ -31,8 +32,12 @@ _RANGES = {
     "uint16": (0, 2**16 - 1),
     "int32": (-(2**31), 2**31 - 1),
     "uint32": (0, 2**32 - 1),
+    "int64": (-(2**63), 2**63 - 1),
     "uint64": (0, 2**64 - 1),
 }
+_LARGEST = {"float32": 3.4e38, "float64": sys.float_info.max}
+_MOST_DEPTH = 30
+"""Most levels of a message whose type only clients know."""
 _MIDDLES = {"msg", "srv", "action"}
 _HEADER = "std_msgs/Header"
 _ACTION_HEAD = "std_msgs/Header header\nactionlib_msgs/GoalStatus status\n"
@@ -92,9 +97,16 @@ _PARTS = {
 _TYPES, _KINDS = _read_all()
 
 
+# What packages are called in ROS 2.
+_RENAMED = (
+    ("rosapi_msgs/", "rosapi/"),
+    ("tf2_web_republisher_interfaces/", "tf2_web_republisher/"),
+)
+
+
 def split_style(name: str) -> tuple[str, bool]:
     """Return a type's name as ROS 1 has it, and whether it was given as ROS 2 does."""
-    package, *middle = name.replace("rosapi_msgs/", "rosapi/").split("/")
+    package, *middle = name.replace(*_RENAMED[0]).replace(*_RENAMED[1]).split("/")
     is_ros2 = len(middle) == 2 and middle[0] in _MIDDLES
     return f"{package}/{middle[1]}" if is_ros2 else name, is_ros2
 
@@ -113,9 +125,10 @@ def find_type(name: str) -> RosType:
     return found
 
 
-def field_names(type_name: str) -> list[str]:
-    """Return the names of a type's fields in their order."""
-    return [field.name for field in _TYPES[type_name].fields]
+def fields_of(type_name: str) -> dict[str, Field]:
+    """Return a type's fields by name in their order; none of a type of clients."""
+    known = _TYPES.get(type_name)
+    return {} if known is None else {field.name: field for field in known.fields}
 
 
 def interfaces() -> list[str]:
@@ -128,18 +141,22 @@ def checked(type_name: str, values: object, where: str = "msg") -> Values:
     """Return a client's message with all its fields; absent ones have their default.
 
     Args:
-        type_name: Type of the message.
+        type_name: Type of the message, as ROS 1 has it. One that the station does not
+            know is left as it is: only clients have it.
         values: What the client sent.
         where: Name of the message in refusals.
 
     Raises:
         RosTypeError: A field is unknown or its value does not fit; it is named.
     """
-    kind = find_type(type_name)
     if values is None:
         values = {}
     if not isinstance(values, Mapping):
-        _refuse(where, values, f"a {kind.name}")
+        _refuse(where, values, f"a {type_name}")
+    kind = _TYPES.get(type_name)
+    if kind is None:
+        _check_depth(values, where)
+        return dict(values)
     names = [field.name for field in kind.fields]
     unknown = next((key for key in values if key not in names), None)
     if unknown is not None:
@@ -153,7 +170,22 @@ def checked(type_name: str, values: object, where: str = "msg") -> Values:
         if field.name in values
         else _default(field)
         for field in kind.fields
+        # The `seq` of a header is made anew for ROS 1, and ROS 2 has none.
+        if kind.name != _HEADER or field.name != "seq"
     }
+
+
+def _check_depth(value: object, where: str, left: int = _MOST_DEPTH) -> None:
+    """Refuse what is nested so deeply that writing it would end in an exception.
+
+    Raises:
+        RosTypeError: It is.
+    """
+    if left == 0:
+        raise RosTypeError(f"'{where}' has more than {_MOST_DEPTH} levels.")
+    found = value.values() if isinstance(value, Mapping) else value
+    for one in found if isinstance(found, list | ValuesView) else ():
+        _check_depth(one, where, left - 1)
 
 
 def _checked_field(field: Field, value: object, where: str) -> object:
@@ -184,13 +216,11 @@ def _checked_one(kind: str, value: object, where: str) -> object:
     """
     if kind in _TIMES:
         return _checked_time(kind, value, where)
-    if kind == "float64":
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            _refuse(where, value, "a number")
-        try:
-            return float(value)
-        except OverflowError:
-            _refuse(where, value, "a number")
+    if kind in _LARGEST:
+        is_number = isinstance(value, int | float) and not isinstance(value, bool)
+        if not is_number or abs(value) > _LARGEST[kind]:  # type: ignore[arg-type]  # a number
+            _refuse(where, value, f"a number ({kind})")
+        return float(value)  # type: ignore[arg-type]  # a number
     if kind == "string" or kind == "bool":
         wanted = str if kind == "string" else bool
         if not isinstance(value, wanted):
@@ -228,10 +258,14 @@ def _checked_time(kind: str, value: object, where: str) -> Values:
         _refuse(where, value, f"a {kind}: secs and nsecs, or sec and nanosec")
     seconds, rest = given.get("secs", given.get("sec")), given.get("nsecs")
     rest = given.get("nanosec") if rest is None else rest
-    return {
-        "sec": _checked_integer("int32", seconds, f"{where}/secs"),
-        "nanosec": _checked_integer("int32", rest, f"{where}/nsecs"),
-    }
+    found = time_of(
+        _checked_integer("int32", seconds, f"{where}/secs") * 1_000_000_000
+        + _checked_integer("int32", rest, f"{where}/nsecs")
+    )
+    least = 0 if kind == "time" else _RANGES["int32"][0]
+    if not least <= found["sec"] <= _RANGES["int32"][1]:
+        _refuse(f"{where}/secs", seconds, f"{least} to {_RANGES['int32'][1]}")
+    return found
 
 
 def _refuse(where: str, value: object, wanted: str) -> NoReturn:
@@ -262,8 +296,8 @@ def _default_of(kind: str) -> object:
     if kind in _TIMES:
         return {"sec": 0, "nanosec": 0}
     if kind in _TYPES:
-        return {one.name: _default(one) for one in _TYPES[kind].fields}
-    return {"string": "", "bool": False, "float64": 0.0}.get(kind, 0)
+        return checked(kind, {})
+    return {"string": "", "bool": False, "float32": 0.0, "float64": 0.0}.get(kind, 0)
 
 
 def filled(type_name: str, source: Mapping[str, Any], stamp: int) -> Values:
@@ -315,8 +349,15 @@ def _changes(kind: str) -> bool:
     return found is not None and any(_changes(field.kind) for field in found.fields)
 
 
-def as_ros1(type_name: str, message: Values) -> Values:
-    """Return a message as ROS 1 has it."""
+def in_style(type_name: str, message: Values, *, ros2: bool) -> Values:
+    """Return a message as ROS 2 or ROS 1 has it."""
+    # Types of clients are not asked for: what `_changes` has found, it keeps.
+    if ros2 or type_name not in _TYPES or not _changes(type_name):
+        return message
+    return _as_ros1(type_name, message)
+
+
+def _as_ros1(type_name: str, message: Values) -> Values:
     return {**message, **dict(_ros1_changes(type_name, message))}
 
 
@@ -329,7 +370,7 @@ def _ros1_changes(type_name: str, message: Values) -> Iterator[tuple[str, object
             yield field.name, {"secs": value["sec"], "nsecs": value["nanosec"]}  # type: ignore[index]  # a time
         elif kind in _TYPES and _changes(kind) and value is not None:
             many = field.length is not None
-            found = [as_ros1(kind, one) for one in (value if many else [value])]
+            found = [_as_ros1(kind, one) for one in (value if many else [value])]
             yield field.name, found if many else found[0]
 
 

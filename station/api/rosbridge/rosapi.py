@@ -1,15 +1,19 @@
 """The services of rosapi: what there is, of which type, and the parameters.
 
 Source: RobotWebTools/rosbridge_suite rosapi; differs: `delete_param` and `set_param`
-refuse with the reason, and the parameters are those of the station.
+refuse with the reason, and the parameters are those of the station, besides which
+clients have their own.
 """
 
 import json
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING
 
+from station.api.auth import Role
 from station.api.rosbridge.actions import Action
+from station.api.rosbridge.broker import Offer
 from station.api.rosbridge.ros_types import (
     interfaces,
     split_style,
@@ -28,6 +32,8 @@ if TYPE_CHECKING:
 _NODES = ["/station", "/rosapi", "/rosbridge_websocket"]
 # Whose messages the station has; clients ask for it to tell ROS 1 from ROS 2.
 _DISTRIBUTION = {"rosdistro": "noetic\n"}
+MOST_CHARACTERS = 100_000
+"""Longest parameters of all clients together, as JSON."""
 _Answer = Callable[[Values], Mapping[str, object] | None]
 
 
@@ -40,16 +46,33 @@ class Rosapi:
 
     def __init__(self, graph: "RosGraph") -> None:
         self._there_is = graph
-        self._station = graph.station
+        # What the station has hides what a client has left under the same name.
+        self._servers = (graph.station.parameter_server, graph.broker.parameters)
 
     def all(self) -> Iterator[RosService]:
         """Yield the services of rosapi."""
-        for name, answer in self._answers().items():
+        answers = {
+            name: partial(_without_client, one) for name, one in self._answers().items()
+        }
+        for name, call in answers.items():
             kind = "".join(word.capitalize() for word in name.split("_"))
             kind = {"ActionServers": "GetActionServers"}.get(kind, kind)
-            changes = name in {"set_param", "delete_param"}
-            call = partial(_without_client, answer)
-            yield RosService(f"/rosapi/{name}", f"rosapi/{kind}", call, changes)
+            yield RosService(f"/rosapi/{name}", f"rosapi/{kind}", call)
+        for name, change in (("set_param", self._set), ("delete_param", self._delete)):
+            kind = f"rosapi/{name.partition('_')[0].capitalize()}Param"
+            yield RosService(
+                f"/rosapi/{name}", kind, change, changes=True, is_free=self._is_clients
+            )
+
+    def _is_clients(self, client: ToolClient, request: Values) -> bool:
+        """Return whether a parameter is one of clients: nobody else sees it.
+
+        Those of the station are for operators. A viewer's are of the kind in which
+        pages and scripts leave each other values.
+        """
+        if not client.access.role.includes(Role.OPERATOR):
+            return not self._there_is.broker.is_reserved(request["name"])
+        return False
 
     def _answers(self) -> dict[str, _Answer]:
         there = self._there_is
@@ -90,9 +113,7 @@ class Rosapi:
             "node_details": self._node_details,
             "get_param_names": lambda _: {"names": [f"/{n}" for n in self._names()]},
             "get_param": self._get,
-            "set_param": self._set,
             "has_param": lambda q: {"exists": self._find(q["name"]) is not None},
-            "delete_param": self._delete,
             "search_param": lambda q: {
                 "global_name": f"/{q['name'].strip('/')}"
                 if self._find(q["name"]) is not None
@@ -127,7 +148,8 @@ class Rosapi:
 
     def _names(self) -> Iterator[str]:
         """Yield the names of all parameters that are no namespaces."""
-        pending = [("", self._station.parameter_server.get()), *_DISTRIBUTION.items()]
+        trees = [("", one.get()) for one in self._servers]
+        pending = [*trees, *_DISTRIBUTION.items()]
         while pending:
             path, value = pending.pop(0)
             if not isinstance(value, dict) or (path and not value):
@@ -138,10 +160,10 @@ class Rosapi:
 
     def _find(self, name: str) -> object | None:
         path = name.strip("/")
-        try:
-            return self._station.parameter_server.get(path)
-        except ParameterNotFoundError:
-            return _DISTRIBUTION.get(path)
+        for server in self._servers:
+            with suppress(ParameterNotFoundError):
+                return server.get(path)
+        return _DISTRIBUTION.get(path)
 
     def _get(self, request: Values) -> Values:
         """Return a parameter as JSON, or the default that the client names."""
@@ -150,12 +172,22 @@ class Rosapi:
             return {"value": request["default"] or "null"}
         return {"value": json.dumps(found, default=str)}
 
-    def _set(self, request: Values) -> None:
+    def _set(self, client: ToolClient, request: Values) -> None:
         """Set a parameter.
 
         Raises:
             ParameterError: The value is no JSON, or the parameter cannot be set.
         """
+        server, path = self._servers[0], request["name"].strip("/")
+        if self._is_clients(client, request):
+            server = self._servers[1]
+            held = len(json.dumps(server.get())) + len(path) + len(request["value"])
+            if held > MOST_CHARACTERS:
+                raise ParameterError(
+                    f"'{path:.80}' is too much: the parameters of clients have "
+                    f"{MOST_CHARACTERS} characters together at most.",
+                    remedy="Delete some.",
+                )
         try:
             value = json.loads(request["value"])
         except (ValueError, RecursionError) as error:
@@ -163,10 +195,11 @@ class Rosapi:
                 f"The value of '{request['name']}' is no JSON: {error}.",
                 remedy='Send a text as "\\"text\\"", a number as "1.5".',
             ) from error
-        self._station.parameter_server.set(request["name"].strip("/"), value)
+        server.set(path, value)
 
-    def _delete(self, request: Values) -> None:
-        self._station.parameter_server.delete(request["name"].strip("/"))
+    def _delete(self, client: ToolClient, request: Values) -> None:
+        server = self._servers[self._is_clients(client, request)]
+        server.delete(request["name"].strip("/"))
 
 
 def _without_client(
@@ -179,12 +212,16 @@ def _names_and_types(topics: Mapping[str, Topic]) -> Values:
     return {"topics": list(topics), "types": [one.type for one in topics.values()]}
 
 
-def _of_type(found: Mapping[str, Topic | RosService], type_name: str) -> list[str]:
+def _of_type(
+    found: Mapping[str, Topic | RosService | Offer], type_name: str
+) -> list[str]:
     wanted = split_style(type_name)[0]
     return [name for name, one in found.items() if one.type == wanted]
 
 
-def _type_of(found: Mapping[str, Topic | RosService | Action], name: str) -> str:
+def _type_of(
+    found: Mapping[str, Topic | RosService | Action | Offer], name: str
+) -> str:
     return found[name].type if name in found else ""
 
 

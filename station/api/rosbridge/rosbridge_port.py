@@ -45,7 +45,9 @@ class RosbridgePort(ToolPort[RosbridgeSession]):
     ) -> None:
         super().__init__(app, place)
         services: Services = app.state.services
-        self._graph = RosGraph(services.station, urdf, texts, self._publish)
+        self._graph = RosGraph(
+            services.station, urdf, texts, services.event_recorder.log, self._publish
+        )
         self._ticks = 0
         self._cycle = 0
 

@@ -44,6 +44,8 @@ class RosService:
         changes: Whether it changes something, so that it needs an operator who is not
             kept out by the lease.
         is_quick: Whether `call` returns at once and must not wait for a thread.
+        is_free: Returns whether a request changes nothing of the station, although
+            others of the service do; None when no request is such.
     """
 
     name: str
@@ -51,6 +53,7 @@ class RosService:
     call: Call
     changes: bool = False
     is_quick: bool = False
+    is_free: Callable[[ToolClient, Values], bool] | None = None
 
 
 class StationServices:

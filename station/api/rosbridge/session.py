@@ -1,7 +1,7 @@
 """One client of rosbridge: what it subscribes to, publishes, calls and asks for.
 
 Source: RobotWebTools/rosbridge_suite ROSBRIDGE_PROTOCOL.md and rosbridge_library's
-capabilities; differs: clients offer no topics, services and actions of their own.
+capabilities.
 """
 
 import asyncio
@@ -10,8 +10,9 @@ import hmac
 import inspect
 import logging
 import time
-from collections.abc import Callable, Coroutine, Iterator, Mapping
+from collections.abc import Awaitable, Callable, Coroutine, Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import anyio.to_thread
@@ -19,15 +20,16 @@ import orjson
 
 from station.api.auth import Access, Role
 from station.api.rosbridge.actions import ROS2, Action, Progress
+from station.api.rosbridge.broker import PATIENCE, Answer, ClientTopic, Offer
 from station.api.rosbridge.outbox import LEVELS, Outbox, Subscription
 from station.api.rosbridge.publication import COMPRESSIONS, Form, Publication
-from station.api.rosbridge.ros_graph import RosGraph
+from station.api.rosbridge.ros_graph import RosGraph, path_of
 from station.api.rosbridge.ros_types import (
     RosTypeError,
-    as_ros1,
     checked,
-    field_names,
+    fields_of,
     filled,
+    in_style,
     split_style,
 )
 from station.api.rosbridge.services import RosService
@@ -35,7 +37,6 @@ from station.api.rosbridge.topics import LATCHED, Topic
 from station.api.streams.broadcaster import PORT
 from station.api.tool_port import ToolClient
 from station.core.errors import StationError
-from station.core.ports.goal import GoalStatus
 from station.records.cdr import Values
 
 if TYPE_CHECKING:
@@ -52,10 +53,6 @@ MOST_FRAGMENTS = 1000
 """Most parts of a message; together they have at most so many thousand characters."""
 _AUTH_WINDOW = 5.0
 """How far the time of an authentication may be from the station's [s]."""
-_REFUSED = frozenset({
-    "advertise_service", "unadvertise_service", "service_response", "advertise_action",
-    "unadvertise_action", "action_feedback", "action_result",
-})  # fmt: skip
 # They go on beside the messages that follow: a stop never waits for a switch.
 _LONG = frozenset({"call_service", "send_action_goal", "cancel_action_goal"})
 # What clients send that does not keep to the protocol.
@@ -83,17 +80,24 @@ class RosbridgeSession:
         self._graph = graph
         self._fragments: dict[str, dict[int, str]] = {}
         self._calls: set[asyncio.Task[None]] = set()
-        self._goals: dict[str, Action] = {}
+        self._goals: dict[str, Callable[[], Awaitable[None]]] = {}
         self._proofs: set[str] = set()
         self._operations: dict[str, Callable[[Message], Coroutine[Any, Any, None]]] = {
             "advertise": self._advertise,
-            "unadvertise": self._ignore,
+            "unadvertise": self._unadvertise,
             "publish": self._publish,
             "subscribe": self._subscribe,
             "unsubscribe": self._unsubscribe,
             "call_service": self._call,
             "send_action_goal": self._send_goal,
             "cancel_action_goal": self._cancel_goal,
+            "advertise_service": partial(self._offer, "service"),
+            "unadvertise_service": partial(self._take_back, "service"),
+            "service_response": self._hear,
+            "advertise_action": partial(self._offer, "action"),
+            "unadvertise_action": partial(self._take_back, "action"),
+            "action_feedback": self._hear,
+            "action_result": self._hear,
             "fragment": self._defragment,
             "set_level": self._set_level,
             "auth": self._authenticate,
@@ -119,6 +123,7 @@ class RosbridgeSession:
                 await self._take(message.get("bytes") or b"" if text is None else text)
         finally:
             self._port.listen(None)
+            self._graph.broker.leave(self)
             for call in self._calls:
                 call.cancel()
 
@@ -133,11 +138,6 @@ class RosbridgeSession:
             message = orjson.loads(data)
             found[0] = message.get("id")
             op = str(message["op"])
-            if op in _REFUSED:
-                raise RosTypeError(
-                    f"'{op}' is not possible: clients offer nothing to this station.",
-                    remedy="Load a controller instead.",
-                )
             if op not in self._operations:
                 raise RosTypeError(f"There is no operation '{op:.40}'.")
             if op not in _LONG:
@@ -178,9 +178,25 @@ class RosbridgeSession:
         if answer is not None:
             answer(why)
 
-    def _topic(self, message: Message) -> Topic:
-        kind = message.get("type") or ""
-        found: Topic = self._graph.find("topics", str(message["topic"]), str(kind))
+    def tell(self, text: str) -> None:
+        """Warn the client."""
+        self.outbox.tell("warning", text)
+
+    def _topic(self, message: Message, *, opens: bool = False) -> Topic:
+        """Return a topic; with its type, one that clients have not had yet.
+
+        Raises:
+            RosTypeError: There is none, or it has another type.
+        """
+        name, kind = path_of(message["topic"]), str(message.get("type") or "")
+        try:
+            found: Topic = self._graph.find("topics", name, kind)
+        except RosTypeError as error:
+            if not opens or not kind or name in self._graph.topics:
+                raise
+            found = self._graph.broker.open_topic(name, kind)
+            if message["op"] == "subscribe":
+                self.tell(f"Nobody publishes '{name}' yet. {error.remedy}".strip())
         return found
 
     async def _ignore(self, message: Message) -> None:
@@ -190,25 +206,48 @@ class RosbridgeSession:
         self.outbox.level = LEVELS[LEVELS.index(message["level"])]
 
     async def _advertise(self, message: Message) -> None:
-        """Check that clients may publish to a topic.
+        self._writable(message)
+
+    def _writable(self, message: Message) -> Topic:
+        """Return a topic that clients may publish to.
 
         Raises:
             RosTypeError: They may not.
         """
-        topic = self._topic(message)
+        topic = self._topic(message, opens=message["op"] == "advertise")
         if topic.write is None:
             known = [n for n, one in self._graph.topics.items() if one.write]
             raise RosTypeError(
                 f"Clients cannot publish to '{topic.name}'.",
                 remedy=f"They can publish to {', '.join(known) or 'nothing'}.",
             )
+        if isinstance(topic, ClientTopic):
+            self._graph.broker.advertise(topic, self)
+        return topic
 
     async def _publish(self, message: Message) -> None:
-        await self._advertise(message)
-        topic = self._topic(message)
+        topic = self._writable(message)
         values = checked(topic.type, message.get("msg"))
-        with self._recorded(f"publish {topic.name}", free=1):
+        if isinstance(topic, ClientTopic):
+            topic.latched = values if message.get("latch") else topic.latched
+        with self._recorded(f"publish {topic.name}", changes=topic.changes, free=1):
             await self._run(topic.write, topic.is_quick, values)
+
+    async def _unadvertise(self, message: Message) -> None:
+        name = path_of(message["topic"])
+        self._graph.broker.leave_topic(name, self, publishes=True)
+
+    async def _offer(self, kind: str, message: Message) -> None:
+        """Offer a service or an action to the other clients."""
+        name, type_name = str(message[kind]), str(message.get("type"))
+        found = self._graph.broker.offer(f"{kind}s", name, type_name, self)
+        self._client.record(f"offer of {found.name}", "done", is_done=True, free=1)
+
+    async def _take_back(self, kind: str, message: Message) -> None:
+        self._graph.broker.take_back(f"{kind}s", str(message[kind]), self)
+
+    async def _hear(self, message: Message) -> None:
+        self._graph.broker.hear(message, self)
 
     async def _run(self, function: Any, is_quick: bool, values: Values) -> Any:  # noqa: ANN401, FBT001 - any function's
         """Call a function with values of the client, in a thread unless it is quick."""
@@ -221,16 +260,22 @@ class RosbridgeSession:
         return await found if inspect.isawaitable(found) else found
 
     @contextmanager
-    def _recorded(self, what: str, *, free: int = 10) -> Iterator[None]:
+    def _recorded(
+        self, what: str, *, changes: bool = True, free: int = 10
+    ) -> Iterator[None]:
         """Check that the client may change something, and record how that ended.
 
         Args:
             what: The change.
+            changes: Whether it is one of the station; nothing is done otherwise.
             free: How many such events are recorded before they are counted.
 
         Raises:
             StationError: It may not, or the body of the `with` was refused.
         """
+        if not changes:
+            yield
+            return
         self._client.check(what)
         try:
             yield
@@ -245,39 +290,45 @@ class RosbridgeSession:
         Raises:
             RosTypeError: The client has too many subscriptions, or a wish is wrong.
         """
-        topic, identifier = self._topic(message), str(message.get("id"))
+        name, identifier = path_of(message["topic"]), str(message.get("id"))
         form = _form_of(message, message.get("type"), COMPRESSIONS)
         form = form._replace(topic=str(message["topic"]))
         throttle = _number(message, "throttle_rate", 3_600_000) / 1e3
         length = _number(message, "queue_length", MOST_QUEUED)
         found = self.outbox.subscriptions
-        one = found.get(topic.name) or Subscription()
+        one = found.get(name) or Subscription()
         if max(len(found), len(one.wishes)) >= MOST_SUBSCRIPTIONS:
             raise RosTypeError(f"There are {MOST_SUBSCRIPTIONS} subscriptions already.")
-        others = sum(s.length for name, s in found.items() if name != topic.name)
+        others = sum(s.length for other, s in found.items() if other != name)
         if others + length > MOST_QUEUED:
             raise RosTypeError(
                 f"The queues of a client hold {MOST_QUEUED} messages together; those "
                 f"of its other topics hold {others}."
             )
+        topic = self._topic(message, opens=True)
+        if isinstance(topic, ClientTopic):
+            topic.subscribers.add(self)
         one.wishes.pop(identifier, None)
         one.wishes[identifier] = (throttle, length, form)
         one.settle()
-        found[topic.name] = one
+        found[name] = one
         frame = self._graph.clock.frame()
+        values = None
         if topic.period == LATCHED and topic.read and frame is not None:
-            values = topic.read(frame) or {}
+            values = topic.read(frame)
+        if values is not None and frame is not None:
             latched = Publication(topic.name, topic.type, values, frame.stamp)
             self.outbox.offer(latched, asyncio.get_running_loop().time())
 
     async def _unsubscribe(self, message: Message) -> None:
-        topic, identifier = f"/{str(message['topic']).strip('/')}", message.get("id")
+        topic, identifier = path_of(message["topic"]), message.get("id")
         one = self.outbox.subscriptions.get(topic)
         if one is None:
             return
         one.wishes.pop(str(identifier), None)
         if identifier is None or not one.wishes:
             del self.outbox.subscriptions[topic]
+            self._graph.broker.leave_topic(topic, self, subscribes=True)
         else:
             one.settle()
 
@@ -292,10 +343,40 @@ class RosbridgeSession:
 
         with self._told([identifier], answer):
             form = _form_of(message, message.get("type"), COMPRESSIONS[:2])
-            service: RosService = self._graph.find("services", name)
-            response = await self._response(service, message.get("args"))
+            service: RosService | Offer = self._graph.find("services", name)
+            args = message.get("args")
+            if isinstance(service, Offer):
+                response = await self._ask(service, args)
+            else:
+                response = await self._response(service, args)
             kind = f"{service.type}Response"
-            answer(response if form.is_ros2 else as_ros1(kind, response), result=True)
+            answer(in_style(kind, response, ros2=form.is_ros2), result=True)
+
+    async def _ask(self, offer: Offer, args: object) -> Values:
+        """Return the response of another client.
+
+        Raises:
+            RosTypeError: The request is malformed, or there is none.
+        """
+        answered: asyncio.Future[Answer] = asyncio.get_running_loop().create_future()
+
+        def told(answer: Answer) -> None:
+            if not answered.done():
+                answered.set_result(answer)
+
+        number = self._graph.broker.ask(offer, _named(offer.type, args), self, told)
+        try:
+            answer = await asyncio.wait_for(answered, PATIENCE)
+        except TimeoutError as error:
+            raise RosTypeError(
+                f"'{offer.name}' has not answered within {PATIENCE:g} s."
+            ) from error
+        finally:
+            self._graph.broker.forget(number)
+        if not answer.result:
+            raise RosTypeError(f"'{offer.name}' failed: {answer.values!s:.300}")
+        found: Values = answer.values
+        return found
 
     async def _response(self, service: RosService, args: object) -> Values:
         """Return the response of a service.
@@ -305,13 +386,9 @@ class RosbridgeSession:
             StationError: It is refused, and the response has no field to say so.
         """
         kind, response = f"{service.type}Request", f"{service.type}Response"
-        if isinstance(args, list):
-            # The protocol's list has the arguments in the order of the request.
-            is_whole = len(args) == 1 and isinstance(args[0], dict)
-            named = dict(zip(field_names(kind), args, strict=False))
-            args = args[0] if is_whole else named
-        request = checked(kind, args, "args")
-        if not service.changes:
+        request = checked(kind, _named(service.type, args), "args")
+        is_free = service.is_free is not None and service.is_free(self._client, request)
+        if is_free or not service.changes:
             found = await self._run(service.call, service.is_quick, request)
             return filled(response, _SUCCEEDED | dict(found or {}), 0)
         self._client.check(f"call {service.name}")
@@ -321,7 +398,7 @@ class RosbridgeSession:
         except RosTypeError:
             raise
         except StationError as error:
-            if not _SUCCEEDED.keys() & set(field_names(response)):
+            if not _SUCCEEDED.keys() & fields_of(response).keys():
                 raise
             why = _reason(error)
             self.outbox.tell("error", why)
@@ -342,36 +419,48 @@ class RosbridgeSession:
             answer("action_result", why, status=0, result=False)
 
         def told(progress: Progress) -> None:
-            part = "Result" if progress.status in ROS2 else "Feedback"
-            values = dict(progress.values)
-            if not form.is_ros2:
-                values = as_ros1(f"{action.type}{part}", values)
-            if progress.status in ROS2:
+            hear(_answer_of(progress))
+
+        def hear(found: Answer) -> None:
+            part = "Result" if found.op == "action_result" else "Feedback"
+            values = found.values
+            if found.result:
+                values = in_style(f"{action.type}{part}", values, ros2=form.is_ros2)
+            if part == "Result":
                 self._goals.pop(str(identifier), None)
-                status = ROS2[progress.status]
-                answer("action_result", values, status=status, result=True)
-            elif message.get("feedback") and progress.status is GoalStatus.ACTIVE:
-                answer("action_feedback", values)
+                answer(found.op, values, status=found.status, result=found.result)
+            elif message.get("feedback"):
+                answer(found.op, values)
 
         with self._told([identifier], refuse):
             # The operation is that of ROS 2; a type may say otherwise.
             kind = message.get("action_type")
             form = _form_of(message, kind or "/action/", COMPRESSIONS[:2])
-            action: Action = self._graph.find("actions", name, str(kind or ""))
-            goal = checked(f"{action.type}Goal", message.get("args"), "args")
+            action: Action | Offer = self._graph.find("actions", name, str(kind or ""))
+            broker, args = self._graph.broker, message.get("args")
+            if isinstance(action, Offer):
+                number = broker.ask(action, args, self, hear)
+                self._goals[str(identifier)] = partial(broker.cancel, number)
+                return
+            goal = checked(f"{action.type}Goal", args, "args")
             goal_id = checked("actionlib_msgs/GoalID", {"id": str(identifier)})
-            self._goals[str(identifier)] = action
-            with self._recorded(f"goal of {name}"):
+            self._goals[str(identifier)] = partial(
+                self._cancel_own, action, str(identifier)
+            )
+            with self._recorded(f"goal of {name}", changes=action.changes):
                 await self._graph.goals.start(action, self._client, goal, goal_id, told)
 
     async def _cancel_goal(self, message: Message) -> None:
         identifier = message.get("id")
         with self._told([identifier]):
-            action = self._goals.get(str(identifier))
-            if action is None:
+            cancel = self._goals.get(str(identifier))
+            if cancel is None:
                 raise RosTypeError(f"There is no goal '{identifier!s:.80}'.")
-            with self._recorded(f"cancel of {action.name}"):
-                await self._graph.goals.cancel(action, str(identifier))
+            await cancel()
+
+    async def _cancel_own(self, action: Action, identifier: str) -> None:
+        with self._recorded(f"cancel of {action.name}", changes=action.changes):
+            await self._graph.goals.cancel(action, identifier)
 
     async def _defragment(self, message: Message) -> None:
         """Collect the parts of a message.
@@ -427,6 +516,22 @@ class RosbridgeSession:
 
 
 _SUCCEEDED: Values = {"ok": True, "success": True}
+
+
+def _answer_of(progress: Progress) -> Answer:
+    """Return the message with which ROS 2 reports a goal."""
+    op = "action_result" if progress.status in ROS2 else "action_feedback"
+    status = ROS2.get(progress.status, 0)
+    return Answer(op, dict(progress.values), status, result=True)
+
+
+def _named(type_name: str, args: object) -> object:
+    """Return arguments by name; the protocol's list has them in their order."""
+    if not isinstance(args, list):
+        return args
+    is_whole = len(args) == 1 and isinstance(args[0], dict)
+    fields = fields_of(f"{type_name}Request")
+    return args[0] if is_whole else dict(zip(fields, args, strict=False))
 
 
 def _reason(error: StationError) -> str:

@@ -23,6 +23,7 @@ from station.core.franka import (
 from station.core.franka.grippers import Grippers
 from station.core.loop.snapshot import Snapshot
 from station.core.ports.set_point import SetPointPort
+from station.events import EventLog, Severity
 from station.records.cdr import Values
 from station.records.messages import transforms
 
@@ -53,6 +54,8 @@ _POSE_TOPICS = {
     "CartesianImpedanceExampleController": "equilibrium_pose",
     "DualArmCartesianImpedanceExampleController": "centering_frame_target_pose",
 }
+_LEVELS = {Severity.INFO: 2, Severity.WARNING: 4, Severity.ERROR: 8}
+_MOST_EVENTS = 20
 _POSE = "geometry_msgs/PoseStamped"
 _TWIST = "geometry_msgs/Twist"
 _JOINT_STATE = "sensor_msgs/JointState"
@@ -98,6 +101,7 @@ class Topic:
         in_pause: Whether messages come while station time stands still.
         is_quick: Whether `write` returns at once, so that no thread is needed; then it
             may return what is to be awaited.
+        changes: Whether what clients publish changes something of the station.
         due: When the next message is due [s, clock of the event loop].
     """
 
@@ -108,6 +112,7 @@ class Topic:
     period: float = 0.0
     in_pause: bool = False
     is_quick: bool = False
+    changes: bool = True
     due: float = field(default=0.0, compare=False)
 
 
@@ -118,17 +123,24 @@ class StationTopics:
         station: The station.
         urdf: The robot for transforms; None sends none.
         texts: Text by topic, such as `/robot_description`.
+        log: The events.
 
     Attributes:
         origin: Wall time of station time zero [ns since 1970].
     """
 
     def __init__(
-        self, station: Station, urdf: Urdf | None, texts: Mapping[str, str]
+        self,
+        station: Station,
+        urdf: Urdf | None,
+        texts: Mapping[str, str],
+        log: EventLog,
     ) -> None:
         self._station = station
         self._urdf = urdf
         self._texts = dict(texts)
+        self._log = log
+        self._logged = log.newest_id
         self.origin = time.time_ns() - round(station.loop.time * 1e9)
 
     def frame(self) -> CycleFrame | None:
@@ -157,6 +169,7 @@ class StationTopics:
             kind = "tf2_msgs/TFMessage"
             yield Topic("/tf", kind, partial(self._tf, moving))
             yield Topic("/tf_static", kind, partial(self._tf, fixed), period=LATCHED)
+        yield Topic("/rosout", "rosgraph_msgs/Log", self._log_line, in_pause=True)
         if self._station.simulation.find() is not None:
             yield Topic(
                 "/clock",
@@ -255,6 +268,19 @@ class StationTopics:
         if found is None or (not found.paused and found.real_time_factor == 1.0):
             return None
         return {"clock": time_of(frame.stamp)}
+
+    def _log_line(self, _: CycleFrame) -> Values | None:
+        """Return the next event; one that nobody has read for long is left out."""
+        if self._log.newest_id == self._logged:
+            return None
+        event = self._log.recent(self._logged)[-_MOST_EVENTS:][0]
+        self._logged = event.id
+        facts = {"msg": event.text, "function": event.what, "name": "/station"}
+        return filled(
+            "rosgraph_msgs/Log",
+            {**facts, "level": _LEVELS[event.severity]},
+            round(event.time * 1e9),
+        )
 
     def _sample(self, name: str, frame: CycleFrame) -> Values | None:
         sample: ControllerSample | None = frame.snapshot.samples.get(name)

@@ -5,6 +5,7 @@ from fastapi import APIRouter
 from station.api.routes import (
     access,
     bench,
+    cameras,
     commands,
     control,
     controllers,
@@ -38,6 +39,7 @@ for _module in (
     recordings,
     experiments,
     lessons,
+    cameras,
     robots,
     hardware,
     simulation,
@@ -49,3 +51,4 @@ for _module in (
 ):
     api_router.include_router(_module.router)
 api_router.include_router(recordings.uploads)
+api_router.include_router(cameras.pictures)

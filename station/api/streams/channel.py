@@ -285,7 +285,7 @@ class EventChannel(Channel):
         """Return the frame of the next event.
 
         Raises:
-            FramesLostError: The memory of the event log does not go back so far.
+            FramesLostError: The event log no longer has the next event in memory.
         """
         if after >= self._newest:
             return None

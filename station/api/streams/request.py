@@ -20,8 +20,8 @@ class StreamRequestError(Exception):
     """A request for a stream that the station refuses.
 
     Attributes:
-        close_code: How the WebSocket is closed.
-        reason: Why, in words that fit into a close frame (123 bytes).
+        close_code: Code with which the WebSocket is closed.
+        reason: Reason of the refusal, short enough for a close frame (123 bytes).
     """
 
     def __init__(self, reason: str, close_code: int = CLOSE_BAD_REQUEST) -> None:

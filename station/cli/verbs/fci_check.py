@@ -9,7 +9,7 @@ import os
 import subprocess
 import sys
 import tempfile
-from argparse import Namespace
+from argparse import ArgumentTypeError, Namespace
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -24,6 +24,10 @@ CHECK = Path("check")
 """Word in the place of a configuration; a file of this name is written `./check`."""
 _SUITE = "station.testing.fci_conformance"
 _NO_ENDPOINT = 4  # pytest's code for wrong usage: nobody answers, or no known version
+_HIGHEST_PORT = 65_535
+# Options that mean nothing to the other one, and what they are unless given.
+_OF_CHECK = {"address": None, "move": False, "port": None, "report": None}
+_OF_SERVER = {"host": "127.0.0.1", "patience": 0.0, "desk": None}
 
 
 def add_check(parser: "Parser") -> None:
@@ -38,22 +42,55 @@ def add_check(parser: "Parser") -> None:
         "clear its whole reach, take the user stop in your hand, and take off what it "
         "carries. Without this the checks read, and move nothing",
     )
-    group.add_argument("--port", type=int, help="TCP port; default 1337")
+    group.add_argument("--port", type=port_number, help="TCP port; default 1337")
     group.add_argument(
         "--report", type=Path, metavar="FILE.json", help="write the matrix as JSON, too"
     )
+
+
+def port_number(text: str) -> int:
+    """Return a TCP port.
+
+    Raises:
+        ArgumentTypeError: The text is no number from 0 to 65535.
+    """
+    if not text.isdecimal() or int(text) > _HIGHEST_PORT:
+        raise ArgumentTypeError(f"{text!r} is no port, 0 to {_HIGHEST_PORT}")
+    return int(text)
+
+
+def refuse_other_options(options: Namespace) -> None:
+    """Refuse options of the server in a check, and those of a check at the server.
+
+    Raises:
+        UsageError: One of them was given.
+    """
+    is_check = options.config == CHECK
+    for name, default in (_OF_SERVER if is_check else _OF_CHECK).items():
+        if getattr(options, name) != default:
+            verbs = "station fci", "station fci check ADDRESS"
+            word = "ADDRESS" if name == "address" else f"--{name}"
+            raise UsageError(
+                f"`{verbs[is_check]}` has no {word}.",
+                remedy=f"{word} belongs to `{verbs[not is_check]}`.",
+            )
 
 
 def check(options: Namespace) -> int:
     """Run the checks; return 0 if none has failed.
 
     Raises:
-        UsageError: No address was given, or pytest is not installed.
+        UsageError: No address was given, the report has no folder, or pytest is not
+            installed.
     """
     if options.address is None:
         raise UsageError(
             "`station fci check` needs the address of an arm.",
             remedy="station fci check 127.0.0.1",
+        )
+    if options.report is not None and not options.report.absolute().parent.is_dir():
+        raise UsageError(
+            f"The report {options.report} has no folder.", remedy="Make it first."
         )
     if find_spec("pytest") is None:
         raise UsageError(

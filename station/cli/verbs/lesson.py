@@ -61,7 +61,7 @@ def _find(client: "StationClient", options: Namespace) -> "Lesson":
     """Return a lesson.
 
     Raises:
-        UsageError: There is none of that name.
+        UsageError: There is no such lesson.
     """
     known = {one.name: one for one in client.lessons.list(options.person).lessons}
     if options.name not in known:

@@ -10,7 +10,13 @@ from typing import TYPE_CHECKING
 
 from station.cli.output import answer, say_now, say_now_json, say_progress
 from station.cli.parser import ROBOT, add_base, add_controllers
-from station.cli.verbs.fci_check import CHECK, add_check, check
+from station.cli.verbs.fci_check import (
+    CHECK,
+    add_check,
+    check,
+    port_number,
+    refuse_other_options,
+)
 
 if TYPE_CHECKING:
     from station.app.announcement import Announcement
@@ -110,7 +116,7 @@ def add_fci(parser: "Parser") -> None:
     add(
         "--desk",
         nargs="?",
-        type=int,
+        type=port_number,
         const=443,
         metavar="PORT",
         help="serve what programs call of Franka Desk to unlock the arm, over https; "
@@ -280,6 +286,7 @@ def fci(options: Namespace) -> int:
 
     With `check` in the place of the configuration, check the arm at an address.
     """
+    refuse_other_options(options)
     if options.config == CHECK:
         return check(options)
     from station.app.fci_run import FciRun

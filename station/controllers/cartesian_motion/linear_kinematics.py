@@ -292,7 +292,7 @@ def moved(q: Doubles, step: Doubles, result: Doubles) -> float:
     Args:
         q: Joint positions before the step [rad], shape (n,).
         step: Changes of the positions [rad], shape (n,).
-        result: Where the positions after the step go [rad], shape (n,).
+        result: Memory for the positions after the step [rad], shape (n,).
     """
     largest = 0.0
     for joint in range(len(q)):

@@ -6,7 +6,7 @@ DiffDriveController.
 
 from collections import deque
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import cos, inf, isfinite, pi, sin
 from typing import ClassVar
 
@@ -300,6 +300,11 @@ _SEPARATION_FACTOR = _number(
 _RADIUS_FACTOR = _number("wheel_radius_multiplier", "", 1.0, "factor of wheel_radius")
 _RATE = _number("publish_rate", "Hz", 50.0, "rate of the topics")
 _TIMEOUT = _number("cmd_vel_timeout", "s", 0.5, "time after which a command expires")
+_VALIDITY, _ACTION = timeout_parameters()
+_VALIDITY_AND_ACTION = (
+    replace(_VALIDITY, default=None, default_text=_TIMEOUT.name),
+    _ACTION,
+)
 _WINDOW = _number(
     "velocity_rolling_window_size", "", 10.0, "cycles over which velocity is averaged"
 )
@@ -354,7 +359,7 @@ class DiffDriveController(Controller[VelocityJointInterface]):
             *(_RATE, _TIMEOUT, _WINDOW, _OPEN_LOOP, _PUBLISH_CMD, _PUBLISH_STATE),
             *(_ENABLE_TF, _MULTIPLE, _BASE_FRAME, _ODOM_FRAME),
             *(_POSE_COVARIANCE, _TWIST_COVARIANCE),
-            *timeout_parameters(),
+            *_VALIDITY_AND_ACTION,
             *limiter_parameters("linear/x", "m"),
             *limiter_parameters("angular/z", "rad"),
         )

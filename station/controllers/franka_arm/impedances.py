@@ -57,7 +57,7 @@ class Friction:
         self.share = 0.0
 
     def compensate(self, torques: Doubles) -> None:
-        """Add them to the torques [Nm], shape (n,)."""
+        """Add the compensating torques to `torques` [Nm], shape (n,)."""
         if self.share == 0.0:
             return
         for joint in range(len(torques)):

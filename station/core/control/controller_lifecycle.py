@@ -62,7 +62,7 @@ class ControllerLifecycle:
         """Return the controller loaded as `name`. Any thread.
 
         Raises:
-            ControllerNotFoundError: None of that name is loaded.
+            ControllerNotFoundError: No such controller is loaded.
         """
         for one in self.loaded:
             if one.info.name == name:

@@ -269,7 +269,7 @@ class ControllerManager:
         One that is being loaded is given up, and its loading raises an error.
 
         Raises:
-            ControllerNotFoundError: None of that name is loaded.
+            ControllerNotFoundError: No such controller is loaded.
             ControllerStateError: The controller runs, or is about to, or the robot has
                 not
                 been told that it has stopped.
@@ -333,7 +333,7 @@ class ControllerManager:
         """Return the controller loaded as `name`.
 
         Raises:
-            ControllerNotFoundError: None of that name is loaded.
+            ControllerNotFoundError: No such controller is loaded.
         """
         return self.lifecycle.find(name).controller
 

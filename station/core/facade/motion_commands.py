@@ -57,7 +57,7 @@ class MotionCommands:
         """Return the elements of a controller's set-point, and the last set-point.
 
         Raises:
-            ControllerNotFoundError: None of that name is loaded.
+            ControllerNotFoundError: No such controller is loaded.
             InvalidCommandError: The controller takes no set-points.
         """
         port = self._set_point_port(name)
@@ -107,7 +107,7 @@ class MotionCommands:
             receipt: Where the cycle is noted that picks the set-point up.
 
         Raises:
-            ControllerNotFoundError: None of that name is loaded.
+            ControllerNotFoundError: No such controller is loaded.
             ControllerStateError: The controller is not running.
             InvalidCommandError: The controller takes no set-points or no rates, or they
                 are
@@ -143,7 +143,7 @@ class MotionCommands:
         """Return a set-point in which the values in force replace each None.
 
         Raises:
-            ControllerNotFoundError: None of that name is loaded.
+            ControllerNotFoundError: No such controller is loaded.
             ControllerStateError: The controller is not running.
             InvalidCommandError: The set-point in force is not known.
             StoppedError: The station is stopped.
@@ -201,7 +201,7 @@ class MotionCommands:
         """Let a controller end its trajectory without a goal, and hold the joints.
 
         Raises:
-            ControllerNotFoundError: None of that name is loaded.
+            ControllerNotFoundError: No such controller is loaded.
             InvalidCommandError: The controller takes no trajectories.
         """
         receipt = self.receipt()
@@ -227,7 +227,7 @@ class MotionCommands:
             receipt: Where the cycle is noted that takes the goal up.
 
         Raises:
-            ControllerNotFoundError: None of that name is loaded.
+            ControllerNotFoundError: No such controller is loaded.
             ControllerStateError: The controller is not running.
             InvalidCommandError: The controller takes no goals, or `request` is
                 malformed.
@@ -257,7 +257,7 @@ class MotionCommands:
         """Return the latest goals of a controller, oldest first.
 
         Raises:
-            ControllerNotFoundError: None of that name is loaded.
+            ControllerNotFoundError: No such controller is loaded.
             InvalidCommandError: The controller takes no goals.
         """
         return self._goal_port(name).goals()
@@ -266,7 +266,7 @@ class MotionCommands:
         """Return one goal of a controller.
 
         Raises:
-            ControllerNotFoundError: None of that name is loaded.
+            ControllerNotFoundError: No such controller is loaded.
             GoalNotFoundError: The controller knows no such goal.
             InvalidCommandError: The controller takes no goals.
         """
@@ -279,7 +279,7 @@ class MotionCommands:
         stays as it is.
 
         Raises:
-            ControllerNotFoundError: None of that name is loaded.
+            ControllerNotFoundError: No such controller is loaded.
             GoalNotFoundError: The controller knows no such goal.
             InvalidCommandError: The controller takes no goals.
         """
@@ -324,7 +324,7 @@ class MotionCommands:
             The epoch it counts for.
 
         Raises:
-            ControllerNotFoundError: None of that name is loaded.
+            ControllerNotFoundError: No such controller is loaded.
             ControllerStateError: The controller is not running.
             InvalidTrajectoryError: `request` cannot be followed.
             InvalidCommandError: The controller takes no trajectories.
@@ -355,7 +355,7 @@ class MotionCommands:
             time: Station time [s]; the present when None.
 
         Raises:
-            ControllerNotFoundError: None of that name is loaded.
+            ControllerNotFoundError: No such controller is loaded.
             ControllerStateError: The controller is not running.
             InvalidCommandError: The controller takes no trajectories.
             InvalidTrajectoryError: `time` is before its trajectory, or not finite.

@@ -124,6 +124,9 @@ _ACT: dict[str, Callable[[Station, Arguments], object]] = {
     "hardware": _hardware,
     "service": _service,
     "recover": _recover,
+    "scene": lambda station, one: station.surroundings.repeat(
+        one["changed"], one["removed"], one["placed"]
+    ),
     "late": lambda station, one: station.loop.delay_next_cycle(one["periods"] - 1),
 }
 """How each kind of input is carried out."""

@@ -3,6 +3,7 @@
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 from station.core.description.urdf import Pose
 from station.core.errors import (
@@ -11,6 +12,7 @@ from station.core.errors import (
     SceneRefusedError,
     suggest,
 )
+from station.core.facade.input_log import InputLog
 from station.core.facade.robots import Robots
 from station.core.geometry.carried import load_of
 from station.core.geometry.scene import SceneObject, read_object, read_scene
@@ -31,6 +33,7 @@ class StationScene:
         loop: The loop, not yet started.
         parameters: The root of the parameters, with `scene`.
         robots: The robots, which are told what they carry.
+        inputs: Notes every change.
 
     Raises:
         ParameterError: The scene is malformed, or the robot has no guard for its roles.
@@ -38,21 +41,26 @@ class StationScene:
     """
 
     def __init__(
-        self, loop: ControlLoop, parameters: Parameters, robots: Robots
+        self,
+        loop: ControlLoop,
+        parameters: Parameters,
+        robots: Robots,
+        inputs: InputLog,
     ) -> None:
         self._loop = loop
         self._robots = robots
+        self._inputs = inputs
         self._lock = threading.Lock()
         self._guards = tuple(loop.hw.guards())
         self._arm_margin = _arm_margin(parameters)
         self._objects: tuple[SceneObject, ...] = ()
         objects = read_scene(parameters)
         if any(one.role != "object" for one in objects) or self._arm_margin is not None:
-            self._apply(objects)
+            loop.run_in_cycle(self._changes(objects))
         self._objects = tuple(objects)
 
     def report(self) -> list[SceneObjectReport]:
-        """Return all objects, solid ones where they are now.
+        """Return all objects, solid ones at their present poses.
 
         Raises:
             LoopError: The loop died or hangs.
@@ -114,11 +122,11 @@ class StationScene:
                     "scene.objects of the configuration and start again.",
                     details={"object": name},
                 )
+            placed = []
             if old is not None and (old.solid or thing.solid):
-                self._move_solid(old, thing)
-            objects = [one for one in self._objects if one.name != name]
-            self._apply([*objects, thing])
-            self._objects = (*objects, thing)
+                self._refuse_rebuilding(old, thing)
+                placed = [] if {"position", "rpy"}.isdisjoint(values) else [name]
+            self._loop.run_in_cycle(self._exchange([thing], placed=placed))
         return next(one for one in self.report() if one.name == name)
 
     def remove(self, name: str) -> None:
@@ -139,9 +147,7 @@ class StationScene:
                     "again.",
                     details={"object": name},
                 )
-            kept = [one for one in self._objects if one.name != name]
-            self._apply(kept)
-            self._objects = tuple(kept)
+            self._loop.run_in_cycle(self._exchange([], [name]))
 
     def attach(
         self, name: str, arm_id: str = "", *, load: bool = True
@@ -205,10 +211,12 @@ class StationScene:
 
     def _change_load(self, thing: SceneObject, arm_id: str, *, told: bool) -> None:
         """Exchange an object that an arm carries from now on, or no longer."""
-        objects = [thing if one.name == thing.name else one for one in self._objects]
-        changes = self._changes(objects)
+        change = self._exchange([thing])
         if told:
-            held = [(one, one.grip) for one in objects if one.carried_by == arm_id]
+            others = [one for one in self._objects if one.name != thing.name]
+            held = [
+                (one, one.grip) for one in (*others, thing) if one.carried_by == arm_id
+            ]
             mass, center, inertia = load_of(held)
             service, set_load = self._robots.find_service(arm_id, "set_load")
             self._loop.run_in_cycle(
@@ -218,14 +226,13 @@ class StationScene:
                 moves=service.moves,
             )
         # The load first: an arm that moves refuses it, and nothing has changed.
-        self._loop.run_in_cycle(changes)
-        self._objects = tuple(objects)
+        self._loop.run_in_cycle(change)
 
     def _find(self, name: str) -> SceneObject:
         """Return an object.
 
         Raises:
-            SceneObjectNotFoundError: There is none of that name.
+            SceneObjectNotFoundError: There is no such object.
         """
         names = [one.name for one in self._objects]
         if name not in names:
@@ -310,11 +317,32 @@ class StationScene:
                     "A kept scene has a solid object, or a name twice.",
                     remedy="Keep only objects with the role keep_out or fence in it.",
                 )
-            self._apply([*kept, *found])
-            self._objects = (*kept, *found)
+            gone = [one.name for one in self._objects if one not in kept]
+            self._loop.run_in_cycle(self._exchange(found, gone))
 
-    def _move_solid(self, old: SceneObject, new: SceneObject) -> None:
-        """Move a body of the simulated world.
+    def repeat(
+        self,
+        changed: Sequence[Mapping[str, object]],
+        removed: Sequence[str],
+        placed: Sequence[str],
+    ) -> None:
+        """Change the scene as an input says that was noted with these arguments.
+
+        Args:
+            changed: The objects that changed, as `_noted` returns them.
+            removed: Names of those that there are no more.
+            placed: Names of the bodies of the simulated world that were moved.
+
+        Raises:
+            ParameterError: An object is impossible.
+            LoopError: The loop died or hangs.
+        """
+        with self._lock:
+            things = [_repeated(one) for one in changed]
+            self._loop.run_in_cycle(self._exchange(things, removed, placed))
+
+    def _refuse_rebuilding(self, old: SceneObject, new: SceneObject) -> None:
+        """Refuse to change more of a body of the simulated world than its place.
 
         Raises:
             SceneRefusedError: More than pose, role or margin is to change.
@@ -335,17 +363,41 @@ class StationScene:
                 remedy="Change its pose, role, margin, links or colour alone.",
                 details={"object": old.name},
             )
-        if (new.position, new.rpy) != (old.position, old.rpy):
-            pose = new.pose()
-            self._loop.run_in_cycle(lambda: world.place_object(new.name, pose))
 
-    def _apply(self, objects: Sequence[SceneObject]) -> None:
-        """Let the guards of all arms know; see `_changes`.
+    def _exchange(
+        self,
+        changed: Sequence[SceneObject],
+        removed: Sequence[str] = (),
+        placed: Sequence[str] = (),
+    ) -> Callable[[], None]:
+        """Return a function for the control thread that changes the scene.
+
+        Args:
+            changed: Objects that are new, or take the place of those of their names.
+            removed: Names of objects that there are no more.
+            placed: Names of bodies of the simulated world that move to their pose.
 
         Raises:
-            LoopError: The loop died or hangs.
+            ParameterError: The robot has no guard for the roles, or not the links.
+            RobotDescriptionError: A mesh cannot be used.
         """
-        self._loop.run_in_cycle(self._changes(objects))
+        gone = {*removed, *(one.name for one in changed)}
+        kept = [one for one in self._objects if one.name not in gone]
+        objects = (*kept, *changed)
+        change, world = self._changes(objects), self._loop.hw.simulated_world()
+        noted = [_noted(one) for one in changed]
+
+        def exchange() -> None:
+            for one in changed:
+                if world is not None and one.name in placed:
+                    world.place_object(one.name, one.pose())
+            change()
+            self._objects = objects
+            self._inputs.note_in_cycle(
+                "scene", changed=noted, removed=[*removed], placed=[*placed]
+            )
+
+        return exchange
 
     def _changes(self, objects: Sequence[SceneObject]) -> Callable[[], None]:
         """Return a function for the control thread that lets all guards know.
@@ -413,6 +465,28 @@ def _entry(thing: SceneObject) -> dict[str, object]:
         "solid": thing.solid,
     }
     return {**entry, "file": thing.file} if thing.file else entry
+
+
+def _noted(thing: SceneObject) -> dict[str, object]:
+    """Return an object with all that it is, as JSON has it."""
+    grip = [*thing.grip.xyz, *thing.grip.quaternion]
+    return {**_entry(thing), "carried_by": thing.carried_by, "grip": grip}
+
+
+def _repeated(noted: Mapping[str, Any]) -> SceneObject:
+    """Return the object that `_noted` has told.
+
+    Raises:
+        ParameterError: It is impossible, such as a mesh whose file is gone.
+    """
+    own = ("carried_by", "grip")
+    entry = {key: value for key, value in noted.items() if key not in own}
+    x, y, z, *quaternion = noted["grip"]
+    return replace(
+        read_object(entry, f"scene/{noted['name']}"),
+        carried_by=noted["carried_by"],
+        grip=Pose((x, y, z), tuple(quaternion)),
+    )
 
 
 def _report(thing: SceneObject) -> SceneObjectReport:

@@ -198,7 +198,7 @@ class Station:
         self.motion = MotionCommands(loop, manager, self.inputs)
         self.robots = Robots(loop, manager, self.inputs)
         self.simulation = SimulationControl(loop, self.inputs)
-        self.surroundings = StationScene(loop, parameters, self.robots)
+        self.surroundings = StationScene(loop, parameters, self.robots, self.inputs)
         self.boot_id = uuid.uuid4().hex
         self.watchdog_failure: str | None = None
         self.parameters = parameters
@@ -402,7 +402,7 @@ class Station:
         Raises:
             StoppedError: The station is stopped and something is to be started.
             SwitchRefusedError: The switch is not possible; nothing changed.
-            SwitchTimeoutError: The hardware did not get there in time.
+            SwitchTimeoutError: The hardware did not finish the switch in time.
             LoopError: The loop died.
         """
         self.loop.check_alive()

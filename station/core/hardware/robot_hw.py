@@ -137,7 +137,7 @@ class SimulatedWorld(ABC):
         return ()
 
     def contacts(self) -> Sequence[ContactReport]:
-        """Return the contacts of the world's bodies; of very many points only some."""
+        """Return the contacts between bodies; only some if there are very many."""
         return ()
 
     def distances(self) -> Callable[[], tuple[str, str, float] | None]:
@@ -150,7 +150,10 @@ class SimulatedWorld(ABC):
         return lambda: None
 
     def nearness(
-        self, joints: Sequence[str], margin: float
+        self,
+        joints: Sequence[str],
+        margin: float,
+        carried: Mapping[str, str] | None = None,
     ) -> Callable[[Sequence[float]], Sequence[tuple[str, str, float]]]:
         """Return a function that finds what would be near each other in a pose.
 
@@ -161,11 +164,13 @@ class SimulatedWorld(ABC):
         Args:
             joints: Names of joints; the others stay where they are.
             margin: Distance below which bodies are near [m], > 0.
+            carried: Link that carries a solid object, by the object's name; the object
+                moves with the link from where it is now.
 
         Raises:
             HardwareInterfaceError: A joint is not in the world.
         """
-        del joints, margin
+        del joints, margin, carried
         return lambda _: ()
 
     def longest_period(self) -> float:

@@ -311,10 +311,10 @@ class ControlLoop:
         self._meter.reset()
 
     def delay_next_cycle(self, cycles: int) -> None:
-        """Let the next cycle begin late, as if something had kept the thread.
+        """Delay the next cycle, as a busy machine delays the thread.
 
         Args:
-            cycles: By how many nominal periods, >= 0. They are skipped and counted.
+            cycles: Delay in periods, >= 0; their deadlines are skipped and counted.
         """
         self.control_cycle.late_cycles = cycles
 

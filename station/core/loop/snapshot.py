@@ -111,7 +111,8 @@ class Rows:
     def columns_of(self, controller: str, size: int) -> NDArray[np.float64]:
         """Return the first four columns of a controller's samples, shape (k, 4, n).
 
-        They are NaN where it did not run, and where its columns have another length.
+        Cycles in which the controller did not run have NaN, and so have columns of
+        another length.
 
         Args:
             controller: Its name.

@@ -57,7 +57,7 @@ class StopLatch:
         self.cycle = cycle
 
     def release(self) -> None:
-        """First step: say that the cause is gone. Nothing moves yet.
+        """Take the first step of a release: the cause is gone. Nothing moves yet.
 
         Raises:
             StoppedError: The stop has not been carried out yet.

@@ -123,15 +123,25 @@ class SharedWorld(SimulatedWorld):
 
     @override
     def nearness(
-        self, joints: Sequence[str], margin: float
+        self,
+        joints: Sequence[str],
+        margin: float,
+        carried: Mapping[str, str] | None = None,
     ) -> Callable[[Sequence[float]], Sequence[tuple[str, str, float]]]:
         model, data = self.world.model, self.world.data
         addresses = [joint_position_address(model, name) for name in joints]
         model.geom_margin[:] = margin
+        grips = [
+            (name, link, _pose_of(data, link).inverse().compose(_pose_of(data, name)))
+            for name, link in (carried or {}).items()
+            if model.body(name).jntnum[0]  # what is fixed to the world stays there
+        ]
 
         def find(pose: Sequence[float]) -> Sequence[tuple[str, str, float]]:
             data.qpos[addresses] = pose
             mujoco.mj_kinematics(model, data)
+            for name, link, grip in grips:
+                self.place_object(name, _pose_of(data, link).compose(grip))
             mujoco.mj_collision(model, data)
             if not data.ncon:
                 return ()
@@ -215,6 +225,12 @@ def touching(model: mujoco.MjModel, data: mujoco.MjData) -> list[ContactReport]:
             )
         )
     return found
+
+
+def _pose_of(data: mujoco.MjData, body: str) -> Pose:
+    found = data.body(body)
+    (x, y, z), (w, i, j, k) = found.xpos.tolist(), found.xquat.tolist()
+    return Pose((x, y, z), (w, i, j, k))
 
 
 def _body_of(model: mujoco.MjModel, geom: int) -> str:

@@ -29,7 +29,7 @@ class SimulatedPid:
         self._pid = pid
 
     def reset(self) -> None:
-        """Forget all errors."""
+        """Reset the PID controller: its last error and its integral are 0 again."""
         self._pid.reset()
 
     def effort_for_position(

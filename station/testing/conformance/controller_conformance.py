@@ -20,7 +20,7 @@ NAME = "it"
 """The name under which the controller is loaded."""
 
 
-class Load(Protocol):
+class LoadController(Protocol):
     """Returns a bench on which the controller is loaded as `NAME`."""
 
     def __call__(self, **more: object) -> Bench:
@@ -111,7 +111,7 @@ class ControllerConformance:
         ]
 
     @pytest.fixture
-    def load(self) -> Load:
+    def load(self) -> LoadController:
         """Return a function that loads the controller on a new bench."""
 
         def load(**more: object) -> Bench:
@@ -122,7 +122,7 @@ class ControllerConformance:
         return load
 
     @pytest.fixture
-    def bench(self, load: Load) -> Bench:
+    def bench(self, load: LoadController) -> Bench:
         """Return a bench on which the controller is loaded."""
         return load()
 
@@ -249,7 +249,7 @@ class ControllerConformance:
             assert start(bench).ok
 
     def test_a_set_point_times_out_on_the_wall_clock_while_simulated_time_stands(
-        self, load: Load
+        self, load: LoadController
     ) -> None:
         bench = load(command_timeout=0.2)
         self.needs_command_timeout(bench)
@@ -273,7 +273,7 @@ class ControllerConformance:
         assert status(bench).state.value == "running"
 
     def test_a_timeout_can_stop_the_controller_also_while_simulated_time_stands(
-        self, load: Load
+        self, load: LoadController
     ) -> None:
         bench = load(command_timeout=0.2, command_timeout_action="stop")
         self.needs_command_timeout(bench)

@@ -34,6 +34,8 @@ Fields: TypeAlias = Mapping[str, Any]
 """Fields of a command; those that are left out are zero."""
 Stream: TypeAlias = Callable[[int, State], Fields | None]
 """Returns the command of a cycle, counted from 0; None for silence."""
+Verdict: TypeAlias = tuple[bool, object]
+"""Whether a check holds, and what it has seen."""
 
 WAIT = 1.0
 """Longest wait for an answer, or for a state, as libfranka's own [s]."""
@@ -102,6 +104,16 @@ class Outcome:
     last: State = field(default_factory=dict)
     errors: Sequence[str] = ()
     lowest_rate: float = 1.0
+
+    @property
+    def is_success(self) -> bool:
+        """Return whether the motion has ended as its client asked for."""
+        return self.ended == MoveStatus.SUCCESS
+
+    @property
+    def is_clean(self) -> bool:
+        """Return whether it has done so, and the states report no error."""
+        return self.is_success and not self.errors
 
     @override
     def __str__(self) -> str:
@@ -255,6 +267,17 @@ class Dialog:
     def ask(self, command: Command, **values: object) -> RobotAnswer:
         """Send a request, and return its first answer; see `FciClient.ask`."""
         return self.client.ask(command, values)
+
+    def expect(self, command: Command, wanted: IntEnum, **values: object) -> Verdict:
+        """Send a request; return whether its status is the wanted one, and which it is.
+
+        Args:
+            command: The command.
+            wanted: The status.
+            values: The fields of the request.
+        """
+        status = self.ask(command, **values).status
+        return status == wanted, words(type(wanted), status)
 
     def next_state(self) -> State:
         """Wait for a state that is newer than the last one, and return it.

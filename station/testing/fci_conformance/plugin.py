@@ -22,7 +22,7 @@ from station.testing.fci_conformance.dialog import (
     FciSilenceError,
     find_protocol,
 )
-from station.testing.fci_conformance.moving import go_to, recover
+from station.testing.fci_conformance.trajectories import go_to, recover
 
 PASSED, FAILED = "passed", "failed"
 NOT_IN_VERSION = "not in this version"
@@ -59,10 +59,11 @@ class Row:
         """Note what has happened."""
         self.seen = str(seen)
 
-    def needs(self, is_there: bool) -> None:  # noqa: FBT001 - a condition
-        """Leave the check out if the version that is spoken has nothing of the kind."""
-        if not is_there:
-            pytest.skip(NOT_IN_VERSION)
+
+def needs(is_there: bool) -> None:  # noqa: FBT001 - a condition
+    """Leave the check out if the version that is spoken has nothing of the kind."""
+    if not is_there:
+        pytest.skip(NOT_IN_VERSION)
 
 
 _endpoint_key = pytest.StashKey[Endpoint]()
@@ -105,7 +106,9 @@ def pytest_configure(config: pytest.Config) -> None:
     try:
         protocol = find_protocol(host, port, version)
     except (OSError, StationError, FciSilenceError) as error:
-        raise pytest.UsageError(str(error)) from error
+        raise pytest.UsageError(
+            f"{host}:{port} does not answer as a robot: {error}"
+        ) from error
     config.stash[_endpoint_key] = Endpoint(
         host, port, protocol, config.getoption("--fci-move")
     )
@@ -151,26 +154,34 @@ def pytest_runtestloop(session: pytest.Session) -> Generator[None, object, objec
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool | None:
-    """Make a check again that failed while this side was late: it says nothing then.
+    """Make a check, and note its verdict.
+
+    A check that failed while this side was late is made again: it says nothing then.
 
     Raises:
-        AssertionError: The check has failed.
+        AssertionError: The check does not hold.
         FciSilenceError: The endpoint has not sent what a client waits for.
     """
-    dialog = pyfuncitem.funcargs.get("dialog")
     row = pyfuncitem.stash.get(_row_key, None)
-    if row is None or not isinstance(dialog, Dialog):
+    if row is None:
         return None
+    found = pyfuncitem.funcargs.get("dialog")
+    dialog = found if isinstance(found, Dialog) else None
     names = signature(pyfuncitem.obj).parameters
     arguments = {name: pyfuncitem.funcargs[name] for name in names}
     for tries_left in reversed(range(_TRIES)):
-        dialog.late, row.seen = 0, ""
+        row.seen = ""
         try:
-            if pyfuncitem.get_closest_marker("moves"):
-                go_to(dialog)
-            pyfuncitem.obj(**arguments)
+            if dialog is not None:
+                dialog.late = 0
+                if pyfuncitem.get_closest_marker("moves"):
+                    go_to(dialog)
+            holds, seen = pyfuncitem.obj(**arguments)
+            row.see(seen)
+            if not holds:
+                raise AssertionError(row.seen)
         except (AssertionError, FciSilenceError):
-            if not dialog.late:
+            if dialog is None or not dialog.late:
                 raise
             late = f"this side was late in {dialog.late} cycles"
             row.seen = f"{row.seen}; {late}" if row.seen else late

@@ -32,31 +32,36 @@ from station.hw.franka.fci.wire.robot_protocol import (
 from station.testing.fci_conformance.dialog import (
     Dialog,
     Endpoint,
-    State,
+    Verdict,
     ask_version,
     open_network,
     words,
 )
-from station.testing.fci_conformance.plugin import Row
+from station.testing.fci_conformance.plugin import Row, needs
+from station.testing.fci_conformance.trajectories import farthest
 
 GRAVITY = 9.81
 SAME_POSE = 0.01
 """Largest distance of O_T_EE from the textbook kinematics: real arms are calibrated."""
 THRESHOLDS = {
-    **{
-        f"{bound}_torque_thresholds_{phase}": (20.0, 20.0, 18.0, 18.0, 16.0, 14.0, 12.0)
-        for bound in ("lower", "upper")
-        for phase in ("acceleration", "nominal")
-    },
-    **{
-        f"{bound}_force_thresholds_{phase}": (20.0, 20.0, 20.0, 25.0, 25.0, 25.0)
-        for bound in ("lower", "upper")
-        for phase in ("acceleration", "nominal")
-    },
+    f"{bound}_{kind}_thresholds_{phase}": values
+    for kind, values in (
+        ("torque", (20.0, 20.0, 18.0, 18.0, 16.0, 14.0, 12.0)),
+        ("force", (20.0, 20.0, 20.0, 25.0, 25.0, 25.0)),
+    )
+    for bound in ("lower", "upper")
+    for phase in ("acceleration", "nominal")
 }
 """Thresholds of libfranka's examples. Source: libfranka@0.9.2
 examples/examples_common.cpp, setDefaultBehavior."""
-STIFFNESS = (3000.0, 3000.0, 3000.0, 2500.0, 2500.0, 2000.0, 2000.0)
+POSSIBLE: Mapping[Command, Mapping[str, object]] = {
+    Command.SET_COLLISION_BEHAVIOR: THRESHOLDS,
+    Command.SET_JOINT_IMPEDANCE: {
+        "K_theta": (3000.0,) * 3 + (2500.0,) * 2 + (2e3,) * 2
+    },
+    Command.SET_CARTESIAN_IMPEDANCE: {"K_x": (3000.0,) * 3 + (300.0,) * 3},
+    Command.SET_GUIDING_MODE: {"guiding_mode": (True,) * 6, "nullspace": True},
+}
 IMPOSSIBLE: Mapping[Command, Mapping[str, object]] = {
     Command.SET_JOINT_IMPEDANCE: {"K_theta": (-1.0,) * 7},
     Command.SET_CARTESIAN_IMPEDANCE: {"K_x": (1e6,) * 6},
@@ -64,57 +69,47 @@ IMPOSSIBLE: Mapping[Command, Mapping[str, object]] = {
     Command.SET_NE_TO_EE: {"NE_T_EE": (nan,) * 16},
     Command.SET_LOAD: {"m_load": -1.0, "I_load": (0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.01)},
 }
+_MODEL_PARTS = "link", "joint"
+_MODEL_LIMITS = "limit", "position_based_velocity_limits"
 SETTERS = [command for command in Command if command.name.startswith("SET_")]
 
 
-def values_of(command: Command, dialog: Dialog) -> dict[str, object]:
+def values_of(command: Command, dialog: Dialog) -> Mapping[str, object]:
     """Return values for a setter that change nothing, or are those of the examples."""
-    state = dialog.state
-    match command:
-        case Command.SET_COLLISION_BEHAVIOR:
-            return {**THRESHOLDS}
-        case Command.SET_JOINT_IMPEDANCE:
-            return {"K_theta": STIFFNESS}
-        case Command.SET_CARTESIAN_IMPEDANCE:
-            return {"K_x": (3000.0,) * 3 + (300.0,) * 3}
-        case Command.SET_GUIDING_MODE:
-            return {"guiding_mode": (True,) * 6, "nullspace": True}
-        case Command.SET_FILTERS:
-            filters = dialog.protocol.exchanges[command].request.offsets
-            return dict.fromkeys(filters, 1000.0)
     fields = dialog.protocol.exchanges[command].request.offsets
-    return {name: state[name] for name in fields}
+    if command is Command.SET_FILTERS:
+        return dict.fromkeys(fields, 1000.0)
+    return POSSIBLE.get(command) or {name: dialog.state[name] for name in fields}
 
 
-def test_version_is_agreed(row: Row, endpoint: Endpoint) -> None:
+def test_version_is_agreed(row: Row, endpoint: Endpoint) -> Verdict:
     version = endpoint.protocol.version
     row.expect(f"Connect with version {version}: success, version {version}")
     status, told = ask_version(endpoint.host, endpoint.port, version)
-    row.see(f"{words(ConnectStatus, status)}, version {told}")
-    assert (status, told) == (ConnectStatus.SUCCESS, version)
+    holds = (status, told) == (ConnectStatus.SUCCESS, version)
+    return holds, f"{words(ConnectStatus, status)}, version {told}"
 
 
 @pytest.mark.parametrize("version", [1, 999])
 def test_wrong_version_is_refused_with_the_right_one(
-    row: Row, endpoint: Endpoint, version: int
-) -> None:
+    endpoint: Endpoint, version: int
+) -> Verdict:
     """Incompatible library version, and a version of the robot."""
     status, told = ask_version(endpoint.host, endpoint.port, version)
-    row.see(f"{words(ConnectStatus, status)}, version {told}")
-    assert status == ConnectStatus.INCOMPATIBLE_LIBRARY_VERSION
-    assert told in PROTOCOLS
+    is_refused = status == ConnectStatus.INCOMPATIBLE_LIBRARY_VERSION
+    seen = f"{words(ConnectStatus, status)}, version {told}"
+    return is_refused and told in PROTOCOLS, seen
 
 
-def test_refused_client_may_connect_again_at_once(row: Row, endpoint: Endpoint) -> None:
+def test_refused_client_may_connect_again_at_once(endpoint: Endpoint) -> Verdict:
     """A connection and a state after a refused version."""
     ask_version(endpoint.host, endpoint.port, 999)
     with_state = endpoint.open()
     with_state.close()
-    row.see("connected")
-    assert with_state.state
+    return bool(with_state.state), "connected"
 
 
-def test_request_that_tcp_has_cut_is_read(row: Row, endpoint: Endpoint) -> None:
+def test_request_that_tcp_has_cut_is_read(endpoint: Endpoint) -> Verdict:
     """Connect in two pieces: success."""
     network = open_network(endpoint.host, endpoint.port)
     dialog = Dialog(network, endpoint.protocol)
@@ -128,73 +123,67 @@ def test_request_that_tcp_has_cut_is_read(row: Row, endpoint: Endpoint) -> None:
     network.send = send_in_pieces  # type: ignore[method-assign]
     try:
         dialog.connect()
-        row.see("success")
-        assert dialog.next_state()
+        return bool(dialog.next_state()), "success"
     finally:
         dialog.close()
 
 
-def test_states_have_their_size(row: Row, dialog: Dialog) -> None:
-    row.expect(f"{dialog.protocol.state.size} bytes")
+def test_states_have_their_size(row: Row, dialog: Dialog) -> Verdict:
+    wanted = dialog.protocol.state.size
+    row.expect(f"{wanted} bytes")
     for _ in range(20):
         dialog.next_state()
-    row.see(", ".join(f"{size} bytes" for size in sorted(dialog.sizes)))
-    assert dialog.sizes == {dialog.protocol.state.size}
+    seen = ", ".join(f"{size} bytes" for size in sorted(dialog.sizes))
+    return dialog.sizes == {wanted}, seen
 
 
 def test_states_come_from_the_address_of_the_robot(
     row: Row, dialog: Dialog, endpoint: Endpoint
-) -> None:
-    wanted = gethostbyname(endpoint.host)
+) -> Verdict:
+    wanted, sender = gethostbyname(endpoint.host), dialog.network.sender
     row.expect(f"states from {wanted}: firewalls and cautious clients drop others")
-    row.see(f"states from {dialog.network.sender}")
-    assert dialog.network.sender == wanted
+    return sender == wanted, f"states from {sender}"
 
 
-def test_numbers_of_states_rise_by_one(row: Row, dialog: Dialog) -> None:
+def test_numbers_of_states_rise_by_one(dialog: Dialog) -> Verdict:
     """Message_id one higher than the last in 95 of 100 states."""
     dialog.settle()
     ids = [dialog.next_state()["message_id"] for _ in range(101)]
     steps = [after - before for before, after in pairwise(ids)]
-    row.see(f"{steps.count(1)} of 100 steps are 1, the largest is {max(steps)}")
-    assert steps.count(1) >= 95
+    ones = steps.count(1)
+    return ones >= 95, f"{ones} of 100 steps are 1, the largest is {max(steps)}"
 
 
-def test_idle_arm_shows_its_modes(row: Row, dialog: Dialog) -> None:
+def test_idle_arm_shows_its_modes(dialog: Dialog) -> Verdict:
     """Generator 0, controller 3, robot mode 1 (idle), no present error."""
     state = dialog.settle()
-    modes = state["motion_generator_mode"], state["controller_mode"]
-    row.see(
-        f"generator {modes[0]}, controller {modes[1]}, robot mode "
-        f"{state['robot_mode']}, {sum(state['errors'])} errors"
-    )
-    assert modes == (NO_GENERATOR, NO_CONTROLLER)
-    assert state["robot_mode"] == RobotMode.IDLE.value
-    assert not any(state["errors"])
+    names = "motion_generator_mode", "controller_mode", "robot_mode"
+    modes = [state[name] for name in names]
+    errors = sum(state["errors"])
+    is_idle = modes == [NO_GENERATOR, NO_CONTROLLER, RobotMode.IDLE.value]
+    seen = "generator {}, controller {}, robot mode {}, {} errors"
+    return is_idle and not errors, seen.format(*modes, errors)
 
 
-def test_all_numbers_are_finite(row: Row, dialog: Dialog) -> None:
+def test_all_numbers_are_finite(dialog: Dialog) -> Verdict:
     """No NaN and no infinity in any field."""
-    state = dialog.settle()
     wrong = [
         name
-        for name, value in state.items()
+        for name, value in dialog.settle().items()
         if not all(map(isfinite, value if isinstance(value, tuple) else (value,)))
     ]
-    row.see(", ".join(wrong) or "all finite")
-    assert not wrong
+    return not wrong, ", ".join(wrong) or "all finite"
 
 
-def test_pose_agrees_with_the_joints(row: Row, dialog: Dialog) -> None:
-    row.expect(f"O_T_EE within {SAME_POSE:g} of the kinematics of q and F_T_EE")
+def test_pose_agrees_with_the_joints(dialog: Dialog) -> Verdict:
+    """O_T_EE within 0.01 of the kinematics of q and F_T_EE."""
     state = dialog.settle()
     pose = frame_pose(Frame.END_EFFECTOR, state["q"], state["F_T_EE"])
-    away = max(abs(a - b) for a, b in zip(pose, state["O_T_EE"], strict=True))
-    row.see(f"{away:.2g} away")
-    assert away < SAME_POSE
+    away = farthest(pose, state["O_T_EE"])
+    return away < SAME_POSE, f"{away:.2g} away"
 
 
-def test_end_effector_is_composed_of_its_frames(row: Row, dialog: Dialog) -> None:
+def test_end_effector_is_composed_of_its_frames(dialog: Dialog) -> Verdict:
     """F_T_NE times NE_T_EE is F_T_EE."""
     state = dialog.settle()
     first, second = state["F_T_NE"], state["NE_T_EE"]
@@ -203,141 +192,116 @@ def test_end_effector_is_composed_of_its_frames(row: Row, dialog: Dialog) -> Non
         for c in range(4)
         for r in range(4)
     ]
-    away = max(abs(a - b) for a, b in zip(product, state["F_T_EE"], strict=True))
-    row.see(f"{away:.2g} away")
-    assert away < 1e-4
+    away = farthest(product, state["F_T_EE"])
+    return away < 1e-4, f"{away:.2g} away"
 
 
-def test_joints_rest_where_they_are_desired(row: Row, dialog: Dialog) -> None:
+def test_joints_rest_where_they_are_desired(dialog: Dialog) -> Verdict:
     """Q within 0.02 rad of q_d, dq below 0.05 rad/s."""
     state = dialog.settle()
-    away = max(abs(a - b) for a, b in zip(state["q"], state["q_d"], strict=True))
-    fast = max(map(abs, state["dq"]))
-    row.see(f"{away:.2g} rad away, {fast:.2g} rad/s")
-    assert away < 0.02
-    assert fast < 0.05
+    away, fast = farthest(state["q"], state["q_d"]), max(map(abs, state["dq"]))
+    return away < 0.02 and fast < 0.05, f"{away:.2g} rad away, {fast:.2g} rad/s"
 
 
-def test_gravity_is_told(row: Row, dialog: Dialog) -> None:
-    row.expect(f"O_ddP_O of {GRAVITY} m/s², which clients' models take for gravity")
+def test_gravity_is_told(dialog: Dialog) -> Verdict:
+    """O_ddP_O of 9.81 m/s², which clients' models take for gravity."""
     told = dialog.settle()["O_ddP_O"]
-    row.see(f"({', '.join(f'{value:.3g}' for value in told)}) m/s²")
-    assert abs(hypot(*told) - GRAVITY) < 0.2
+    seen = f"({', '.join(f'{value:.3g}' for value in told)}) m/s²"
+    return abs(hypot(*told) - GRAVITY) < 0.2, seen
 
 
-def test_accelerometers_feel_gravity(row: Row, dialog: Dialog) -> None:
+def test_accelerometers_feel_gravity(dialog: Dialog) -> Verdict:
+    """9.81 ± 1.5 m/s² at each of the twelve boards of an arm at rest."""
     state = dialog.settle()
-    row.needs("accelerometer_top" in state)
-    row.expect(f"{GRAVITY} ± 1.5 m/s² at each of the twelve boards of an arm at rest")
+    needs("accelerometer_top" in state)
     values = (*state["accelerometer_top"], *state["accelerometer_bottom"])
     felt = [hypot(*values[i : i + 3]) for i in range(0, 36, 3)]
-    row.see(f"{min(felt):.3g} to {max(felt):.3g} m/s²")
-    assert all(abs(one - GRAVITY) < 1.5 for one in felt)
+    holds = all(abs(one - GRAVITY) < 1.5 for one in felt)
+    return holds, f"{min(felt):.3g} to {max(felt):.3g} m/s²"
 
 
-def test_load_of_the_end_effector_is_possible(row: Row, dialog: Dialog) -> None:
+def test_load_of_the_end_effector_is_possible(dialog: Dialog) -> Verdict:
     """Masses of 0 to 10 kg, no negative moment of inertia."""
     state = dialog.settle()
-    row.see(f"m_ee {state['m_ee']:.3g} kg, m_load {state['m_load']:.3g} kg")
-    assert all(0.0 <= state[mass] < 10.0 for mass in ("m_ee", "m_load"))
-    assert all(state[i][k] >= 0.0 for i in ("I_ee", "I_load") for k in (0, 4, 8))
+    holds = all(0.0 <= state[mass] < 10.0 for mass in ("m_ee", "m_load")) and all(
+        state[i][k] >= 0.0 for i in ("I_ee", "I_load") for k in (0, 4, 8)
+    )
+    return holds, f"m_ee {state['m_ee']:.3g} kg, m_load {state['m_load']:.3g} kg"
 
 
 @pytest.mark.parametrize("command", SETTERS, ids=lambda c: c.name.lower())
-def test_possible_setting_is_accepted(
-    row: Row, dialog: Dialog, command: Command
-) -> None:
+def test_possible_setting_is_accepted(dialog: Dialog, command: Command) -> Verdict:
     """Success."""
-    row.needs(command in dialog.protocol.exchanges)
-    answer = dialog.ask(command, **values_of(command, dialog))
-    row.see(words(SetterStatus, answer.status))
-    assert answer.status == SetterStatus.SUCCESS
+    needs(command in dialog.protocol.exchanges)
+    return dialog.expect(command, SetterStatus.SUCCESS, **values_of(command, dialog))
 
 
 @pytest.mark.parametrize("command", IMPOSSIBLE, ids=lambda c: c.name.lower())
-def test_impossible_setting_is_refused(
-    row: Row, dialog: Dialog, command: Command
-) -> None:
+def test_impossible_setting_is_refused(dialog: Dialog, command: Command) -> Verdict:
     """Invalid argument rejected."""
-    answer = dialog.ask(command, **IMPOSSIBLE[command])
-    row.see(words(SetterStatus, answer.status))
-    if answer.status == SetterStatus.SUCCESS:  # undone, as far as it can be
+    wanted = SetterStatus.INVALID_ARGUMENT_REJECTED
+    holds, seen = dialog.expect(command, wanted, **IMPOSSIBLE[command])
+    if seen == words(SetterStatus, SetterStatus.SUCCESS):  # undone, if it can be
         dialog.ask(command, **values_of(command, dialog))
-    assert answer.status == SetterStatus.INVALID_ARGUMENT_REJECTED
+    return holds, seen
 
 
-def test_virtual_walls_are_told(row: Row, dialog: Dialog) -> None:
+def test_virtual_walls_are_told(dialog: Dialog) -> Verdict:
     """Success."""
-    row.needs(Command.GET_CARTESIAN_LIMIT in dialog.protocol.exchanges)
-    answer = dialog.ask(Command.GET_CARTESIAN_LIMIT, id=0)
-    row.see(words(SetterStatus, answer.status))
-    assert answer.status == SetterStatus.SUCCESS
+    needs(Command.GET_CARTESIAN_LIMIT in dialog.protocol.exchanges)
+    return dialog.expect(Command.GET_CARTESIAN_LIMIT, SetterStatus.SUCCESS, id=0)
 
 
-def test_stop_of_an_idle_arm_succeeds(row: Row, dialog: Dialog) -> None:
+def test_stop_of_an_idle_arm_succeeds(dialog: Dialog) -> Verdict:
     """Success."""
-    answer = dialog.ask(Command.STOP_MOVE)
-    row.see(words(StopMoveStatus, answer.status))
-    assert answer.status == StopMoveStatus.SUCCESS
+    return dialog.expect(Command.STOP_MOVE, StopMoveStatus.SUCCESS)
 
 
-def test_recovery_without_an_error_succeeds(row: Row, dialog: Dialog) -> None:
+def test_recovery_without_an_error_succeeds(dialog: Dialog) -> Verdict:
     """Success."""
-    answer = dialog.ask(Command.AUTOMATIC_ERROR_RECOVERY)
-    row.see(words(RecoveryStatus, answer.status))
-    assert answer.status == RecoveryStatus.SUCCESS
+    return dialog.expect(Command.AUTOMATIC_ERROR_RECOVERY, RecoveryStatus.SUCCESS)
 
 
-def test_model_library_is_sent(row: Row, dialog: Dialog) -> None:
+def test_model_library_is_sent(dialog: Dialog) -> Verdict:
     """Success, and an ELF library for x86-64 Linux."""
-    row.needs(Command.LOAD_MODEL_LIBRARY in dialog.protocol.exchanges)
+    needs(Command.LOAD_MODEL_LIBRARY in dialog.protocol.exchanges)
     values = {"architecture": Architecture.X64, "system": System.LINUX}
     answer = dialog.ask(Command.LOAD_MODEL_LIBRARY, **values)
-    row.see(f"{words(LibraryStatus, answer.status)}, {len(answer.rest)} bytes")
-    assert answer.status == LibraryStatus.SUCCESS
-    assert answer.rest.startswith(b"\x7fELF")
+    is_sent = answer.status == LibraryStatus.SUCCESS
+    seen = f"{words(LibraryStatus, answer.status)}, {len(answer.rest)} bytes"
+    return is_sent and answer.rest.startswith(b"\x7fELF"), seen
 
 
-def test_robot_model_is_what_libfranka_parses(row: Row, dialog: Dialog) -> None:
-    row.needs(Command.GET_ROBOT_MODEL in dialog.protocol.exchanges)
+def test_robot_model_is_what_libfranka_parses(row: Row, dialog: Dialog) -> Verdict:
+    needs(Command.GET_ROBOT_MODEL in dialog.protocol.exchanges)
     row.expect(
         "a URDF: links link0 to link8, link1 to link7 with masses; joints joint1 to "
         "joint7 with limits, and with position_based_velocity_limits"
     )
     answer = dialog.ask(Command.GET_ROBOT_MODEL)
     row.see(f"{words(ModelStatus, answer.status)}, {len(answer.rest)} bytes")
-    assert answer.status == ModelStatus.SUCCESS
+    if answer.status != ModelStatus.SUCCESS:
+        return False, row.seen
     robot = ElementTree.fromstring(answer.rest)
-    links = {one.get("name"): one for one in robot.iter("link")}
-    joints = {one.get("name"): one for one in robot.iter("joint")}
-    lacks = [f"link{i}" for i in range(9) if f"link{i}" not in links]
-    lacks += [f"joint{i}" for i in range(1, 8) if f"joint{i}" not in joints]
-    if not lacks:
-        lacks = [
-            f"{part} of {kind}{i}"
-            for kind, found, part in (
-                ("link", links, "inertial/mass"),
-                ("joint", joints, "limit"),
-                ("joint", joints, "position_based_velocity_limits"),
-            )
-            for i in range(1, 8)
-            if found[f"{kind}{i}"].find(part) is None
-        ]
-    row.see(f"{len(answer.rest)} bytes; missing: {', '.join(lacks) or 'nothing'}")
-    assert not lacks
+    parts = {one.get("name"): one for one in robot.iter() if one.tag in _MODEL_PARTS}
+    wanted = [("link0", ""), ("link8", "")]
+    wanted += [(f"link{i}", "inertial/mass") for i in range(1, 8)]
+    wanted += [(f"joint{i}", one) for one in _MODEL_LIMITS for i in range(1, 8)]
+    lacks = [name for name in dict(wanted) if name not in parts] or [
+        f"{part} of {name}"
+        for name, part in wanted
+        if part and parts[name].find(part) is None
+    ]
+    seen = f"{len(answer.rest)} bytes; missing: {', '.join(lacks) or 'nothing'}"
+    return not lacks, seen
 
 
-def test_frames_and_load_are_shown_as_they_were_set(row: Row, dialog: Dialog) -> None:
+def test_frames_and_load_are_shown_as_they_were_set(dialog: Dialog) -> Verdict:
     """EE_T_K of a state after SetEEToK is the frame that was set."""
     before = dialog.settle()["EE_T_K"]
     frame = (*IDENTITY[:12], 0.0, 0.0, 0.01, 1.0)
     dialog.ask(Command.SET_EE_TO_K, EE_T_K=frame)
-
-    def is_shown(state: State) -> bool:
-        pairs = zip(state["EE_T_K"], frame, strict=True)
-        return all(abs(a - b) < 1e-6 for a, b in pairs)
-
-    shown = dialog.wait_until(is_shown, 0.5)
-    row.see("it is" if shown else f"EE_T_K {dialog.state['EE_T_K']}")
+    shown = dialog.wait_until(lambda s: farthest(s["EE_T_K"], frame) < 1e-6, 0.5)
+    seen = "it is" if shown else f"EE_T_K {dialog.state['EE_T_K']}"
     dialog.ask(Command.SET_EE_TO_K, EE_T_K=before)
-    assert shown
+    return shown, seen

@@ -568,13 +568,9 @@ class StormWorker:
     def _hardware(self) -> None:
         change = self._station.set_hardware_component_state
         name = self._dice.choice(self._manager.hardware_components()).name
-        less, stops = (
-            self._dice.choice([*ComponentState][:2]),
-            self._dice.random() < 0.5,
-        )
         with self._disturbances:
-            for state in (less, ComponentState.ACTIVE):
-                change(name, state, stop_controllers=stops)
+            for state in [*ComponentState][self._dice.randint(0, 1) : 3]:
+                change(name, state, stop_controllers=True)
 
     # Looking
 

@@ -47,6 +47,8 @@ _ROUTES: tuple[tuple[tuple[str, ...], str], ...] = (
     (("GET", "POST"), "/stop"),
     (("POST",), "/stop/release"),
     (_READ, "/scene"),
+    (_READ, "/cameras"),
+    (_READ, "/cameras/{}"),
     (("PUT", "DELETE"), "/scene/{}"),
     (("POST",), "/rehearse"),
     (("POST",), "/plan"),

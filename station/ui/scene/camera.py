@@ -31,13 +31,13 @@ def look(
     positions: Mapping[str, float],
     covered: float = 0.0,
 ) -> None:
-    """Let a browser look from another place.
+    """Move the camera of a browser to a preset place.
 
     Args:
         client: The browser.
         preset: One of `PRESETS`. All but `hand` show all robots; `hand` looks at the
             flange of the first one from near.
-        robots: The robots; without any nothing happens.
+        robots: The robots to show; the camera stays when there are none.
         positions: Joint positions by name [rad] or [m].
         covered: Part of the picture at its left, 0 to less than 1, in which the page
             hides what is drawn: the robots are fitted into the rest.

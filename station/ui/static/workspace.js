@@ -23,6 +23,7 @@ import "./panels/plots.js";
 import "./panels/timeline.js";
 import "./panels/simulation.js";
 import "./panels/lessons.js";
+import "./panels/cameras.js";
 
 const DOCKS = [
   { id: "joints", title: "Joints", place: "first-column" },
@@ -31,6 +32,7 @@ const DOCKS = [
   { id: "move", title: "Waypoints and moves", place: "second-column" },
   { id: "tuning", title: "Tuning", place: "second-column" },
   { id: "lessons", title: "Lessons", place: "second-column" },
+  { id: "cameras", title: "Cameras", place: "second-column" },
   { id: "plots", title: "Plots", place: "below" },
   { id: "timeline", title: "Timeline", place: "below" },
   { id: "simulation", title: "Simulation", place: "below" },
@@ -225,7 +227,7 @@ function chooseDock() {
 // can move: a page has no dock of what its station lacks.
 function showDocks() {
   const { boot_id: known, simulation, arms } = store.docks;
-  const lacks = { simulation: !simulation, gripper: !arms.length };
+  const lacks = { simulation: !simulation, gripper: !arms.length, cameras: !element("dock-cameras").cameras.length };
   for (const [id, isLacking] of Object.entries(lacks)) {
     const absent = Boolean(known) && isLacking;
     for (const part of document.querySelectorAll(`[data-dock="${id}"]`)) part.hidden = absent;

@@ -1,5 +1,7 @@
 """Definitions, defaults and bytes of messages, compared with the types of rosbags."""
 
+import json
+
 import numpy as np
 import pytest
 from rosbags.typesys import Stores, get_typestore
@@ -7,10 +9,10 @@ from rosbags.typesys import Stores, get_typestore
 from station.api.rosbridge import ros_types
 from station.api.rosbridge.ros_types import (
     RosTypeError,
-    as_ros1,
     checked,
     filled,
     find_type,
+    in_style,
     serialized,
     type_definitions,
 )
@@ -44,7 +46,7 @@ def built(store, name, message):
     kind = store.types[name]
     values = {}
     for field, (node, inner) in store.fielddefs[name][1]:
-        value = message[field]
+        value = message.get(field, 0)
         if node.name == "NAME":
             value = built(store, inner, value)
         elif node.name in {"ARRAY", "SEQUENCE"} and inner[0][0].name == "NAME":
@@ -92,9 +94,10 @@ def test_bytes_are_those_of_ros(name, message, ros2):
 
 
 def test_a_message_of_ros1_has_its_own_times():
-    message = as_ros1(
+    message = in_style(
         "trajectory_msgs/JointTrajectory",
         checked("trajectory_msgs/JointTrajectory", TRAJECTORY),
+        ros2=False,
     )
     assert message["header"]["stamp"] == {"secs": 5, "nsecs": 7}
     assert message["points"][0]["time_from_start"] == {"secs": 1, "nsecs": 500}
@@ -115,7 +118,8 @@ def test_a_message_of_ros1_has_its_own_times():
         ("rosgraph_msgs/Clock", {"clock": {"secs": 2**40}}, "int32"),
         ("franka_msgs/SetLoadRequest", {"F_x_center_load": [1.0]}, "must have 3"),
         ("controller_manager_msgs/SwitchControllerRequest", {"start_asap": 1}, "true"),
-        ("nothing/Like", {}, "nothing/Like"),
+        ("own/Type", {"a": json.loads("[" * 40 + "]" * 40)}, "30 levels"),
+        ("std_msgs/Header", {"stamp": {"secs": -5}}, "msg/stamp/secs"),
     ],
 )
 def test_what_does_not_fit_is_named(name, message, told):

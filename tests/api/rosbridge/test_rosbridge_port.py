@@ -18,7 +18,7 @@ from tests.api.rosbridge.test_session import ACTION, TRAJECTORY
 GOAL = {"trajectory": TRAJECTORY}
 FRAMES = int(os.environ.get("FUZZED_FRAMES", "10000"))
 """Frames of the long run."""
-PARAMETER = {"name": "a", "value": "1"}
+PARAMETER = {"name": "/pose/a", "value": "1"}
 SWITCH = "/controller_manager/switch_controller"
 CHANGES = {
     "set-point": ("publish", {"topic": "/pose/command", "msg": {"data": [0.1, 0.1]}}),
@@ -48,7 +48,7 @@ def test_nobody_changes_anything_who_may_not(serve, station, change, query, why)
         assert why in client.until("status")["msg"]
     assert station.motion.set_point("pose").values is None
     assert station.motion.goals("arm") == []
-    assert not station.parameters.has("a")
+    assert not station.parameters.has("pose/a")
 
 
 def test_the_holder_of_control_commands_and_the_event_says_who(app, serve):

@@ -62,3 +62,27 @@ def test_address_and_pytest_are_needed(monkeypatch, capsys):
 def test_nobody_at_the_address_is_told_in_libfrankas_words(capfd):
     assert main(["fci", "check", "127.0.0.1", "--port", "1"]) == 1
     assert "Connection to FCI refused at 127.0.0.1:1" in capfd.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        ("--move", "--move belongs to `station fci check ADDRESS`"),
+        ("station.yaml 127.0.0.1", "ADDRESS belongs to `station fci check ADDRESS`"),
+        ("--port 2000", "`station fci` has no --port"),
+        ("check arm --patience 2", "--patience belongs to `station fci`"),
+        ("check arm --desk", "`station fci check ADDRESS` has no --desk"),
+        ("check arm --report /nowhere/at/all.json", "has no folder"),
+    ],
+)
+def test_option_that_would_mean_nothing_is_refused(line, told, called, capsys):
+    assert main(["fci", *line.split()]) == 2
+    assert told in capsys.readouterr().err
+    assert not called
+
+
+@pytest.mark.parametrize("option", ["--port 65536", "--port -1", "--desk x"])
+def test_impossible_port_is_refused(option, capsys):
+    with pytest.raises(SystemExit):
+        parse(["fci", "check", "arm", *option.split()])
+    assert "0 to 65535" in capsys.readouterr().err

@@ -38,7 +38,7 @@ def scene_of(*robots, **changes):
             hw.add_robot(f"r{number}", robot)
     loop = SimpleNamespace(hw=hw, run_in_cycle=lambda action: action())
     tree = ParameterTree({"scene": {"objects": [{**BALL, **changes}]}})
-    return StationScene(loop, Parameters(tree), None)
+    return StationScene(loop, Parameters(tree), None, None)
 
 
 def test_a_robot_without_a_guard_refuses_roles():

@@ -1,5 +1,7 @@
 """The checks of an endpoint: ours passes; an arm without errors is found out."""
 
+from types import SimpleNamespace
+
 import pytest
 
 from station.app.fci_run import robot_model_of
@@ -7,6 +9,7 @@ from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.fci.wire.robot_protocol import FR3, PANDA
 from station.hw.franka.franka_parameters import read_parameters
 from station.hw.franka.simulated.franka_world import simulate_one
+from station.testing.fci_conformance import dialog, plugin
 from tests.hw.franka.scripted_arm import ScriptedArm
 from tests.testing.fci_conformance.pumped_endpoint import run_checks
 
@@ -114,3 +117,29 @@ def test_check_is_made_again_if_this_side_was_late(
     assert row["result"] == result
     assert told in row["seen"]
     assert told in row["seen"]
+
+
+def test_server_of_something_else_is_named(monkeypatch):
+    class WebServer:
+        udp_port = 1
+
+        def __init__(self, *_arguments, **_options):
+            pass
+
+        def send(self, data):
+            pass
+
+        def receive(self, _timeout):
+            return b"HTTP/1.0 400 Bad Request"
+
+        def close(self):
+            pass
+
+    monkeypatch.setattr(dialog, "FciNetwork", WebServer)
+    options = {"--fci": "arm", "--fci-port": 80}
+    config = SimpleNamespace(
+        getoption=options.get, stash={}, addinivalue_line=lambda *_: None
+    )
+    told = "arm:80 does not answer as a robot: libfranka: Unexpected answer to command"
+    with pytest.raises(pytest.UsageError, match=told):
+        plugin.pytest_configure(config)

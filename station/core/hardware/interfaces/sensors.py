@@ -1,4 +1,4 @@
-"""Force-torque and inertial sensors; reading claims nothing.
+"""Force-torque and inertial sensors; a controller reads them without a claim.
 
 Source: ros_control@0.20.0 hardware_interface/force_torque_sensor_interface.h,
 imu_sensor_interface.h.

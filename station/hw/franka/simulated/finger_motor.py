@@ -13,10 +13,10 @@ class FingerMotor(Preparation):
 
     Attributes:
         stiffness: Stiffness of the servo [N/m]; 0 for a motor that gives a force.
-        step: Change of the place per time step, > 0 [m].
-        reach: Largest distance of the place from the finger [m].
-        target: Where the place goes [m].
-        place: Where the servo pulls the finger [m].
+        step: Change of `place` per time step, > 0 [m].
+        reach: Largest distance of `place` from the finger [m].
+        target: Position at which `place` ends [m].
+        place: Position towards which the servo pulls the finger [m].
         force: Force on both fingers together without the servo [N].
     """
 

@@ -250,10 +250,10 @@ class MotionCheck:
         jerk: float,
         bounds: Storage,
     ) -> None:
-        """Compare one part of the end effector's motion with its limits.
+        """Compare the translation, the rotation or the elbow with its limits.
 
         Args:
-            first: Place of its first code after `TRANSLATION_VELOCITY`.
+            first: Distance of its codes from those of the translation.
             velocity: Its velocity, per second.
             acceleration: Its acceleration, per second squared.
             jerk: Its jerk, per second cubed.

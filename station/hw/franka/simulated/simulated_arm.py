@@ -210,7 +210,7 @@ class SimulatedArm(RobotArm):
         self.contact.renew()
 
     def set_mounted(self, end_effector: Load, nominal_frame: Sequence[float]) -> None:
-        """Let the state tell of another end effector; what is mounted stays.
+        """Report another end effector in the state; the simulated bodies stay.
 
         Args:
             end_effector: Its mass properties.

@@ -80,15 +80,30 @@ export class Forecast {
     return this.rehearse([...(controller ? startOf(controller) : []), { kind: "path", path: name, options }]);
   }
 
-  /** Search for a way around what is in the way, and try it; starts a controller of trajectories if none runs. */
-  async goAround(targets) {
+  /** Search for a way around what is in the way, to positions of joints or to the pose of their hand, and try it. */
+  async goAround(targets, pose = null) {
+    const found = await this.plan(targets, pose);
+    if (!found) return undefined;
+    const { controller, plan } = found;
+    const way = plan.direct ? "The straight way is free. " : `A way around with ${plan.positions.length - 2} corners. `;
+    return this.rehearse([{ kind: "goal", name: controller.name, request: plan.goal }], { before: way });
+  }
+
+  /** Try to move joints straight to where their hand has a pose, at most at a speed [rad/s]. */
+  async rehearseHand(targets, pose, speed) {
+    const found = await this.plan(targets, pose);
+    if (!found) return undefined;
+    const ends = found.plan.positions.at(-1);
+    return this.rehearseMove(Object.fromEntries(found.plan.joints.map((joint, i) => [joint, ends[i]])), speed);
+  }
+
+  /** Search for a way; starts a controller of trajectories if none runs. */
+  async plan(targets, pose) {
     const controller = controllerFor(targets);
     if (!controller) return this.show(WITHOUT_CONTROLLER, false);
     if (controller.state !== "running" && !(await switchTo(controller.name))) return undefined;
-    const plan = await this.ask("Searching for a way …", "/plan", { controller: controller.name, positions: targets });
-    if (!plan) return undefined;
-    const way = plan.direct ? "The straight way is free. " : `A way around with ${plan.positions.length - 2} corners. `;
-    return this.rehearse([{ kind: "goal", name: controller.name, request: plan.goal }], { before: way });
+    const plan = await this.ask("Searching for a way …", "/plan", { controller: controller.name, ...(pose ? { pose } : { positions: targets }) });
+    return plan && { controller, plan };
   }
 
   async ask(text, path, body) {

@@ -1,5 +1,6 @@
 // The hand of one arm: held directions, steps, a typed pose, and how fast it may move.
-import { h, holdButton, kept, offer, show, valueField } from "../lib/dom.js";
+import { Forecast } from "../lib/forecast.js";
+import { button, h, holdButton, kept, offer, show, valueField } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { anglesOfMatrix, fromAngles, stepped, toAngles } from "../lib/pose_maths.js";
 import { refusals } from "../lib/refusals.js";
@@ -45,6 +46,11 @@ class Hand extends Panel {
     units.addEventListener("change", () => this.changeUnit());
     this.reach = h("button", { class: "s", type: "button", title: "Move the hand there; without angles it keeps its orientation.", onclick: () => this.go() }, "Go there");
     this.axes = h("select", { title: "Frame along whose axes the buttons move the hand.", ariaLabel: "Axes of the jog", onchange: () => this.setFrame() }, ...FRAMES.map((frame, i) => h("option", { value: String(i) }, frame)));
+    this.forecast = new Forecast();
+    this.trials = [
+      button("Rehearse", "Try to move the joints straight to the pose in a copy of the station: how it would end, and a ghost of it. Starts a trajectory controller; nothing moves.", () => this.tryOut(false)),
+      button("Go around", "Search for a way that touches nothing, try it, and show its ghost. Starts a trajectory controller; nothing moves yet.", () => this.tryOut(true)),
+    ];
     const here = h("button", { class: "s", type: "button", title: "Fill in where the hand is.", onclick: () => this.fillIn() }, "Here");
     teleoperation.addEventListener("change", () => this.isShown && this.refresh());
     store.addEventListener("gains", () => (this.framed = "")); // the axes are a gain of the jog
@@ -60,7 +66,8 @@ class Hand extends Panel {
         h("div", { class: "line" }, h("label", {}, "axes of ", this.axes), h("label", {}, "step ", this.step)),
         h("div", { class: "jog" }, ...this.handButtons),
         h("div", { class: "line" }, ...named(this.targets, AXES), " m"),
-        h("div", { class: "line" }, ...named(this.angles, ANGLES), this.angleUnit, here, this.reach),
+        h("div", { class: "line" }, ...named(this.angles, ANGLES), this.angleUnit, here, this.reach, ...this.trials),
+        this.forecast.element,
       ),
     );
   }
@@ -159,16 +166,36 @@ class Hand extends Panel {
     return Object.fromEntries(Object.entries(this.speeds).map(([key, { input }]) => [key, Number(input.value)]));
   }
 
-  go() {
+  /** Return the typed pose, three numbers of it without angles; nothing when it is none. */
+  typedPose() {
     const position = this.targets.map((input) => typed(input.value));
     const angles = this.angles.map((input) => typed(input.value));
     const isOfPlace = this.angles.every((input) => !input.value.trim());
-    if (position.includes(null) || (angles.includes(null) && !isOfPlace)) return refusals.add({ code: "not_a_number", detail: "Type x, y and z in metres, and all three angles or none." });
+    if (position.includes(null) || (angles.includes(null) && !isOfPlace)) {
+      refusals.add({ code: "not_a_number", detail: "Type x, y and z in metres, and all three angles or none." });
+      return null;
+    }
+    return isOfPlace ? position : [...position, ...fromAngles(angles.map((angle) => angle / units.scale))];
+  }
+
+  /** Try to reach the typed pose; without angles the hand keeps its orientation. */
+  tryOut(isAround) {
+    const pose = this.typedPose();
+    if (!pose) return;
+    const [position, orientation] = [pose.slice(0, FIRST_TURN), pose.slice(FIRST_TURN)];
+    const place = orientation.length ? { position, orientation } : { position };
+    const joints = Object.fromEntries(store.docks.joints.filter((joint) => joint.startsWith(`${this.armName}_joint`)).map((joint) => [joint, 0]));
+    if (isAround) this.forecast.goAround(joints, place);
+    else this.forecast.rehearseHand(joints, place, kept.get("speed", 29) / DEGREES);
+  }
+
+  go() {
+    const pose = this.typedPose();
+    if (!pose) return;
     this.wanted = null;
     for (const input of [...this.targets, ...this.angles]) input.edited = false;
-    this.reachFor(isOfPlace ? position : [...position, ...fromAngles(angles.map((angle) => angle / units.scale))]);
+    this.reachFor(pose);
     if (this.contains(document.activeElement)) document.activeElement.select?.(); // to be typed over
-    return undefined;
   }
 
   /** Fill in what the hand is told, or else where it is. */
@@ -229,6 +256,7 @@ class Hand extends Panel {
     });
     this.step.disabled = !this.isStepping;
     this.reach.disabled = !isOf(target);
+    for (const each of this.trials) each.disabled = !store.isOperator || !store.docks.simulation;
     this.axes.disabled = (!isOf(jog) && !this.isStepping) || !store.isOperator;
     this.startJog.hidden = Boolean(jog.controller) || !store.isOperator;
     this.startTarget.hidden = Boolean(target.controller) || !store.isOperator;

@@ -10,8 +10,10 @@ import time
 
 import numpy as np
 
-LASTING = 1.5
+LASTING = 1.0
 """Duration of each motion of `pylibfranka` [s]."""
+TURN = [0.0, 0.0, 0.05, 0.0, 0.08, 0.0, 0.1]
+"""How far franky's springs turn the joints, and torques turn them back [rad]."""
 ASIDE = [0.3, -0.6, 0.2, -2.0, 0.1, 1.8, 0.5]
 
 
@@ -180,8 +182,47 @@ class Franky:
         down.add_reaction(f.Reaction(f.Measure.REL_TIME > 0.3, stop))
         robot.move(down)
         seen["reaction"] = {"begin": begin, "end": list(robot.state.q)}
+        before = list(robot.state.q)
+        left = f.CartesianWaypoint(f.Affine([0.0, 0.05, 0.0]), f.ReferenceType.Relative)
+        up = f.CartesianWaypoint(f.Affine([0.0, 0.0, -0.04]), f.ReferenceType.Relative)
+        robot.move(f.CartesianWaypointMotion([left, up]))
+        seen["cartesian waypoints"] = {"begin": before, "end": list(robot.state.q)}
+        seen |= self._torques()
         hand = f.Gripper(self._host)
         seen["hand"] = {"moved": hand.move(0.04, 0.05), "width": hand.width}
+        return seen
+
+    def _torques(self):
+        """Return where springs and torques that franky computes lead the arm."""
+        f, robot = self._f, self._robot
+        begin = np.array(robot.state.q)
+        goal = begin + np.array(TURN)
+        stiff = [600.0] * 4 + [250.0, 150.0, 50.0]
+        torques = f.SimpleTorqueMotion(signal_timeout=1.0)
+        seen = {}
+        for name, motion in (
+            ("joint impedance", f.JointImpedanceMotion(goal, stiffness=stiff)),
+            ("torques", torques),
+            (
+                "cartesian impedance",
+                f.CartesianImpedanceMotion(
+                    f.Affine([0.0, 0.0, -0.03]),
+                    target_type=f.ReferenceType.Relative,
+                    translational_stiffness=1500.0,
+                    rotational_stiffness=80.0,
+                ),
+            ),
+        ):
+            before = list(robot.state.q)
+            robot.move(motion, asynchronous=True)
+            deadline = time.monotonic() + 1.5
+            while time.monotonic() < deadline:
+                if motion is torques:
+                    off, dq = begin - robot.state.q, np.array(robot.state.dq)
+                    torques.set_torque(np.array(stiff) / 3.0 * (off - 0.1 * dq))
+                time.sleep(0.002)
+            seen[name] = {"begin": before, "end": list(robot.state.q)}
+            robot.move(f.TorqueStopMotion())
         return seen
 
 

@@ -20,7 +20,7 @@ from station.core.description.robot_files import load_robot_files
 from station.hw.franka.arm.arm_description import load_arm_description
 from station.hw.franka.arm.arm_limits import FR3_LIMITS
 from station.hw.franka.fci.server.robot_model import write_robot_model
-from tests.hw.franka.fci.clients_of_version_10 import ASIDE
+from tests.hw.franka.fci.clients_of_version_10 import ASIDE, TURN
 
 # Both register the same C++ types, so that one process can import only one of them.
 _MISSING = [name for name in ("pylibfranka", "franky") if find_spec(name) is None]
@@ -144,6 +144,25 @@ def test_franky_moves_the_hand_and_stops_by_a_reaction(seen, model):
     assert turned < 5e-3
     moved, _ = way_of_flange(model, seen["franky"]["reaction"])
     assert 0.005 < np.linalg.norm(moved) < 0.15
+
+
+@pytest.mark.parametrize(
+    ("motion", "way", "within"),
+    # The second one is a spring of franky's own, of 1500 N/m and 80 Nm/rad.
+    [("cartesian waypoints", 0.0640, 1.5e-3), ("cartesian impedance", 0.03, 5e-3)],
+)
+def test_franky_leads_the_hand(seen, model, motion, way, within):
+    moved, turned = way_of_flange(model, seen["franky"][motion])
+    assert np.linalg.norm(moved) == pytest.approx(way, abs=within)
+    assert turned < 5e-3
+
+
+@pytest.mark.parametrize(("motion", "sign"), [("joint impedance", 1), ("torques", -1)])
+def test_franky_s_own_springs_turn_the_joints(seen, motion, sign):
+    found = seen["franky"][motion]
+    moved = sign * np.subtract(found["end"], found["begin"])
+    # Friction holds a joint where a soft spring no longer moves it.
+    assert moved == pytest.approx(TURN, abs=0.03)
 
 
 def test_franky_moves_the_hand_s_fingers(seen):

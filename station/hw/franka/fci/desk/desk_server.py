@@ -10,11 +10,7 @@ import socket
 import ssl
 import subprocess
 import threading
-from collections.abc import Callable
-from concurrent.futures import Future
-from functools import partial
 from pathlib import Path
-from typing import Protocol
 
 import uvicorn
 
@@ -27,11 +23,10 @@ from station.hw.franka.fci.desk.desk_state import (
     MOUNTED,
     NO_END_EFFECTOR,
     Desk,
+    ServedArm,
     profile_of,
 )
 from station.hw.franka.fci.server.client_port import FciPortError
-from station.hw.franka.hand.hand_services import HandServices
-from station.hw.franka.simulated.simulated_arm import SimulatedArm
 
 HTTPS = 443
 """Port of Desk: clients that take the address of the robot alone use no other one."""
@@ -45,68 +40,6 @@ class DeskCertificateError(StationError):
     """There is no certificate with which Desk could be served."""
 
     code = "desk_certificate"
-
-
-class ServerOfDesk(Protocol):
-    """A server of libfranka's programs, as Desk needs it. Any thread."""
-
-    def change(self, action: Callable[[], None]) -> Future[None]:
-        """Let something be done between two cycles of the arm."""
-
-    def open_or_close(self, *, is_open: bool) -> Future[None]:
-        """Let programs of libfranka connect, or send them away and refuse them."""
-
-
-class ServedArm:
-    """Desk's way to the arm that a server serves; see `DeskArm`. Any thread.
-
-    Args:
-        server: The server.
-        arm: The arm.
-        hand: The hand; None without a hand.
-        kind: Kind of arm, as Desk calls it.
-    """
-
-    def __init__(
-        self,
-        server: ServerOfDesk,
-        arm: SimulatedArm,
-        hand: HandServices | None,
-        kind: str,
-    ) -> None:
-        self._server, self._arm, self._hand = server, arm, hand
-        self.kind = kind
-
-    def set_brakes(self, *, closed: bool) -> Future[None]:
-        """Close or open the brakes."""
-        set_brakes = self._arm.simulation().set_brakes
-        return self._server.change(partial(set_brakes, closed=closed))
-
-    def set_fci(self, *, active: bool) -> Future[None]:
-        """Let programs of libfranka connect, or not."""
-        return self._server.open_or_close(is_open=active)
-
-    def set_end_effector(self, load: Load, frame: tuple[float, ...]) -> Future[None]:
-        """Let the state tell of another end effector."""
-        return self._server.change(partial(self._arm.set_mounted, load, frame))
-
-    def home_gripper(self) -> Future[None]:
-        """Begin the homing of the hand, if there is one."""
-        return self._server.change(self._home)
-
-    def joints(self) -> list[float]:
-        """Return the positions of the joints [rad], shape (7,)."""
-        return [*self._arm.state.q]
-
-    def mounted(self) -> tuple[Load, tuple[float, ...]]:
-        """Return the end effector that the state tells of, and F_T_NE."""
-        state = self._arm.state
-        load = Load(state.m_ee, (*state.F_x_Cee,), (*state.I_ee,))
-        return load, (*state.F_T_NE,)
-
-    def _home(self) -> None:
-        if self._hand is not None:
-            self._hand.homing()
 
 
 def new_desk(arm: ServedArm, *, is_ready: bool = False) -> Desk:

@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import count
 from math import asin, atan2
 from typing import Any, Protocol
@@ -17,7 +18,9 @@ from typing import Any, Protocol
 from station.core.description.urdf import Pose
 from station.core.errors import StationError
 from station.hw.franka.arm.load import Load
+from station.hw.franka.hand.hand_services import HandServices
 from station.hw.franka.simulated.end_effector import as_transform
+from station.hw.franka.simulated.simulated_arm import SimulatedArm
 
 EXECUTION, PROGRAMMING = "Execution", "Programming"
 NO_END_EFFECTOR = "ee-no-profile"
@@ -45,29 +48,66 @@ class DeskRefusalError(StationError):
         self.status, self.reason = status, reason
 
 
-class DeskArm(Protocol):
-    """The interface of Desk to an arm. Any thread; a change is made between cycles.
+class ServerOfDesk(Protocol):
+    """A server of libfranka's programs, as Desk needs it. Any thread."""
 
-    Attributes:
+    def change(self, action: Callable[[], None]) -> Future[None]:
+        """Let something be done between two cycles of the arm."""
+
+    def open_or_close(self, *, is_open: bool) -> Future[None]:
+        """Let programs of libfranka connect, or send them away and refuse them."""
+
+
+class ServedArm:
+    """Desk's way to the arm that a server serves. Any thread; changes between cycles.
+
+    Args:
+        server: The server.
+        arm: The arm.
+        hand: The hand; None without a hand.
         kind: Kind of arm, as Desk calls it.
     """
 
-    kind: str
+    def __init__(
+        self,
+        server: ServerOfDesk,
+        arm: SimulatedArm,
+        hand: HandServices | None,
+        kind: str,
+    ) -> None:
+        self._server, self._arm, self._hand = server, arm, hand
+        self.kind = kind
 
     def set_brakes(self, *, closed: bool) -> Future[None]:
-        """Close or open the brakes; closed, the arm's mode is Other."""
+        """Close or open the brakes; an arm with closed brakes is in the mode Other."""
+        set_brakes = self._arm.simulation().set_brakes
+        return self._server.change(partial(set_brakes, closed=closed))
 
     def set_fci(self, *, active: bool) -> Future[None]:
         """Let programs of libfranka connect, or send them away and refuse them."""
+        return self._server.open_or_close(is_open=active)
 
     def set_end_effector(self, load: Load, frame: tuple[float, ...]) -> Future[None]:
         """Let the state tell another end effector, and its frame F_T_NE."""
+        return self._server.change(partial(self._arm.set_mounted, load, frame))
 
     def home_gripper(self) -> Future[None]:
         """Begin the homing of the hand, if there is one."""
+        return self._server.change(self._home)
 
     def joints(self) -> list[float]:
         """Return the positions of the joints [rad], shape (7,)."""
+        return [*self._arm.state.q]
+
+    def mounted(self) -> tuple[Load, tuple[float, ...]]:
+        """Return the end effector that the state tells of, and F_T_NE."""
+        state = self._arm.state
+        load = Load(state.m_ee, (*state.F_x_Cee,), (*state.I_ee,))
+        return load, (*state.F_T_NE,)
+
+    def _home(self) -> None:
+        if self._hand is not None:
+            self._hand.homing()
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,7 +143,7 @@ class Desk:
         now: Monotonic clock [s].
     """
 
-    arm: DeskArm
+    arm: ServedArm
     profiles: dict[str, Profile]
     active: str = MOUNTED
     mode: str = EXECUTION
@@ -166,7 +206,7 @@ class Desk:
             )
 
     def set_brakes(self, *, closed: bool) -> Future[None]:
-        """Close or open the brakes; see `DeskArm`."""
+        """Close or open the brakes; see `ServedArm`."""
         self.are_brakes_closed = closed
         return self.arm.set_brakes(closed=closed)
 

@@ -15,8 +15,8 @@ from station.hw.franka.fci.driver.network import (
 )
 from station.hw.franka.fci.wire.gripper_protocol import (
     GRIPPER_HEADER,
-    GripperCommand,
     GripperProtocol,
+    HandCommand,
 )
 from station.hw.franka.fci.wire.messages import Answer, FciProtocolError, Messages
 from station.hw.franka.fci.wire.robot_protocol import (
@@ -30,7 +30,7 @@ from station.hw.franka.fci.wire.structure import Structure
 
 _Command = TypeVar("_Command", bound=IntEnum)
 RobotAnswer: TypeAlias = Answer[Command]
-GripperAnswer: TypeAlias = Answer[GripperCommand]
+GripperAnswer: TypeAlias = Answer[HandCommand]
 _NOTHING: Mapping[str, Any] = MappingProxyType({})
 
 
@@ -173,6 +173,6 @@ def robot_client(network: Network, protocol: RobotProtocol) -> FciClient[Command
 
 def gripper_client(
     network: Network, protocol: GripperProtocol
-) -> FciClient[GripperCommand]:
+) -> FciClient[HandCommand]:
     """Return a client of a hand."""
-    return FciClient(network, protocol, GRIPPER_HEADER, GripperCommand.CONNECT)
+    return FciClient(network, protocol, GRIPPER_HEADER, HandCommand.CONNECT)

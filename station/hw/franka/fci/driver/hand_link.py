@@ -25,8 +25,8 @@ from station.hw.franka.fci.driver.network import (
 )
 from station.hw.franka.fci.wire.gripper_protocol import (
     HAND,
-    GripperCommand,
     GripperProtocol,
+    HandCommand,
 )
 from station.hw.franka.fci.wire.messages import FciProtocolError
 
@@ -51,7 +51,7 @@ class HandOrder:
     """
 
     identifier: int
-    command: GripperCommand
+    command: HandCommand
     values: Mapping[str, Any]
 
 
@@ -107,7 +107,7 @@ class HandLink:
         self._ear.settimeout(0.0)
         self._buffer = bytearray(protocol.state.size + 1)
         self._network: Network | None = None
-        self._client: FciClient[GripperCommand] | None = None
+        self._client: FciClient[HandCommand] | None = None
         self._orders: deque[HandOrder] = deque()
         self._next: HandOrder | None = None
         self._running: tuple[int, int] | None = None  # its request and its order
@@ -145,7 +145,7 @@ class HandLink:
             self._thread.join()
         if self._client is not None and self._running is not None:
             with contextlib.suppress(FciNetworkError):
-                self._client.send(GripperCommand.STOP)
+                self._client.send(HandCommand.STOP)
         self._lose(_CLOSED)
         self._word.close()
         self._ear.close()
@@ -236,7 +236,7 @@ class HandLink:
         self._heard = self._clock()
         self.on_state(state)
 
-    def _take_answers(self, client: FciClient[GripperCommand]) -> None:
+    def _take_answers(self, client: FciClient[HandCommand]) -> None:
         if self._stop is not None and client.take_answer(self._stop) is not None:
             self._stop = None
         if self._running is not None:
@@ -246,18 +246,18 @@ class HandLink:
                 self._running = None
                 self.outcomes.append(HandOutcome(identifier, answer.status))
 
-    def _carry_out(self, client: FciClient[GripperCommand]) -> None:
+    def _carry_out(self, client: FciClient[HandCommand]) -> None:
         """Send the newest order, or first a stop of the motion that runs."""
         while self._orders:
             self._next = self._orders.popleft()
         order = self._next
         if order is None or self._stop is not None:
             return
-        if order.command is GripperCommand.STOP:
+        if order.command is HandCommand.STOP:
             self._next = None
-            self._stop = client.send(GripperCommand.STOP)
+            self._stop = client.send(HandCommand.STOP)
         elif self._running is not None:
-            self._stop = client.send(GripperCommand.STOP)
+            self._stop = client.send(HandCommand.STOP)
         else:
             self._next = None
             number = client.send(order.command, order.values)

@@ -26,8 +26,8 @@ from station.core.hardware.interfaces import JointStateHandle, JointStateInterfa
 from station.core.ports.goal import GoalStatus
 from station.hw.franka.fci.driver.hand_link import HandLink, HandOrder
 from station.hw.franka.fci.wire.gripper_protocol import (
-    GripperCommand as HandCommand,
     GripperStatus,
+    HandCommand,
 )
 from station.hw.franka.hand.hand_limits import OPEN_WIDTH, check_grasp, check_move
 from station.memory.doubles import Block

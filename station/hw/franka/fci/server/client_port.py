@@ -22,7 +22,7 @@ class FciPortError(StationError, OSError):
     code = "fci_port"
 
 
-class Session(Protocol):
+class ClientSession(Protocol):
     """The interface of a client's session to its port."""
 
     udp_port: int | None
@@ -34,7 +34,7 @@ class Session(Protocol):
         """End what the client has begun."""
 
 
-_Session = TypeVar("_Session", bound=Session)
+_Session = TypeVar("_Session", bound=ClientSession)
 
 
 class ClientPort(Generic[_Session]):

@@ -17,9 +17,9 @@ from station.hw.franka.fci.server.message_reader import (
 from station.hw.franka.fci.wire.gripper_protocol import (
     GRIPPER_HEADER,
     HAND,
-    GripperCommand,
     GripperProtocol,
     GripperStatus,
+    HandCommand,
 )
 from station.hw.franka.fci.wire.messages import FciProtocolError, FciVersionError
 from station.hw.franka.fci.wire.robot_protocol import ConnectStatus
@@ -56,7 +56,7 @@ class GripperSession:
         self._is_free = is_free
         self._protocol = protocol
         self._reader = MessageReader(GRIPPER_HEADER, protocol.exchanges)
-        self._running: Request[GripperCommand] | None = None
+        self._running: Request[HandCommand] | None = None
         self._identifier: int | None = None  # of the command that it has begun
         self.udp_port: int | None = None
 
@@ -105,15 +105,15 @@ class GripperSession:
             if self._present() == self._identifier:
                 self._hand.stop()
 
-    def _answer(self, request: Request[GripperCommand]) -> bytes:
-        if request.command is GripperCommand.CONNECT:
+    def _answer(self, request: Request[HandCommand]) -> bytes:
+        if request.command is HandCommand.CONNECT:
             return self._connect(request)
         if self.udp_port is None:
             raise FciProtocolError(
                 f"The client sent {request.command.name} before it had connected.",
                 remedy="Connect first, with a version that the hand speaks.",
             )
-        if not self._is_free() and request.command is not GripperCommand.STOP:
+        if not self._is_free() and request.command is not HandCommand.STOP:
             return self._reader.answer(request, GripperStatus.FAIL, _NOTHING)
         try:
             self._begin(request)
@@ -121,13 +121,13 @@ class GripperSession:
             return self._reader.answer(request, GripperStatus.FAIL, _NOTHING)
         answers = self._end(GripperStatus.ABORTED)
         self._identifier = self._present()
-        if request.command is GripperCommand.STOP:
+        if request.command is HandCommand.STOP:
             done = self._reader.answer(request, GripperStatus.SUCCESS, _NOTHING)
             return answers + done
         self._running = request
         return answers
 
-    def _connect(self, request: Request[GripperCommand]) -> bytes:
+    def _connect(self, request: Request[HandCommand]) -> bytes:
         own, asked = self._protocol.version, request.values["version"]
         if asked == own:
             self.udp_port = request.values["udp_port"]
@@ -137,14 +137,14 @@ class GripperSession:
         told = self._reader.answer(request, status, {"version": own})
         raise FciVersionError("hand", asked, [own], told)
 
-    def _begin(self, request: Request[GripperCommand]) -> None:
+    def _begin(self, request: Request[HandCommand]) -> None:
         hand, values = self._hand, request.values
         match request.command:
-            case GripperCommand.HOMING:
+            case HandCommand.HOMING:
                 hand.homing()
-            case GripperCommand.MOVE:
+            case HandCommand.MOVE:
                 hand.move(values["width"], values["speed"])
-            case GripperCommand.GRASP:
+            case HandCommand.GRASP:
                 hand.grasp(
                     GraspRequest(
                         width=values["width"],

@@ -14,7 +14,7 @@ GRIPPER_HEADER = Structure([("command", "H"), ("command_id", "I"), ("size", "I")
 """Head of every TCP message to and from a hand."""
 
 
-class GripperCommand(IntEnum):
+class HandCommand(IntEnum):
     """The commands of a hand, with their numbers on the wire."""
 
     CONNECT = 0
@@ -46,14 +46,14 @@ class GripperProtocol:
 
     version: int
     port: int
-    exchanges: Mapping[GripperCommand, Exchange]
+    exchanges: Mapping[HandCommand, Exchange]
     state: Structure
 
 
-_EXCHANGES: dict[GripperCommand, tuple[list[Field], list[Field]]] = {
-    GripperCommand.CONNECT: ([("version", "H"), ("udp_port", "H")], [("version", "H")]),
-    GripperCommand.HOMING: ([], []),
-    GripperCommand.GRASP: (
+_EXCHANGES: dict[HandCommand, tuple[list[Field], list[Field]]] = {
+    HandCommand.CONNECT: ([("version", "H"), ("udp_port", "H")], [("version", "H")]),
+    HandCommand.HOMING: ([], []),
+    HandCommand.GRASP: (
         [
             ("width", "d"),
             ("epsilon_inner", "d"),
@@ -63,11 +63,11 @@ _EXCHANGES: dict[GripperCommand, tuple[list[Field], list[Field]]] = {
         ],
         [],
     ),
-    GripperCommand.MOVE: ([("width", "d"), ("speed", "d")], []),
-    GripperCommand.STOP: ([], []),
+    HandCommand.MOVE: ([("width", "d"), ("speed", "d")], []),
+    HandCommand.STOP: ([], []),
 }
 
-_CONNECT = GripperCommand.CONNECT
+_CONNECT = HandCommand.CONNECT
 
 HAND = GripperProtocol(
     version=3,

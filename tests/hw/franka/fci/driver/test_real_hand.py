@@ -10,7 +10,7 @@ from station.core.hardware.interfaces import JointStateInterface
 from station.core.ports.goal import GoalStatus
 from station.hw.franka.fci.driver.hand_link import RETRY
 from station.hw.franka.fci.driver.network import UDP_TIMEOUT
-from station.hw.franka.fci.wire.gripper_protocol import GripperCommand
+from station.hw.franka.fci.wire.gripper_protocol import HandCommand
 from tests.hw.franka.fci.hand_network import SteppedHand
 
 
@@ -79,9 +79,9 @@ def test_newer_command_stops_the_older_one_first(bench):
     assert "A newer command took over: move" in last.message
     assert bench.turn_until_over().status is GoalStatus.SUCCEEDED
     assert bench.requests[-3:] == [
-        GripperCommand.MOVE,
-        GripperCommand.STOP,
-        GripperCommand.MOVE,
+        HandCommand.MOVE,
+        HandCommand.STOP,
+        HandCommand.MOVE,
     ]
     assert bench.hand.get_state().width == pytest.approx(0.07, abs=2e-3)
 
@@ -110,7 +110,7 @@ def test_interrupt_ends_a_motion_and_nothing_else(bench):
     bench.hand.interrupt("The station was stopped.")
     assert bench.hand.get_state().last.message == "The station was stopped."
     bench.turns(2)
-    assert bench.requests[-1] == GripperCommand.STOP
+    assert bench.requests[-1] == HandCommand.STOP
 
 
 def test_command_that_the_hand_refuses_is_told_in_libfrankas_words(bench):

@@ -11,8 +11,8 @@ from station.hw.franka.fci.server.shared_page import PAGE_BYTES, SharedPage
 from station.hw.franka.fci.wire.gripper_protocol import (
     GRIPPER_HEADER,
     HAND,
-    GripperCommand,
     GripperStatus,
+    HandCommand,
 )
 from tests.hw.franka.plain_model import PlainModel
 from tests.hw.franka.test_franka_hw import PERIOD, controllers, make, switch
@@ -226,14 +226,14 @@ def hand(network):
     )
     network._reading = GuestReading(network.guest, network.hw.read, bool, guest)
     guest.open()
-    assert ask(guest, GripperCommand.CONNECT, version=3, udp_port=1) == [0]
+    assert ask(guest, HandCommand.CONNECT, version=3, udp_port=1) == [0]
     return guest, SharedPage(memory)
 
 
 def test_client_moves_the_hand_beside_the_controllers(network, client, hand):
     guest, page = hand
     switch(network.hw, "jp")
-    assert ask(guest, GripperCommand.MOVE, width=0.06, speed=0.4) == []
+    assert ask(guest, HandCommand.MOVE, width=0.06, speed=0.4) == []
     answers, states = b"", 0
     for _ in range(300):
         client.read_once()
@@ -241,26 +241,26 @@ def test_client_moves_the_hand_beside_the_controllers(network, client, hand):
         state = page.take_state()
         states += state is not None
         width = HAND.state.unpack(state)["width"] if state is not None else 0.0
-    assert statuses(GripperCommand.MOVE, answers) == [GripperStatus.SUCCESS]
+    assert statuses(HandCommand.MOVE, answers) == [GripperStatus.SUCCESS]
     assert states == 30
     assert width == pytest.approx(0.06, abs=1e-3)
 
 
 def test_hand_of_a_stopped_station_is_refused(network, client, hand):
     guest, page = hand
-    ask(guest, GripperCommand.MOVE, width=0.0, speed=0.05)
+    ask(guest, HandCommand.MOVE, width=0.0, speed=0.05)
     network.may_move = False
     hand_of(network.hw).interrupt("The station was stopped.")
     client.read_once()
-    aborted = statuses(GripperCommand.MOVE, page.take_answers())
+    aborted = statuses(HandCommand.MOVE, page.take_answers())
     assert aborted == [GripperStatus.ABORTED]
     fail = [GripperStatus.FAIL]
-    assert ask(guest, GripperCommand.MOVE, width=0.05, speed=0.1) == fail
+    assert ask(guest, HandCommand.MOVE, width=0.05, speed=0.1) == fail
 
 
 def test_client_of_the_hand_that_goes_stops_its_motion(network, client, hand):
     guest, page = hand
-    ask(guest, GripperCommand.MOVE, width=0.0, speed=0.05)
+    ask(guest, HandCommand.MOVE, width=0.0, speed=0.05)
     client.read_once()
     guest.leave()
     assert hand_of(network.hw).get_state().command is None

@@ -7,8 +7,8 @@ from station.hw.franka.fci.server.gripper_session import GripperSession
 from station.hw.franka.fci.wire.gripper_protocol import (
     GRIPPER_HEADER,
     HAND,
-    GripperCommand,
     GripperStatus,
+    HandCommand,
 )
 from station.hw.franka.fci.wire.messages import FciProtocolError, FciVersionError
 from station.hw.franka.hand.hand_services import HandServices
@@ -36,7 +36,7 @@ class GripperClient:
         found = []
         while data:
             head = GRIPPER_HEADER.unpack(data[:10])
-            response = HAND.exchanges[GripperCommand(head["command"])].response
+            response = HAND.exchanges[HandCommand(head["command"])].response
             body, data = data[10 : head["size"]], data[head["size"] :]
             found.append((head["command_id"], response.unpack(body)["status"]))
         return found
@@ -57,7 +57,7 @@ class GripperClient:
 @pytest.fixture
 def client():
     made = GripperClient()
-    assert made.ask(GripperCommand.CONNECT, version=3, udp_port=1) == [(1, 0)]
+    assert made.ask(HandCommand.CONNECT, version=3, udp_port=1) == [(1, 0)]
     return made
 
 
@@ -69,26 +69,26 @@ def test_state_tells_the_width(client):
 
 
 def test_move_is_answered_when_it_has_arrived(client):
-    assert client.ask(GripperCommand.MOVE, width=0.06, speed=0.2) == []
+    assert client.ask(HandCommand.MOVE, width=0.06, speed=0.2) == []
     assert client.run(400) == [(2, GripperStatus.SUCCESS)]
     assert client.state()["width"] == pytest.approx(0.06, abs=1e-3)
 
 
 def test_grasp_of_air_is_unsuccessful(client):
     values = {"width": 0.03, "epsilon_inner": 0.005, "epsilon_outer": 0.005}
-    assert client.ask(GripperCommand.GRASP, speed=0.4, force=20.0, **values) == []
+    assert client.ask(HandCommand.GRASP, speed=0.4, force=20.0, **values) == []
     assert client.run(600) == [(2, GripperStatus.UNSUCCESSFUL)]
 
 
 def test_impossible_width_fails_at_once(client):
-    failed = client.ask(GripperCommand.MOVE, width=0.2, speed=0.1)
+    failed = client.ask(HandCommand.MOVE, width=0.2, speed=0.1)
     assert failed == [(2, GripperStatus.FAIL)]
 
 
 def test_stop_aborts_the_motion_that_runs(client):
-    client.ask(GripperCommand.HOMING)
+    client.ask(HandCommand.HOMING)
     client.run(20)
-    assert client.ask(GripperCommand.STOP) == [
+    assert client.ask(HandCommand.STOP) == [
         (2, GripperStatus.ABORTED),
         (3, GripperStatus.SUCCESS),
     ]
@@ -100,14 +100,14 @@ def test_wrong_version_is_not_connected():
     with pytest.raises(
         FciVersionError, match="asked for version 2 of the hand"
     ) as caught:
-        client.ask(GripperCommand.CONNECT, version=2, udp_port=1)
+        client.ask(HandCommand.CONNECT, version=2, udp_port=1)
     assert client.read(caught.value.answers) == [(1, 1)]
     with pytest.raises(FciProtocolError, match="before it had connected"):
-        client.ask(GripperCommand.HOMING)
+        client.ask(HandCommand.HOMING)
 
 
 def test_client_that_goes_stops_the_fingers(client):
-    client.ask(GripperCommand.MOVE, width=0.0, speed=0.05)
+    client.ask(HandCommand.MOVE, width=0.0, speed=0.05)
     client.run(50)
     client.session.close()
     client.run(200)
@@ -115,7 +115,7 @@ def test_client_that_goes_stops_the_fingers(client):
 
 
 def test_command_of_somebody_else_aborts_the_clients_and_is_not_taken_for_it(client):
-    client.ask(GripperCommand.MOVE, width=0.0, speed=0.05)
+    client.ask(HandCommand.MOVE, width=0.0, speed=0.05)
     client.run(50)
     client.hand.move(0.07, 0.4)
     assert client.run(1) == [(2, GripperStatus.ABORTED)]
@@ -127,7 +127,7 @@ def test_command_of_somebody_else_aborts_the_clients_and_is_not_taken_for_it(cli
 def test_client_that_may_not_move_the_fingers_can_stop_them():
     client = GripperClient()
     client.session = GripperSession(client.hand, is_free=lambda: False)
-    client.ask(GripperCommand.CONNECT, version=3, udp_port=1)
-    refused = client.ask(GripperCommand.MOVE, width=0.05, speed=0.1)
+    client.ask(HandCommand.CONNECT, version=3, udp_port=1)
+    refused = client.ask(HandCommand.MOVE, width=0.05, speed=0.1)
     assert refused == [(2, GripperStatus.FAIL)]
-    assert client.ask(GripperCommand.STOP) == [(3, GripperStatus.SUCCESS)]
+    assert client.ask(HandCommand.STOP) == [(3, GripperStatus.SUCCESS)]

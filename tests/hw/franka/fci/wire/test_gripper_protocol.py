@@ -5,15 +5,15 @@ from hypothesis import given
 from station.hw.franka.fci.wire.gripper_protocol import (
     GRIPPER_HEADER,
     HAND,
-    GripperCommand,
+    HandCommand,
 )
 from tests.hw.franka.fci.wire.drawn_values import values_of
 
 
 def test_gripper_has_its_sizes():
-    sizes = {c: HAND.exchanges[c].request.size for c in GripperCommand}
+    sizes = {c: HAND.exchanges[c].request.size for c in HandCommand}
     assert list(sizes.values()) == [4, 0, 40, 16, 0]
-    assert HAND.exchanges[GripperCommand.CONNECT].response.size == 4
+    assert HAND.exchanges[HandCommand.CONNECT].response.size == 4
     assert HAND.state.size == 23
     assert (GRIPPER_HEADER.size, HAND.port, HAND.version) == (10, 1338, 3)
 

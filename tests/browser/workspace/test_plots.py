@@ -81,9 +81,11 @@ def test_no_two_of_many_traces_look_the_same_and_the_legend_shows_how(workspace)
         " return [...Array(28).keys()].map((i) => `${i % 7} ${dashOf(i)}`); }"
     )
     assert len(set(looks)) == 28
-    swatches = workspace.dock("plots").locator(".plot").first.locator(".trace line")
-    dashes = swatches.evaluate_all(
-        "(all) => all.map((line) => getComputedStyle(line).strokeDasharray)"
+    workspace.dock("plots")
+    # In one step: the lines are drawn anew while the plots are.
+    dashes = page.evaluate(
+        "() => [...document.querySelector('.plot').querySelectorAll('.trace line')]"
+        ".map((line) => getComputedStyle(line).strokeDasharray)"
     )
     assert dashes[:3] == ["none", "6px, 3px", "2px, 3px"]
 

@@ -5,7 +5,7 @@ import pytest
 from station.wire import Fault
 from tests.browser.conftest import keep_screenshot
 from tests.browser.viser_page import ViserPage
-from tests.waiting import wait_until
+from tests.browser.workspace_page import run_alone, wait_until
 
 pytestmark = pytest.mark.slow
 
@@ -36,10 +36,7 @@ def scene(page):
 def idle(client):
     """Nothing that moves the arm runs, before and after."""
     yield client
-    running = [c.name for c in client.controllers() if c.state == "running"]
-    moving = [name for name in running if name != "joint_state_controller"]
-    if moving:
-        client.switch_controllers(stop=moving)
+    run_alone(client)
 
 
 def test_nothing_is_shown_before_login(browser, running_station):
@@ -176,8 +173,8 @@ def test_stop_stops_and_is_released_in_two_steps(page, viser_page, idle, way):
         viser_page.open_tab("Joints")
         page.keyboard.press(" ")
     assert wait_until(lambda: idle.status().stop_state == "stopped")
-    page.get_by_role("button", name="Release stop").click()
-    page.get_by_role("button", name="Allow motion").click()
+    for name in ("Release stop", "Allow motion"):
+        page.get_by_role("button", name=name).dispatch_event("click")
     assert wait_until(lambda: idle.status().stop_state == "armed")
     assert _state(idle, CONTROLLER) != "running"
 

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from tests.browser.workspace_page import wait_until
+from tests.browser.workspace_page import run_alone, wait_until
 
 pytestmark = pytest.mark.slow
 TARGETS = "cartesian_streaming_controller"
@@ -13,10 +13,7 @@ TARGETS = "cartesian_streaming_controller"
 @pytest.fixture
 def hand(workspace, client):
     """The dock while the hand takes targets, in degrees and the axes of the base."""
-    running = [c.name for c in client.controllers() if c.state == "running"]
-    if TARGETS not in running:
-        others = [name for name in running if name != "joint_state_controller"]
-        client.switch_controllers(start=[TARGETS], stop=others)
+    run_alone(client, TARGETS)
     workspace.button("joints", "deg").click()
     dock = workspace.dock("move")
     if not dock.get_by_role("button", name="Here", exact=True).is_visible():
@@ -113,3 +110,24 @@ def test_a_typed_pose_is_reached_with_its_orientation(hand, workspace, client):
     x.press("Enter")
     assert wait_until(lambda: abs(_told(client)[0] - before[0] + 0.02) < 1e-4)
     assert _told(client)[3:] == pytest.approx(before[3:], abs=1e-6)
+
+
+def test_a_typed_pose_is_tried_and_made_as_it_was_tried(hand, client):
+    before = client.robot("panda").state().O_T_EE[12:15]
+    wanted = [before[0] + 0.1, before[1] + 0.15, before[2] - 0.05]
+    for axis, value in zip("xyz", wanted, strict=True):
+        hand.get_by_label(f"Hand {axis} [m]", exact=True).fill(f"{value:.4f}")
+    for tried in ("Go around", "Rehearse"):
+        hand.locator("st-hand").get_by_role("button", name=tried, exact=True).click()
+        forecast = hand.locator("st-hand .forecast")
+        forecast.get_by_text("would be completed").wait_for()
+        still = client.robot("panda").state().O_T_EE[12:15]
+        assert still == pytest.approx(before, abs=0.005)  # nothing has moved
+    forecast.get_by_role("button", name="Move as rehearsed").click()
+
+    def is_there():
+        return client.robot("panda").state().O_T_EE[12:15] == pytest.approx(
+            wanted, abs=0.01
+        )
+
+    assert wait_until(is_there)

@@ -1,8 +1,7 @@
-"""Which docks the workspace shows for a robot that is not a simulated Franka arm."""
+"""The docks that the workspace shows for a robot that is not simulated."""
 
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -12,7 +11,6 @@ from tests.browser.workspace_page import WorkspacePage, without_scene
 
 pytestmark = pytest.mark.slow
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
 ARM_HOST = "127.0.0.5"
 REAL_ARM = f"""
 robot:
@@ -62,24 +60,3 @@ def _expect_no_simulation(browser, running):
     assert page.locator("#robot").is_visible()
     assert page.locator('#docks-nav [data-dock="simulation"]').is_hidden()
     context.close()
-
-
-def test_a_robot_without_gripper_and_force_estimate_has_neither_dock_nor_key(
-    browser, tmp_path
-):
-    with run_station(tmp_path, str(EXAMPLES / "ur5.yaml")) as running:
-        context = browser.new_context(viewport={"width": 1280, "height": 800})
-        without_scene(context)
-        page = context.new_page()
-        page.goto(f"{running.ui}/login?token={running.token}")
-        assert WorkspacePage(page).dock("joints").is_visible()
-        page.locator('.dock[data-dock="gripper"]').wait_for(state="hidden")
-        assert page.locator('.dock[data-dock="simulation"]').is_visible()
-        key = page.locator("#view-tools .key")
-        key.get_by_text("contact", exact=True).wait_for()
-        assert key.get_by_text("force on the arm", exact=True).count() == 0
-        page.get_by_role("button", name="Enable sliders").click()
-        page.wait_for_function(
-            "() => !document.querySelector('.joints input').disabled"
-        )
-        context.close()

@@ -3,7 +3,12 @@
 import pytest
 
 from tests.browser.conftest import logged_in
-from tests.browser.workspace_page import WorkspacePage, wait_until, without_scene
+from tests.browser.workspace_page import (
+    WorkspacePage,
+    run_alone,
+    wait_until,
+    without_scene,
+)
 
 pytestmark = pytest.mark.slow
 
@@ -19,10 +24,7 @@ navigator.getGamepads = () => [window.pad];
 @pytest.fixture
 def page(browser, running_station, client):
     """The page with a gamepad, whose map is in sight, while the hand can be jogged."""
-    running = [c.name for c in client.controllers() if c.state == "running"]
-    if JOG not in running:
-        others = [name for name in running if name != "joint_state_controller"]
-        client.switch_controllers(start=[JOG], stop=others)
+    run_alone(client, JOG)
 
     def begin(context):
         without_scene(context)

@@ -8,6 +8,7 @@ import pytest
 from tests.browser.workspace_page import (
     CONTROLLER,
     position,
+    run_alone,
     wait_until,
 )
 
@@ -126,11 +127,9 @@ def test_a_chain_is_drawn_from_its_first_controller_to_its_last(workspace, clien
         "below", "pid_controller/PidController", pid | measured | gains
     )
     client.load_controller("above", kind, {"joints": [f"below/{j}" for j in joints]})
-    running = [c.name for c in client.controllers() if c.state == "running"]
-    moving = [name for name in running if name != "joint_state_controller"]
     dock = workspace.dock("controllers")
     dock.get_by_text("○ above → ○ below").wait_for()
-    client.switch_controllers(start=["below", "above"], stop=moving)
+    run_alone(client, "below", "above")
     dock.get_by_text("● above → ● below (chained)").wait_for()
     client.switch_controllers(stop=["above", "below"])
     client.unload_controller("above")
@@ -150,10 +149,7 @@ def test_a_running_controller_is_restarted_in_its_row(workspace, enabled):
 
 
 def test_thresholds_load_and_end_effector_are_set_as_in_franka_desk(workspace, client):
-    running = [c.name for c in client.controllers() if c.state == "running"]
-    moving = [name for name in running if name != "joint_state_controller"]
-    if moving:
-        client.switch_controllers(stop=moving)
+    run_alone(client)
     dock = workspace.dock("move")
     dock.get_by_text("Arm: collision thresholds").click()
     panda = client.robot("panda")

@@ -1,0 +1,359 @@
+"""Topics, services, actions and parameters that clients offer to each other.
+
+Nothing of it reaches the station, so whoever may look may offer. A name whose first
+part is one of the station's belongs to the station: no client gets it, and who has had
+it before the station loses it.
+
+Source: RobotWebTools/rosbridge_suite, capabilities advertise, advertise_service,
+service_response, advertise_action, action_feedback and action_result; differs: a name
+that another client offers is refused, not taken over; types that the station does not
+know are passed on as they are.
+"""
+
+import re
+import threading
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from itertools import count
+from typing import Any, NamedTuple, Protocol
+
+from station.api.rosbridge.outbox import Outbox
+from station.api.rosbridge.ros_types import RosTypeError, checked, in_style, split_style
+from station.api.rosbridge.topics import LATCHED, Topic
+from station.core.facade.parameter_server import ParameterServer
+from station.core.parameters import Parameters
+from station.records.cdr import Values
+
+MOST_OFFERS = 100
+"""Most topics, services and actions that a client offers."""
+MOST_PENDING = 64
+"""Most requests and goals that wait for one client."""
+PATIENCE = 120.0
+"""How long a service of a client may take [s]."""
+_NAME = re.compile(r"/[A-Za-z]\w*(/\w+)*", re.ASCII)
+_TYPE = re.compile(r"\w+(/\w+){1,2}", re.ASCII)
+_MOST_CHARACTERS = 200
+_ASKED = {
+    "services": ("call_service", "service", "Request"),
+    "actions": ("send_action_goal", "action", "Goal"),
+}
+_ANSWERED = {
+    "service_response": "Response",
+    "action_feedback": "Feedback",
+    "action_result": "Result",
+}
+ABORTED = 6
+"""Status of ROS 2 of a goal that its server has given up."""
+
+
+class Member(Protocol):
+    """A client that offers something."""
+
+    outbox: Outbox
+
+    def tell(self, text: str) -> None:
+        """Warn the client."""
+
+
+@dataclass(slots=True)
+class ClientTopic(Topic):
+    """A topic of clients. It exists while somebody publishes or subscribes.
+
+    Attributes:
+        publishers: Who publishes.
+        subscribers: Who subscribes.
+        latched: What a new subscriber gets at once; None for nothing.
+    """
+
+    publishers: set[Member] = field(default_factory=set)
+    subscribers: set[Member] = field(default_factory=set)
+    latched: Values | None = None
+
+
+class Offer(NamedTuple):
+    """A service or an action of a client.
+
+    Attributes:
+        what: services or actions.
+        name: Its name.
+        type: Its type.
+        member: The client.
+        written: The name as the client writes it.
+        is_ros2: Whether the client has given the type as ROS 2 does.
+    """
+
+    what: str
+    name: str
+    type: str
+    member: Member
+    written: str
+    is_ros2: bool
+
+
+class Answer(NamedTuple):
+    """An answer of a client to a request or a goal.
+
+    Attributes:
+        op: Its operation.
+        values: The message, or a text that says why there is none.
+        status: State of the goal, as ROS 2 numbers it.
+        result: Whether it is a message.
+    """
+
+    op: str
+    values: Any
+    status: int = 0
+    result: bool = False
+
+
+class _Pending(NamedTuple):
+    offer: Offer
+    asker: Member
+    told: Callable[[Answer], None]
+
+
+class Broker:
+    """Brings clients together. For one event loop.
+
+    Args:
+        publish: Publishes a message: topic, type, message.
+
+    Attributes:
+        topics: The topics of clients by name.
+        services: Their services.
+        actions: Their actions.
+        parameters: Their parameters, of which the station knows nothing.
+        reserved: The first parts of the station's names.
+    """
+
+    def __init__(self, publish: Callable[[str, str, Values], None]) -> None:
+        self.topics: dict[str, ClientTopic] = {}
+        self.services: dict[str, Offer] = {}
+        self.actions: dict[str, Offer] = {}
+        self.parameters = ParameterServer(
+            Parameters(), threading.Lock(), lambda _: False
+        )
+        self.reserved: frozenset[str] = frozenset()
+        self._publish = publish
+        self._pending: dict[str, _Pending] = {}
+        self._numbers = count(1)
+
+    def reserve(self, names: frozenset[str]) -> None:
+        """Take the first parts of the station's names, from clients too."""
+        self.reserved = names
+        for name in [n for n in self.topics if self.is_reserved(n)]:
+            topic = self.topics.pop(name)
+            for member in topic.publishers | topic.subscribers:
+                member.outbox.subscriptions.pop(name, None)
+                member.tell(f"'{name}' is a name of the station now.")
+        for offers in (self.services, self.actions):
+            for name in [n for n in offers if self.is_reserved(n)]:
+                offers[name].member.tell(f"'{name}' is a name of the station now.")
+                self._withdraw(offers[name])
+
+    def is_reserved(self, name: str) -> bool:
+        """Return whether a name belongs to the station."""
+        return name.strip("/").partition("/")[0] in self.reserved
+
+    def open_topic(self, name: str, type_name: str) -> ClientTopic:
+        """Return a new topic that clients publish to.
+
+        Raises:
+            RosTypeError: The name or the type is none, or the name is the station's.
+        """
+        kind, _ = self._checked_name(name, type_name)
+
+        def write(_: object, values: Values) -> None:
+            self._publish(name, kind, values)
+
+        topic = ClientTopic(
+            name, kind, write=write, period=LATCHED, is_quick=True, changes=False
+        )
+        topic.read = lambda _: topic.latched
+        self.topics[name] = topic
+        return topic
+
+    def advertise(self, topic: ClientTopic, member: Member) -> None:
+        """Note that a client publishes to a topic.
+
+        Raises:
+            RosTypeError: It offers too much.
+        """
+        try:
+            if member not in topic.publishers:
+                self._check_number(member)
+                topic.publishers.add(member)
+        finally:
+            self.leave_topic(topic.name, member)
+
+    def leave_topic(
+        self,
+        name: str,
+        member: Member,
+        *,
+        publishes: bool = False,
+        subscribes: bool = False,
+    ) -> None:
+        """Note that a client no longer publishes or subscribes to a topic."""
+        topic = self.topics.get(name)
+        if topic is None:
+            return
+        if publishes:
+            topic.publishers.discard(member)
+        if subscribes:
+            topic.subscribers.discard(member)
+        if not topic.publishers and not topic.subscribers:
+            del self.topics[name]
+
+    def offer(self, what: str, written: str, type_name: str, member: Member) -> Offer:
+        """Take the offer of a service or an action; return it.
+
+        Args:
+            what: services or actions.
+            written: Its name.
+            type_name: Its type.
+            member: Who offers it.
+
+        Raises:
+            RosTypeError: The name or the type is none, the name is the station's or
+                another client's, or the client offers too much.
+        """
+        name = f"/{written.strip('/')}"
+        kind, is_ros2 = self._checked_name(name, type_name)
+        offers: dict[str, Offer] = getattr(self, what)
+        known = offers.get(name)
+        if known is not None and known.member is not member:
+            raise RosTypeError(f"Another client offers the {what[:-1]} '{name}'.")
+        self._check_number(member)
+        offers[name] = Offer(what, name, kind, member, written, is_ros2)
+        return offers[name]
+
+    def take_back(self, what: str, name: str, member: Member) -> None:
+        """End an offer of a client.
+
+        Raises:
+            RosTypeError: The client does not offer it.
+        """
+        found: Offer | None = getattr(self, what).get(f"/{name.strip('/')}")
+        if found is None or found.member is not member:
+            raise RosTypeError(f"You do not offer the {what[:-1]} '{name:.80}'.")
+        self._withdraw(found)
+
+    def leave(self, member: Member) -> None:
+        """End all that a client offers and waits for."""
+        for name in list(self.topics):
+            self.leave_topic(name, member, publishes=True, subscribes=True)
+        for offer in (*self.services.values(), *self.actions.values()):
+            if offer.member is member:
+                self._withdraw(offer)
+        for number, one in self._pending.items():
+            if one.asker is member:
+                self._pending[number] = one._replace(told=lambda _: None)
+
+    def ask(
+        self,
+        offer: Offer,
+        args: object,
+        asker: Member,
+        told: Callable[[Answer], None],
+    ) -> str:
+        """Hand a request or a goal to the client that offers it; return its number.
+
+        Args:
+            offer: The service or the action.
+            args: The request or the goal.
+            asker: Who asks.
+            told: Takes every answer.
+
+        Raises:
+            RosTypeError: The message is malformed, or too many wait for the client.
+        """
+        op, key, part = _ASKED[offer.what]
+        kind = f"{offer.type}{part}"
+        values = in_style(kind, checked(kind, args, "args"), ros2=offer.is_ros2)
+        waiting = [p for p in self._pending.values() if p.offer.member is offer.member]
+        if len(waiting) >= MOST_PENDING:
+            raise RosTypeError(f"{MOST_PENDING} requests wait for '{offer.name}'.")
+        number = f"{key}:{offer.name}:{next(self._numbers)}"
+        self._pending[number] = _Pending(offer, asker, told)
+        message: Values = {"op": op, key: offer.written, "args": values}
+        if key == "action":
+            message.update({"action_type": offer.type, "feedback": True})
+        offer.member.outbox.answer(message, number)
+        return number
+
+    async def cancel(self, number: str) -> None:
+        """Ask the client that has a goal to end it."""
+        pending = self._pending.get(number)
+        if pending is not None:
+            message = {"op": "cancel_action_goal", "action": pending.offer.written}
+            pending.offer.member.outbox.answer(message, number)
+
+    def forget(self, number: str) -> None:
+        """Wait for an answer no longer."""
+        self._pending.pop(number, None)
+
+    def hear(self, message: Mapping[str, Any], member: Member) -> None:
+        """Take the answer of a client to a request or a goal.
+
+        Raises:
+            RosTypeError: It answers nothing, or is malformed.
+        """
+        op, number = message["op"], str(message.get("id"))
+        pending = self._pending.get(number)
+        if pending is None or pending.offer.member is not member:
+            raise RosTypeError(f"Nobody waits for '{number:.80}' of yours.")
+        values, is_result = message.get("values"), message.get("result") is not False
+        if op != "action_feedback":
+            del self._pending[number]
+        # As in ROS 1, a service has answered when there is a message; `result` says
+        # the same once more, and roslibpy's servers say false.
+        if op == "service_response" and isinstance(values, Mapping):
+            is_result = True
+        status = message.get("status")
+        answer = Answer(op, values, status if isinstance(status, int) else ABORTED)
+        if is_result:
+            kind = f"{pending.offer.type}{_ANSWERED[op]}"
+            try:
+                answer = answer._replace(
+                    values=checked(kind, values, "values"), result=True
+                )
+            except RosTypeError as error:
+                failed = f"The answer was malformed: {error.message}"
+                pending.told(answer._replace(values=failed))
+                raise
+        pending.told(answer)
+
+    def _withdraw(self, offer: Offer) -> None:
+        del getattr(self, offer.what)[offer.name]
+        for number, one in list(self._pending.items()):
+            if one.offer is offer:
+                del self._pending[number]
+                op = "action_result" if offer.what == "actions" else "service_response"
+                gone = f"The client that offered '{offer.name}' has withdrawn it."
+                one.told(Answer(op, gone, ABORTED))
+
+    def _checked_name(self, name: str, type_name: str) -> tuple[str, bool]:
+        """Return the type as ROS 1 names it, and whether it was given as ROS 2 does.
+
+        Raises:
+            RosTypeError: The name or the type is none, or the name is the station's.
+        """
+        for pattern, what, given in ((_NAME, "name", name), (_TYPE, "type", type_name)):
+            if len(given) > _MOST_CHARACTERS or not pattern.fullmatch(given):
+                raise RosTypeError(f"'{given:.80}' is no {what} in ROS.")
+        if self.is_reserved(name):
+            raise RosTypeError(
+                f"'{name}' is a name of the station.",
+                remedy="Choose a name with another first part.",
+            )
+        return split_style(type_name)
+
+    def _check_number(self, member: Member) -> None:
+        offers = (*self.services.values(), *self.actions.values())
+        number = sum(one.member is member for one in offers)
+        number += sum(member in one.publishers for one in self.topics.values())
+        if number >= MOST_OFFERS:
+            raise RosTypeError(
+                f"A client offers {MOST_OFFERS} topics, services and actions at most."
+            )

@@ -1,0 +1,66 @@
+// Cameras: their newest pictures, or why there are none. A folded dock asks for none.
+import { drawn, h } from "../lib/dom.js";
+import { Panel } from "../lib/panel.js";
+import { api } from "../lib/station.js";
+import { store } from "../lib/store.js";
+import { html } from "../vendor/lit/lit-html.js";
+
+const LOOK_MS = 30;
+const AGAIN_MS = 5000; // after a picture that did not come
+
+class CameraWall extends Panel {
+  build() {
+    this.cameras = [];
+    this.wall = this.appendChild(h("div", { class: "wall" }));
+    store.addEventListener("docks", () => this.list());
+    // One after the other: a browser has few connections, and other docks need some.
+    this.every(LOOK_MS, async () => {
+      for (const camera of this.cameras) if (performance.now() >= camera.dueAt) await this.look(camera);
+    });
+  }
+
+  /** Ask a station once for its cameras; the workspace hides the dock while there are none. */
+  async list() {
+    const { boot_id: bootId } = store.docks;
+    if (bootId === this.bootId) return;
+    this.bootId = bootId;
+    const told = await api("GET", "/cameras").catch(() => null);
+    if (!told) this.bootId = ""; // asked again
+    this.cameras = (told?.cameras ?? []).map((camera) => ({ ...camera, dueAt: 0, picture: this.pictureOf(camera), large: false }));
+    this.draw();
+  }
+
+  pictureOf({ name, width, height }) {
+    return h("img", { width, height, alt: `What the camera ${name} sees` });
+  }
+
+  /** Show a picture once it is there whole, in the place of the one before. */
+  async look(camera) {
+    camera.dueAt = performance.now() + 1000 / camera.rate;
+    const next = this.pictureOf(camera);
+    next.src = `/api/v1/cameras/${camera.name}?at=${Math.round(camera.dueAt)}`;
+    try {
+      await next.decode();
+      Object.assign(camera, { picture: next, fault: "", isDrawn: true });
+    } catch {
+      camera.dueAt += AGAIN_MS;
+      const { cameras } = await api("GET", "/cameras");
+      camera.fault = cameras.find(({ name }) => name === camera.name)?.fault || "No picture came.";
+    }
+    this.draw();
+  }
+
+  draw() {
+    const enlarge = (camera) => {
+      camera.large = !camera.large;
+      this.draw();
+    };
+    drawn(this.wall, this.cameras.map((camera) => html`<figure class=${camera.large ? "large" : ""}>
+      ${camera.picture}
+      <figcaption><b>${camera.name}</b> ${camera.frame ? `on ${camera.frame}` : ""} <button class="s" type="button" aria-pressed=${String(camera.large)} aria-label="Show the camera ${camera.name} large" @click=${() => enlarge(camera)}>large</button>
+        ${camera.fault ? html`<span class="fault" role="status">✖ ${camera.fault}</span>` : camera.isDrawn ? "" : "The first picture takes some seconds."}</figcaption>
+    </figure>`));
+  }
+}
+
+customElements.define("st-cameras", CameraWall);

@@ -1,0 +1,1 @@
+"""A package, whose station ends before the tests of other stations begin."""

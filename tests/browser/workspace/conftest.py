@@ -1,0 +1,63 @@
+"""One default station for all files of this folder; each finds it as just started."""
+
+import pytest
+
+from station.client import StationClient
+from tests.browser.conftest import run_station
+from tests.browser.workspace_page import allow_motion, run_alone
+
+
+@pytest.fixture(scope="package")
+def shared_station(tmp_path_factory):
+    """The station, and a function that lets it be as one that has just started."""
+    with run_station(tmp_path_factory.mktemp("station")) as running:
+        with StationClient(running.api, running.token) as client:
+            names = [one.name for one in client.controllers()]
+            gains = {name: client.gains(name).values for name in names}
+
+        def restore():
+            with StationClient(running.api, running.token) as client:
+                _restore(client, gains)
+
+        yield running, restore
+
+
+@pytest.fixture(scope="module")
+def running_station(shared_station):
+    """The station of the folder, which has nothing of other files but their events."""
+    running, restore = shared_station
+    restore()
+    return running
+
+
+def _restore(client, gains):
+    client.lease.act_under(client.lease.take("the next file", force=True).lease)
+    allow_motion(client)
+    run_alone(client)
+    for name in {one.name for one in client.controllers()} - gains.keys():
+        client.unload_controller(name)
+    for name, values in gains.items():
+        if values:
+            client.set_gains(name, values)
+    panda = client.robot("panda")
+    panda.guiding(pressed=False)
+    panda.user_stop(pressed=False)
+    client.simulation.reset()
+    _forget(client)
+    client.lease.release()
+
+
+def _forget(client):
+    """Delete what the station has kept for its users."""
+    for kept in (client.gain_sets, client.plot_layouts, client.waypoint_paths):
+        for name in kept.names():
+            kept.delete(name)
+    for recording in client.recordings.list():
+        client.recordings.delete(recording.identifier)
+    for runs in (client.bench_runs, client.experiments):
+        for one in runs.list():
+            runs.delete(one.name)
+    for alarm in client.alarms.list():
+        client.alarms.acknowledge(alarm.id)
+    for token in client.tokens.list():
+        client.tokens.revoke(token.name)
