@@ -41,8 +41,6 @@ from station.memory.doubles import zeros
 from station.testing.hook_script import HookScript
 from station.testing.switch_observer import CommandPlace, SwitchObserver, command_places
 
-_LESS_THAN_ACTIVE = (ComponentState.INACTIVE, ComponentState.UNCONFIGURED)
-
 
 class Claim(NamedTuple):
     """The claim of a controller of the storm.
@@ -568,13 +566,11 @@ class StormWorker:
                 self._hooks.begin()
 
     def _hardware(self) -> None:
-        dice = self._dice
-        name = dice.choice(self._manager.hardware_components()).name
+        change = self._station.set_hardware_component_state
+        name = self._dice.choice(self._manager.hardware_components()).name
         with self._disturbances:
-            for state in (dice.choice(_LESS_THAN_ACTIVE), ComponentState.ACTIVE):
-                self._station.set_hardware_component_state(
-                    name, state, stop_controllers=dice.random() < 0.5
-                )
+            for state in [*ComponentState][self._dice.randint(0, 1) : 3]:
+                change(name, state, stop_controllers=True)
 
     # Looking
 
