@@ -20,8 +20,7 @@ from station.core.control.controller_loader import TableLoader
 from station.core.control.switching import Strictness, SwitchRequest
 from station.core.facade.station import Station
 from station.core.hardware.interfaces import JointStateInterface
-from station.core.loop import control_loop
-from station.core.loop.scheduling import EARLY, realtime_interpreter
+from station.core.loop.scheduling import realtime_interpreter
 from station.core.parameters import Parameters
 from station.reports import Percentiles
 
@@ -89,11 +88,8 @@ def main() -> None:
         station.loop.start()
         try:
             station.switch_controllers(SwitchRequest(start=(CONTROLLER,)))
-            for Beside.computes, early in ((True, True), (True, False), (False, True)):
-                # Without the head start: an asynchronous update is not noticed.
-                control_loop.EARLY = EARLY if early else 1.0
-                kind = "computes" if Beside.computes else "sleeps"
-                name = f"{kind}{'' if early else ', not asked early'}"
+            for Beside.computes in (True, False):
+                name = "computes" if Beside.computes else "sleeps"
                 rows.append([name, *compare(station, options.seconds, options.turns)])
         finally:
             station.loop.stop()

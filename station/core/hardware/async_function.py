@@ -13,7 +13,6 @@ from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import ClassVar
 
 from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.faults import CONTAINED
@@ -113,10 +112,7 @@ class AsyncFunction:
         is_stepped: Returns whether no thread runs the loop. A call is then carried out
             at once, and counts after the declared cycles.
         params: As given.
-        under_way: Those of the whole process that have a call under way in a thread.
     """
-
-    under_way: ClassVar[set["AsyncFunction"]] = set()
 
     def __init__(
         self, name: str, function: Callable[[float, float], None], params: AsyncParams
@@ -250,7 +246,6 @@ class AsyncFunction:
         if self.is_stepped():
             self._call()
             return
-        self.under_way.add(self)
         go = self._go
         if go is None:
             go = self._go = threading.Lock()
@@ -278,7 +273,6 @@ class AsyncFunction:
         except CONTAINED as error:  # raised again in the control thread
             self._error = error
         self._durations.add(wall_time() - begin)
-        self.under_way.discard(self)
         # In this order: whatever is owed later finds that nothing is under way.
         self._is_ending = True
         self._is_busy = False

@@ -20,7 +20,6 @@ from station.core.clock import Clock, ManualClock
 from station.core.control.controller_manager import ControllerManager
 from station.core.errors import LoopError
 from station.core.faults import CONTAINED, trace_of_fault
-from station.core.hardware.async_function import AsyncFunction
 from station.core.hardware.interfaces import JointStateGroup, JointStateInterface
 from station.core.hardware.robot_hw import RobotClock, RobotHW
 from station.core.loop.control_cycle import ControlCycle
@@ -30,12 +29,10 @@ from station.core.loop.operations import Operations, guarded
 from station.core.loop.pace import Pace
 from station.core.loop.right_of_way import RightOfWay
 from station.core.loop.scheduling import (
-    EARLY,
     keep_interpreter,
     let_others_in,
     request_realtime_priority,
     switch_interval_kept,
-    take_interpreter_until,
 )
 from station.core.loop.snapshot import SnapshotRing
 from station.core.loop.stop_latch import StopLatch
@@ -381,10 +378,6 @@ class ControlLoop:
                     # The deadline was computed with a factor that no longer holds.
                     deadline = self.clock.now() + self.period / pace.real_time_factor
                     continue
-            elif AsyncFunction.under_way and wall_period > 2.0 * EARLY:
-                # A thread that computes in Python gives the interpreter away when it
-                # was asked for a switch interval. So it is asked before the cycle.
-                take_interpreter_until(self.clock, wake)
             else:
                 self.clock.sleep_until(wake)
             keep_interpreter()

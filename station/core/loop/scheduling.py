@@ -6,30 +6,17 @@ neighbour; a full garbage collection over a large heap takes tens of millisecond
 (benchmarks/bench_loop_lateness.py).
 """
 
-import ctypes
 import gc
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from functools import partial
-from operator import call
-
-from station.core.clock import Clock
 
 SWITCH_INTERVAL = 1e-4
 """Longest wait of the control thread for the interpreter lock behind a busy one [s]."""
 CYCLE_SWITCH_INTERVAL = 5e-3
 """How long a cycle may keep the interpreter while others wait for it [s]: the usual
 interval of Python, longer than any cycle but one that hangs."""
-EARLY = 4.2e-4
-"""How long before a cycle the control thread takes the interpreter from asynchronous
-updates [s]: the switch interval, the hand-over and what a virtual machine adds
-(benchmarks/bench_asynchronous.py). With 0.25 ms one cycle in fifty lost it again, and
-was 3 ms late."""
-_EARLY_SWITCH_INTERVAL = 2e-5
-_EARLY_SLICE = 8e-5
-"""More than the short interval and the delay of a timer [s]."""
 FIFO_PRIORITY = 50
 """Priority asked for, as real-time audio and robot drivers do (1 to 99)."""
 ROUND_ROBIN_PRIORITY = 1
@@ -76,34 +63,6 @@ def let_others_in() -> None:
 def keep_interpreter() -> None:
     """Keep the interpreter through a cycle; the control thread when it has woken."""
     sys.setswitchinterval(CYCLE_SWITCH_INTERVAL)
-
-
-def take_interpreter_until(clock: Clock, deadline: float) -> None:
-    """Wait for a cycle, and take the interpreter from threads that compute before it.
-
-    A thread that loses the interpreter asks for it in turn, and may do so by the short
-    interval, for once. It has it back in a slice, and not in the cycle.
-
-    Args:
-        clock: The loop's clock.
-        deadline: When the cycle begins [s].
-    """
-    _ask_early()
-    # As one call of C: the interval must be long before the other thread asks.
-    wake = partial(clock.sleep_until, deadline - EARLY)
-    first: tuple[Callable[[], None], ...] = (wake, keep_interpreter)
-    tuple(map(call, first))
-    while (left := deadline - clock.now()) > 0.0:
-        keep_interpreter()
-        sleep = partial(_usleep, int(1e6 * min(left, _EARLY_SLICE)))
-        # In one call of C: after each call Python looks who asks for the interpreter,
-        # and would wait for it as long as a cycle may keep it.
-        tuple(map(call, (sleep, _ask_early)))
-
-
-# PyDLL keeps the interpreter lock during a call; CDLL and time.sleep give it away.
-_usleep = ctypes.PyDLL(None).usleep
-_ask_early = partial(sys.setswitchinterval, _EARLY_SWITCH_INTERVAL)
 
 
 @contextmanager
