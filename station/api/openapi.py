@@ -37,6 +37,7 @@ TAGS = {
     "loop": "The control loop: rate, lateness, time per phase.",
     "robots": "Arms and grippers: state, model, services, recovery, simulated faults.",
     "simulation": "Time, reset and scene of a simulated robot.",
+    "cameras": "Cameras that look at the robots, and their pictures.",
     "recordings": "Every cycle in MCAP files, and what was kept around incidents.",
     "experiments": "Many trials of a simulated copy of the station, beside its robot.",
     "lessons": "Exercises on the robot, checked on the student's own run.",

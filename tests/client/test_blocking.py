@@ -307,7 +307,7 @@ def test_both_clients_have_the_same_methods(client, source):
 
 
 def test_all_classes_are_compared():
-    assert len(twins()) == 22
+    assert len(twins()) == 23
 
 
 def test_a_coroutine_that_needs_a_loop_is_a_defect():

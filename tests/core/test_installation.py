@@ -96,7 +96,8 @@ def _packages(extras: dict[str, list[str]], extra: str) -> set[str]:
             found = found.union(*(_packages(extras, one) for one in required.extras))
         else:
             # foxglove-sdk brings the package foxglove.
-            found.add(required.name.removesuffix("-sdk").replace("-", "_"))
+            package = required.name.removesuffix("-sdk").replace("-", "_")
+            found.add("PIL" if package == "pillow" else package)
     return found
 
 
