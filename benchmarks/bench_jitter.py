@@ -124,9 +124,9 @@ def measure_alone(seconds: float, make: Callable[[], Station], *run: str) -> Lat
     with realtime_interpreter():
         station.loop.start()
         sleep(SETTLING)
-        station.reset_loop_statistics()
+        station.loop.reset_statistics()
         sleep(seconds)
-        report = station.loop_report()
+        report = station.loop.report()
         station.loop.stop()
     return _of_report(report)
 

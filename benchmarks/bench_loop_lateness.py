@@ -57,9 +57,9 @@ def measure(
     ):
         sys.setswitchinterval(interval)
         sleep(SETTLING)
-        station.reset_loop_statistics()
+        station.loop.reset_statistics()
         sleep(seconds)
-        return station.loop_report()
+        return station.loop.report()
 
 
 def row(name: str, reports: list[LoopReport]) -> list[object]:
@@ -85,7 +85,7 @@ def is_fifo_permitted(station: Station) -> bool:
     """Say whether the control thread is granted SCHED_FIFO."""
     with running_loop(station, fifo=True):
         sleep(0.1)
-        return station.loop_report().scheduler.startswith("SCHED_FIFO")
+        return station.loop.report().scheduler.startswith("SCHED_FIFO")
 
 
 def main() -> None:
