@@ -1,5 +1,6 @@
 """Pictures of cameras: drawn by a process of its own while somebody looks at them."""
 
+import asyncio
 import json
 import os
 import subprocess
@@ -23,6 +24,8 @@ FIRST_PICTURE = 30.0
 AGAIN_AFTER = 10.0
 """After so long a renderer that has failed is tried again [s]."""
 _ASK_EVERY = 0.5
+_FRESH = 0.5
+"""A picture that is older, and missed its successor, is of an earlier look [s]."""
 _LOOK_EVERY = 0.02
 
 
@@ -133,6 +136,20 @@ class Cameras:
                     "needs no screen: EGL (libegl1), or MUJOCO_GL=osmesa.",
                 )
             await anyio.sleep(_LOOK_EVERY)
+
+    def glance(self, name: str) -> Picture | None:
+        """Return the newest picture, if one is fresh, and ask for the next. Event loop.
+
+        Args:
+            name: Name of a camera.
+        """
+        now = time.monotonic()
+        if now - self._asked_at.get(name, -_ASK_EVERY) >= _ASK_EVERY:
+            self._asked_at[name] = now
+            asyncio.get_running_loop().run_in_executor(None, self._ask, name)
+        newest = self._newest.get(name)
+        fresh = now - _FRESH - 1.0 / self._cameras[name].rate
+        return newest if newest and newest.drawn_at > fresh else None
 
     async def pictures(self, name: str) -> AsyncIterator[Picture]:
         """Yield the pictures of a camera, each once, until it has no more."""

@@ -117,6 +117,9 @@ class MessageType:
                 writer.put("I", len(value))
             if len(value) != max(field.length, 0) and field.length >= 0:
                 raise ValueError(f"'{field.name}' has {len(value)} elements.")
+            if isinstance(value, bytes):
+                writer.data += value
+                continue
             for one in value:
                 self._write_one(writer, field.kind, one)
 

@@ -90,7 +90,8 @@ def text_frames(message: Values, form: Form) -> bytes:
         message: The message; numbers that are not finite become null.
         form: The form; its compression is `none` or `png`.
     """
-    data = orjson.dumps(message)
+    # Bytes, as those of a picture, are base64 in JSON.
+    data = orjson.dumps(message, default=lambda data: base64.b64encode(data).decode())
     if form.compression == "png":
         data = orjson.dumps({"op": "png", "data": base64.b64encode(png(data)).decode()})
     if not 0 < form.fragment_size < len(data):

@@ -4,6 +4,7 @@ from collections import ChainMap
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from station.api.cameras import Cameras
 from station.api.rosbridge.actions import Action, StationActions
 from station.api.rosbridge.broker import Broker, Offer
 from station.api.rosbridge.ros_types import RosTypeError, split_style
@@ -26,6 +27,7 @@ class RosGraph:
         urdf: The robot for transforms; None sends none.
         texts: Text by topic, such as `/robot_description`.
         log: The events.
+        cameras: The station's cameras.
         publish: Publishes a message: topic, type, message.
 
     Attributes:
@@ -44,6 +46,7 @@ class RosGraph:
         urdf: Urdf | None,
         texts: Mapping[str, str],
         log: EventLog,
+        cameras: Cameras,
         publish: Callable[[str, str, Values], None],
     ) -> None:
         self.station = station
@@ -53,7 +56,7 @@ class RosGraph:
         self.services.maps.append(self.broker.services)  # type: ignore[arg-type]  # read alone
         self.actions: ChainMap[str, Action | Offer] = ChainMap({})
         self.actions.maps.append(self.broker.actions)  # type: ignore[arg-type]  # read alone
-        self.clock = StationTopics(station, urdf, texts, log)
+        self.clock = StationTopics(station, urdf, texts, log, cameras)
         self.goals = StationActions(station, self.clock, publish)
         self._services = StationServices(station, self.clock)
         self._rosapi = Rosapi(self)

@@ -404,6 +404,9 @@ def _pack(kind: str, value: Any, found: bytearray) -> None:  # noqa: ANN401 - as
             one = value.get(field.name, 0)
             if field.length == -1:
                 found += struct.pack("<I", len(one))
+            if isinstance(one, bytes):
+                found += one
+                continue
             for each in [one] if field.length is None else one:
                 _pack(field.kind, each, found)
 

@@ -46,7 +46,12 @@ class RosbridgePort(ToolPort[RosbridgeSession]):
         super().__init__(app, place)
         services: Services = app.state.services
         self._graph = RosGraph(
-            services.station, urdf, texts, services.event_recorder.log, self._publish
+            services.station,
+            urdf,
+            texts,
+            services.event_recorder.log,
+            services.cameras,
+            self._publish,
         )
         self._ticks = 0
         self._cycle = 0

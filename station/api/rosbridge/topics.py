@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, NamedTuple
 
+from station.api.cameras import Cameras
 from station.api.rosbridge.ros_types import filled, time_of
 from station.api.tool_port import ToolClient
 from station.core.control.controller import ControllerBase, ControllerSample
@@ -124,6 +125,7 @@ class StationTopics:
         urdf: The robot for transforms; None sends none.
         texts: Text by topic, such as `/robot_description`.
         log: The events.
+        cameras: Its cameras.
 
     Attributes:
         origin: Wall time of station time zero [ns since 1970].
@@ -135,8 +137,10 @@ class StationTopics:
         urdf: Urdf | None,
         texts: Mapping[str, str],
         log: EventLog,
+        cameras: Cameras,
     ) -> None:
         self._station = station
+        self._cameras = cameras
         self._urdf = urdf
         self._texts = dict(texts)
         self._log = log
@@ -176,6 +180,14 @@ class StationTopics:
                 "rosgraph_msgs/Clock",
                 self._clock,
                 period=CLOCK_PERIOD,
+                in_pause=True,
+            )
+        for camera in self._cameras.reports():
+            yield Topic(
+                f"/{camera.name}/image_raw/compressed",
+                "sensor_msgs/CompressedImage",
+                partial(self._picture, camera.name, camera.frame or "world", [0]),
+                period=1.0 / camera.rate,
                 in_pause=True,
             )
         for arm_id in self._station.robots.names(GripperServices):
@@ -268,6 +280,17 @@ class StationTopics:
         if found is None or (not found.paused and found.real_time_factor == 1.0):
             return None
         return {"clock": time_of(frame.stamp)}
+
+    def _picture(
+        self, name: str, frame_id: str, last: list[int], _: CycleFrame
+    ) -> Values | None:
+        """Return the newest picture of a camera, once."""
+        found = self._cameras.glance(name)
+        if found is None or found.number == last[0]:
+            return None
+        last[0] = found.number
+        content = {"frame_id": frame_id, "format": "jpeg", "data": found.jpeg}
+        return filled("sensor_msgs/CompressedImage", content, self._stamp(found.stamp))
 
     def _log_line(self, _: CycleFrame) -> Values | None:
         """Return the next event; one that nobody has read for long is left out."""
