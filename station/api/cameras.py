@@ -83,7 +83,7 @@ class Cameras:
         self._failed_at = -AGAIN_AFTER
 
     def reports(self) -> list[CameraReport]:
-        """Return what the cameras are, and why one has no pictures."""
+        """Return the cameras, and the reason why one has no pictures."""
         return [
             CameraReport(
                 name,
