@@ -109,9 +109,6 @@ curl -H "$AUTH" -X DELETE $API/bench-runs/step-1
 curl -H "$AUTH" "$API/lessons?person=ada"
 curl -H "$AUTH" -H "$JSON" $API/lessons/damping/begin -d '{"person": "ada"}'
 curl -H "$AUTH" -H "$JSON" $API/lessons/damping/check -d '{"person": "ada", "answers": {}}'
-curl -H "$AUTH" $API/cameras
-curl -H "$AUTH" $API/cameras/cell --output cell.jpg
-curl -H "$AUTH" $API/cameras/cell/stream --output cell.mjpeg
 
 # Experiments
 EXPERIMENTS=$API/experiments
