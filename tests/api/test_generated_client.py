@@ -22,7 +22,16 @@ def generated(tmp_path_factory):
     document.write_text(json.dumps(DOCUMENT))
     # Without its formatter, which it looks for beside the interpreter.
     settings = folder / "config.yaml"
-    settings.write_text("post_hooks: []\n")
+    # It knows of bytes under one name alone.
+    pictures = ("image/jpeg", "multipart/x-mixed-replace; boundary=picture")
+    settings.write_text(
+        json.dumps({
+            "post_hooks": [],
+            "content_type_overrides": dict.fromkeys(
+                pictures, "application/octet-stream"
+            ),
+        })
+    )
     command = Path(sys.executable).with_name("openapi-python-client")
     done = subprocess.run(
         [

@@ -46,7 +46,9 @@ class RosClient:
     """Speaks rosbridge over one connection."""
 
     def __init__(self, url, **options):
-        self.socket = connect(url, **options)
+        # Python 3.11 cannot let two threads wait for the end of a third one, which the
+        # thread of pings and `close` may do.
+        self.socket = connect(url, ping_interval=None, **options)
         self.statuses = []
 
     def __enter__(self):
