@@ -1,5 +1,6 @@
 """The rehearsals of a station, in a copy of it; their certificates and policies."""
 
+import logging
 import math
 import threading
 import time
@@ -14,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from station.core.control.controller import ControllerState
 from station.core.errors import (
     InvalidCommandError,
     NoPathError,
@@ -23,12 +25,19 @@ from station.core.errors import (
     suggest,
 )
 from station.core.ports.receipt import Receipt
-from station.rehearsal.certificates import Certificates, Tolerances
+from station.rehearsal.certificates import Certificates, Conditions, Tolerances
 from station.rehearsal.envelope import Envelope, Hands
 from station.rehearsal.planning import Wish, plan
 from station.rehearsal.pose_goals import EndEffector, end_effectors
-from station.rehearsal.process_copy import run_in_copy
-from station.rehearsal.run_ahead import Plans, Script, run_ahead
+from station.rehearsal.process_copy import STUCK_AFTER, run_in_copy
+from station.rehearsal.run_ahead import (
+    AT_REST,
+    REST_CYCLES,
+    Forecast,
+    Plans,
+    Script,
+    run_ahead,
+)
 from station.reports import LoopState, Plan, Rehearsal, RehearsalOutcome
 
 if TYPE_CHECKING:
@@ -36,11 +45,17 @@ if TYPE_CHECKING:
 
 _ATTEMPTS = 4
 """Paths that are planned and rehearsed at most for one wish."""
+_BUILT = 20.0
+"""A copy that builds a model is ended when it has said nothing for so long [s]: parsing
+the geometry takes a second, and more on a busy machine."""
 BURST = 5
 """Copies of a live station that a client may have made in a row."""
 INTERVAL = 1.0
 """Time after which a client may have one more made [s]. A copy delays the loop by 2 to
 6 ms, so that a client costs a live loop less than 1 % of its cycles."""
+MakeTwin = Callable[["Station", Callable[[], None]], "Station"]
+"""Returns a stepped model of a station whose robot is real; called in a copy of the
+station, with what it calls after each piece of work."""
 _redeemed: ContextVar[bool] = ContextVar("redeemed", default=False)
 """Whether the command that is being given has the certificate of a rehearsal."""
 
@@ -129,6 +144,14 @@ class RehearsalRate:
             self._paid_until = {**kept, who: max(kept.get(who, now), now) + INTERVAL}
 
 
+@dataclass(frozen=True, slots=True)
+class _Answer:
+    found: Forecast | None
+    why: str = ""
+    """Why there is no model of the robot."""
+    remedy: str = ""
+
+
 class Rehearsals:
     """Rehearses commands, and lets them be given as they were rehearsed. Any thread.
 
@@ -137,6 +160,7 @@ class Rehearsals:
         plans: Makes inputs of further kinds of steps, by kind.
         rules: The policies.
         now: Monotonic clock [s], for the rate of each client.
+        make_twin: Makes a model of a real robot; none is rehearsed on when None.
 
     Attributes:
         rules: The policies.
@@ -149,7 +173,9 @@ class Rehearsals:
         plans: Plans | None = None,
         rules: Rules | None = None,
         now: Callable[[], float] = time.monotonic,
+        make_twin: MakeTwin | None = None,
     ) -> None:
+        self._make_twin = make_twin
         self.rules = rules or Rules()
         self.rate = RehearsalRate(now)
         self._station = station
@@ -157,9 +183,15 @@ class Rehearsals:
         self._certificates = Certificates(station, self.rules.tolerances)
         self._busy = threading.Lock()
 
-    def adopt(self, rules: Rules) -> None:
-        """Follow other rules; certificates of before are void."""
+    def adopt(self, rules: Rules, make_twin: MakeTwin | None = None) -> None:
+        """Follow other rules; certificates of before are void.
+
+        Args:
+            rules: The policies.
+            make_twin: Makes a model of a real robot from now on; as before when None.
+        """
         self.rules = rules
+        self._make_twin = make_twin or self._make_twin
         self._certificates = Certificates(self._station, rules.tolerances)
 
     def rehearse(
@@ -173,6 +205,8 @@ class Rehearsals:
     ) -> Rehearsal:
         """Carry steps out in a copy of the station; nothing moves.
 
+        On a real robot a simulated model of it carries them out.
+
         Args:
             steps: Inputs with `kind`, their arguments, and `at`, the time at which they
                 are carried out [s since the beginning].
@@ -183,11 +217,15 @@ class Rehearsals:
             who: Name of the client; None for the program that the station runs in.
 
         Raises:
-            RehearsalError: The robot is no simulated one, another rehearsal is under
-                way, or this machine cannot copy the station.
+            RehearsalError: The robot is a real one that moves or has no model, another
+                rehearsal is under way, or this machine cannot copy the station.
             TooManyRehearsalsError: The client has made too many in a row.
         """
-        self._refuse_real_robot()
+        is_real = self._station.loop.hw.simulated_world() is None
+        if is_real and self._make_twin is not None:
+            self._refuse_moving_robot()
+        else:
+            self._refuse_real_robot()
         self.rate.check(who)
         self._pay(who)
         if not self._busy.acquire(timeout=1.0):
@@ -197,12 +235,16 @@ class Rehearsals:
         begun = time.perf_counter()
         script = Script(steps, seconds)
         try:
-            found = run_in_copy(
-                lambda tell: run_ahead(self._station, script, self._plans, tell),
+            answer = run_in_copy(
+                partial(self._run, script, is_real=is_real),
                 self._station.loop.wait_between_cycles,
+                _BUILT if is_real else STUCK_AFTER,
             )
         finally:
             self._busy.release()
+        found = answer.found
+        if found is None:
+            raise RehearsalError(answer.why, remedy=answer.remedy)
         told = replace(found.rehearsal, wall_time=time.perf_counter() - begun)
         if is_agent and told.outcome is RehearsalOutcome.COMPLETED:
             names, tube = self._station.joint_names, self.rules.tolerances.tube
@@ -276,6 +318,60 @@ class Rehearsals:
                 remedy=suggest(name, poses),
             )
         return found
+
+    def _run(
+        self, script: Script, tell: Callable[[], None], *, is_real: bool
+    ) -> "_Answer | None":
+        """Carry out a script in a copy, with a model if the robot is real.
+
+        Returns:
+            What happened; None when a cycle was under way as the copy was made.
+        """
+        station, plans = self._station, self._plans
+        if not is_real:
+            found = run_ahead(station, script, plans, tell)
+            return None if found is None else _Answer(found)
+        if self._make_twin is None or not station.loop.go_on_without_thread():
+            return None
+        # What it has to say was logged as the station itself was built.
+        logging.disable()
+        try:
+            # A certificate is for what the real robot begins with.
+            conditions = Conditions.of(station)
+            twin = self._make_twin(station, tell)
+        except StationError as error:
+            return _Answer(None, str(error), error.remedy)
+        found = run_ahead(twin, script, plans, tell)
+        if found is None:
+            return None
+        told = replace(found.rehearsal, twin="model")
+        return _Answer(replace(found, rehearsal=told, conditions=conditions))
+
+    def _refuse_moving_robot(self) -> None:
+        """Refuse to rehearse while a real robot moves: its model does not know how.
+
+        Raises:
+            RehearsalError: A goal is under way, or a joint moves.
+        """
+        station = self._station
+        remedy = "Wait until the robot stands still, and rehearse again."
+        for status in station.controllers():
+            if status.state is ControllerState.LOADING:
+                continue
+            port = station.manager.get_controller(status.name).goals
+            if port is not None and any(not one.is_final() for one in port.goals()):
+                raise RehearsalError(
+                    f"A goal of '{status.name}' is under way.", remedy=remedy
+                )
+        cycle = station.latest().cycle
+        rows = station.snapshots.rows_since(cycle - REST_CYCLES).states_of_joints()
+        moved = np.ptp(rows[:, 0], axis=0) if len(rows) else np.zeros(0)
+        for joint, far in zip(station.joint_names, moved, strict=False):
+            if not far < AT_REST:
+                raise RehearsalError(
+                    f"{joint} moves: by {far:.4f} in the last {len(rows)} cycles.",
+                    remedy=remedy,
+                )
 
     def _pay(self, who: str | None) -> None:
         """Count a copy of a live station for the client that it is made for."""
