@@ -184,7 +184,7 @@ def _services(
     """Return the services of an application."""
     paths = WaypointPaths(station.loop, station.manager, kept.waypoint_paths)
     player = PathPlayer(station.loop, station.manager, station.motion, paths)
-    rehearsals = Rehearsals(station, {"path": partial(_plan_path, paths)})
+    rehearsals = Rehearsals(station, {"path": partial(_plan_path, player)})
     control = Control(kept.events, station.motion.let_go, rehearsed=rehearsals.check)
     control.listen(seat.withdraw)
     runs = KeptRuns(kept.bench_runs)
@@ -214,11 +214,8 @@ def _services(
     )
 
 
-def _plan_path(
-    paths: WaypointPaths, station: Station, step: Mapping[str, Any]
-) -> dict[str, object]:
+def _plan_path(player: PathPlayer, step: Mapping[str, Any]) -> dict[str, object]:
     """Return the goal of a step that plays a path."""
-    player = PathPlayer(station.loop, station.manager, station.motion, paths)
     return player.plan_goal(step["path"], PlayOptions(**step["options"]))
 
 

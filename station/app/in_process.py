@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Self
 from station.app.composition import compose
 from station.app.panda_fetch import fetch_what_is_missing
 from station.app.recording_start import describe
-from station.app.twin import make_twin
+from station.app.twin import run_model
 from station.client.errors import MotionError
 from station.client.motion import in_the_way
 from station.client.poses import Target, joint_positions, trajectory_goal
@@ -277,8 +277,8 @@ class InProcessStation:
                 machine cannot copy the process.
         """
         defaults = {"at": 0.0, "timeout": None, "rates": None}
-        twin = partial(make_twin, self._config)
-        return Rehearsals(self.facade, make_twin=twin).rehearse(
+        run = partial(run_model, self._config)
+        return Rehearsals(self.facade, run_model=run).rehearse(
             [{**defaults, **step} for step in steps], seconds
         )
 

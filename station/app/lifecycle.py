@@ -27,7 +27,7 @@ from station.app.journal import Journal
 from station.app.recording_start import make_ports, make_recorder
 from station.app.shutdown_signals import ShutdownSignals
 from station.app.station_watchdog import StationWatchdog
-from station.app.twin import make_twin
+from station.app.twin import run_model
 from station.app.ui_process import UiOptions, UiProcess, find_orphan, free_port
 from station.config import StationConfig
 from station.core.control.switching import SwitchRequest
@@ -254,7 +254,7 @@ class StationRun:
             ),
         )
         app.state.services.rehearsals.adopt(
-            _rules_of(self._config), partial(make_twin, self._config)
+            _rules_of(self._config), partial(run_model, self._config)
         )
         journal.start(app)
         ports = make_ports(app, station, self._config, policy)

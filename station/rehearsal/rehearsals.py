@@ -1,6 +1,5 @@
 """The rehearsals of a station, in a copy of it; their certificates and policies."""
 
-import logging
 import math
 import threading
 import time
@@ -29,7 +28,7 @@ from station.rehearsal.certificates import Certificates, Conditions, Tolerances
 from station.rehearsal.envelope import Envelope, Hands
 from station.rehearsal.planning import Wish, plan
 from station.rehearsal.pose_goals import EndEffector, end_effectors
-from station.rehearsal.process_copy import STUCK_AFTER, run_in_copy
+from station.rehearsal.process_copy import run_in_copy
 from station.rehearsal.run_ahead import (
     AT_REST,
     REST_CYCLES,
@@ -45,17 +44,14 @@ if TYPE_CHECKING:
 
 _ATTEMPTS = 4
 """Paths that are planned and rehearsed at most for one wish."""
-_BUILT = 20.0
-"""A copy that builds a model is ended when it has said nothing for so long [s]: parsing
-the geometry takes a second, and more on a busy machine."""
 BURST = 5
 """Copies of a live station that a client may have made in a row."""
 INTERVAL = 1.0
 """Time after which a client may have one more made [s]. A copy delays the loop by 2 to
 6 ms, so that a client costs a live loop less than 1 % of its cycles."""
-MakeTwin = Callable[["Station", Callable[[], None]], "Station"]
-"""Returns a stepped model of a station whose robot is real; called in a copy of the
-station, with what it calls after each piece of work."""
+RunModel = Callable[["Station", Script], Forecast]
+"""Carries out a script with a model of a station whose robot is real, without delaying
+it; raises a `RehearsalError` when there is no model."""
 _redeemed: ContextVar[bool] = ContextVar("redeemed", default=False)
 """Whether the command that is being given has the certificate of a rehearsal."""
 
@@ -144,14 +140,6 @@ class RehearsalRate:
             self._paid_until = {**kept, who: max(kept.get(who, now), now) + INTERVAL}
 
 
-@dataclass(frozen=True, slots=True)
-class _Answer:
-    found: Forecast | None
-    why: str = ""
-    """Why there is no model of the robot."""
-    remedy: str = ""
-
-
 class Rehearsals:
     """Rehearses commands, and lets them be given as they were rehearsed. Any thread.
 
@@ -160,7 +148,8 @@ class Rehearsals:
         plans: Makes inputs of further kinds of steps, by kind.
         rules: The policies.
         now: Monotonic clock [s], for the rate of each client.
-        make_twin: Makes a model of a real robot; none is rehearsed on when None.
+        run_model: Rehearses with a model of a real robot; such robots are refused when
+            None.
 
     Attributes:
         rules: The policies.
@@ -173,9 +162,9 @@ class Rehearsals:
         plans: Plans | None = None,
         rules: Rules | None = None,
         now: Callable[[], float] = time.monotonic,
-        make_twin: MakeTwin | None = None,
+        run_model: RunModel | None = None,
     ) -> None:
-        self._make_twin = make_twin
+        self._run_model = run_model
         self.rules = rules or Rules()
         self.rate = RehearsalRate(now)
         self._station = station
@@ -183,15 +172,15 @@ class Rehearsals:
         self._certificates = Certificates(station, self.rules.tolerances)
         self._busy = threading.Lock()
 
-    def adopt(self, rules: Rules, make_twin: MakeTwin | None = None) -> None:
+    def adopt(self, rules: Rules, run_model: RunModel | None = None) -> None:
         """Follow other rules; certificates of before are void.
 
         Args:
             rules: The policies.
-            make_twin: Makes a model of a real robot from now on; as before when None.
+            run_model: Rehearses with a model of a real robot; as before when None.
         """
         self.rules = rules
-        self._make_twin = make_twin or self._make_twin
+        self._run_model = run_model or self._run_model
         self._certificates = Certificates(self._station, rules.tolerances)
 
     def rehearse(
@@ -205,7 +194,7 @@ class Rehearsals:
     ) -> Rehearsal:
         """Carry steps out in a copy of the station; nothing moves.
 
-        On a real robot a simulated model of it carries them out.
+        A real robot cannot be copied: a model of it carries them out.
 
         Args:
             steps: Inputs with `kind`, their arguments, and `at`, the time at which they
@@ -222,7 +211,7 @@ class Rehearsals:
             TooManyRehearsalsError: The client has made too many in a row.
         """
         is_real = self._station.loop.hw.simulated_world() is None
-        if is_real and self._make_twin is not None:
+        if is_real and self._run_model is not None:
             self._refuse_moving_robot()
         else:
             self._refuse_real_robot()
@@ -235,16 +224,9 @@ class Rehearsals:
         begun = time.perf_counter()
         script = Script(steps, seconds)
         try:
-            answer = run_in_copy(
-                partial(self._run, script, is_real=is_real),
-                self._station.loop.wait_between_cycles,
-                _BUILT if is_real else STUCK_AFTER,
-            )
+            found = self._foresee(script)
         finally:
             self._busy.release()
-        found = answer.found
-        if found is None:
-            raise RehearsalError(answer.why, remedy=answer.remedy)
         told = replace(found.rehearsal, wall_time=time.perf_counter() - begun)
         if is_agent and told.outcome is RehearsalOutcome.COMPLETED:
             names, tube = self._station.joint_names, self.rules.tolerances.tube
@@ -319,33 +301,33 @@ class Rehearsals:
             )
         return found
 
-    def _run(
-        self, script: Script, tell: Callable[[], None], *, is_real: bool
-    ) -> "_Answer | None":
-        """Carry out a script in a copy, with a model if the robot is real.
+    def _foresee(self, script: Script) -> Forecast:
+        """Carry out a script in a copy, or with a model if the robot is real.
 
-        Returns:
-            What happened; None when a cycle was under way as the copy was made.
+        Raises:
+            RehearsalError: It is not possible.
         """
-        station, plans = self._station, self._plans
-        if not is_real:
-            found = run_ahead(station, script, plans, tell)
-            return None if found is None else _Answer(found)
-        if self._make_twin is None or not station.loop.go_on_without_thread():
-            return None
-        # What it has to say was logged as the station itself was built.
-        logging.disable()
-        try:
-            # A certificate is for what the real robot begins with.
-            conditions = Conditions.of(station)
-            twin = self._make_twin(station, tell)
-        except StationError as error:
-            return _Answer(None, str(error), error.remedy)
-        found = run_ahead(twin, script, plans, tell)
-        if found is None:
-            return None
-        told = replace(found.rehearsal, twin="model")
-        return _Answer(replace(found, rehearsal=told, conditions=conditions))
+        station = self._station
+        if station.loop.hw.simulated_world() is not None or self._run_model is None:
+            return run_in_copy(
+                lambda tell: run_ahead(station, script, self._plans, tell),
+                station.loop.wait_between_cycles,
+            )
+        conditions, steps = Conditions.of(station), []
+        for step in script.steps:
+            plan_step = self._plans.get(str(step["kind"]))
+            # The model knows no paths; from where the robot stands the station plans.
+            if plan_step is not None and float(step["at"]) > 0.0:
+                raise RehearsalError(
+                    "With a model a path is rehearsed from the beginning alone.",
+                    remedy="Leave `at` out, or rehearse the path by itself.",
+                )
+            told = step if plan_step is None else plan_step(step)
+            steps.append({**told, "at": step["at"]})
+        found = self._run_model(station, replace(script, steps=steps))
+        # A certificate is for what the real robot begins with.
+        report = replace(found.rehearsal, twin="model")
+        return replace(found, rehearsal=report, conditions=conditions)
 
     def _refuse_moving_robot(self) -> None:
         """Refuse to rehearse while a real robot moves: its model does not know how.

@@ -44,8 +44,8 @@ _BATCH = 250
 """Cycles between two looks at the ring of snapshots, and signs of progress."""
 _ROWS = 200
 
-Plans = Mapping[str, Callable[["Station", Mapping[str, Any]], Mapping[str, Any]]]
-"""Makes another input for a station of a step of a kind that the core does not know."""
+Plans = Mapping[str, Callable[[Mapping[str, Any]], Mapping[str, Any]]]
+"""Makes another input of a step of a kind that the core does not know."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,7 +192,7 @@ class _RunAhead:
     def _carry_out(self, step: Mapping[str, Any]) -> None:
         kind = str(step["kind"])
         if kind in self._plans:
-            step = self._plans[kind](self._station, step)
+            step = self._plans[kind](step)
             kind = str(step["kind"])
         if carry_out_plan(self._station, kind, step):
             if kind == "goal":

@@ -5,7 +5,7 @@ from functools import partial
 import pytest
 
 from station.app.composition import compose
-from station.app.twin import make_twin
+from station.app.twin import Likeness, run_model
 from station.config import load_config
 from station.core.clock import ManualClock
 from station.core.control.switching import SwitchRequest
@@ -67,7 +67,7 @@ class RealArm:
         self.facade = compose(config, ManualClock()).station
         self.facade.manager.pump = self.step
         self.config = config
-        self.rehearsals = Rehearsals(self.facade, make_twin=partial(make_twin, config))
+        self.rehearsals = Rehearsals(self.facade, run_model=partial(run_model, config))
         self.step(10)
         self.facade.switch_controllers(SwitchRequest(start=[POSITION]))
         self.step(200)
@@ -161,7 +161,7 @@ def test_model_has_the_load_the_gains_and_the_controllers_of_now(real):
     real.facade.stop("by hand")
     real.step()
 
-    twin = make_twin(real.config, real.facade, lambda: None)
+    twin = Likeness.of(real.config, real.facade).build()
 
     assert twin.loop.hw.arm.state.m_load == 0.4
     assert twin.tuning.gains(TUNED).values[name] == 77.0
