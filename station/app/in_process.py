@@ -4,12 +4,14 @@ import logging
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack, contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
 from station.app.composition import compose
 from station.app.panda_fetch import fetch_what_is_missing
 from station.app.recording_start import describe
+from station.app.twin import run_model
 from station.client.errors import MotionError
 from station.client.motion import in_the_way
 from station.client.poses import Target, joint_positions, trajectory_goal
@@ -271,11 +273,12 @@ class InProcessStation:
                 the joints stand still when None, 30 s at most.
 
         Raises:
-            RehearsalError: The robot is no simulated one, or this machine cannot copy
-                the process.
+            RehearsalError: The robot is a real one that moves or has no model, or this
+                machine cannot copy the process.
         """
         defaults = {"at": 0.0, "timeout": None, "rates": None}
-        return Rehearsals(self.facade).rehearse(
+        run = partial(run_model, self._config)
+        return Rehearsals(self.facade, run_model=run).rehearse(
             [{**defaults, **step} for step in steps], seconds
         )
 

@@ -10,6 +10,7 @@ import os
 import time
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack, closing
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -26,6 +27,7 @@ from station.app.journal import Journal
 from station.app.recording_start import make_ports, make_recorder
 from station.app.shutdown_signals import ShutdownSignals
 from station.app.station_watchdog import StationWatchdog
+from station.app.twin import run_model
 from station.app.ui_process import UiOptions, UiProcess, find_orphan, free_port
 from station.config import StationConfig
 from station.core.control.switching import SwitchRequest
@@ -251,7 +253,9 @@ class StationRun:
                 )
             ),
         )
-        app.state.services.rehearsals.adopt(_rules_of(self._config))
+        app.state.services.rehearsals.adopt(
+            _rules_of(self._config), partial(run_model, self._config)
+        )
         journal.start(app)
         ports = make_ports(app, station, self._config, policy)
         server = ApiServer(app, api.host, api.port, tls, ports)

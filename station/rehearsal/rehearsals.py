@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from station.core.control.controller import ControllerState
 from station.core.errors import (
     InvalidCommandError,
     NoPathError,
@@ -23,12 +24,19 @@ from station.core.errors import (
     suggest,
 )
 from station.core.ports.receipt import Receipt
-from station.rehearsal.certificates import Certificates, Tolerances
+from station.rehearsal.certificates import Certificates, Conditions, Tolerances
 from station.rehearsal.envelope import Envelope, Hands
 from station.rehearsal.planning import Wish, plan
 from station.rehearsal.pose_goals import EndEffector, end_effectors
 from station.rehearsal.process_copy import run_in_copy
-from station.rehearsal.run_ahead import Plans, Script, run_ahead
+from station.rehearsal.run_ahead import (
+    AT_REST,
+    REST_CYCLES,
+    Forecast,
+    Plans,
+    Script,
+    run_ahead,
+)
 from station.reports import LoopState, Plan, Rehearsal, RehearsalOutcome
 
 if TYPE_CHECKING:
@@ -41,6 +49,9 @@ BURST = 5
 INTERVAL = 1.0
 """Time after which a client may have one more made [s]. A copy delays the loop by 2 to
 6 ms, so that a client costs a live loop less than 1 % of its cycles."""
+RunModel = Callable[["Station", Script], Forecast]
+"""Carries out a script with a model of a station whose robot is real, without delaying
+it; raises a `RehearsalError` when there is no model."""
 _redeemed: ContextVar[bool] = ContextVar("redeemed", default=False)
 """Whether the command that is being given has the certificate of a rehearsal."""
 
@@ -137,6 +148,8 @@ class Rehearsals:
         plans: Makes inputs of further kinds of steps, by kind.
         rules: The policies.
         now: Monotonic clock [s], for the rate of each client.
+        run_model: Rehearses with a model of a real robot; such robots are refused when
+            None.
 
     Attributes:
         rules: The policies.
@@ -149,7 +162,9 @@ class Rehearsals:
         plans: Plans | None = None,
         rules: Rules | None = None,
         now: Callable[[], float] = time.monotonic,
+        run_model: RunModel | None = None,
     ) -> None:
+        self._run_model = run_model
         self.rules = rules or Rules()
         self.rate = RehearsalRate(now)
         self._station = station
@@ -157,9 +172,15 @@ class Rehearsals:
         self._certificates = Certificates(station, self.rules.tolerances)
         self._busy = threading.Lock()
 
-    def adopt(self, rules: Rules) -> None:
-        """Follow other rules; certificates of before are void."""
+    def adopt(self, rules: Rules, run_model: RunModel | None = None) -> None:
+        """Follow other rules; certificates of before are void.
+
+        Args:
+            rules: The policies.
+            run_model: Rehearses with a model of a real robot; as before when None.
+        """
         self.rules = rules
+        self._run_model = run_model or self._run_model
         self._certificates = Certificates(self._station, rules.tolerances)
 
     def rehearse(
@@ -173,6 +194,8 @@ class Rehearsals:
     ) -> Rehearsal:
         """Carry steps out in a copy of the station; nothing moves.
 
+        A real robot cannot be copied: a model of it carries them out.
+
         Args:
             steps: Inputs with `kind`, their arguments, and `at`, the time at which they
                 are carried out [s since the beginning].
@@ -183,11 +206,15 @@ class Rehearsals:
             who: Name of the client; None for the program that the station runs in.
 
         Raises:
-            RehearsalError: The robot is no simulated one, another rehearsal is under
-                way, or this machine cannot copy the station.
+            RehearsalError: The robot is a real one that moves or has no model, another
+                rehearsal is under way, or this machine cannot copy the station.
             TooManyRehearsalsError: The client has made too many in a row.
         """
-        self._refuse_real_robot()
+        is_real = self._station.loop.hw.simulated_world() is None
+        if is_real and self._run_model is not None:
+            self._refuse_moving_robot()
+        else:
+            self._refuse_real_robot()
         self.rate.check(who)
         self._pay(who)
         if not self._busy.acquire(timeout=1.0):
@@ -197,10 +224,7 @@ class Rehearsals:
         begun = time.perf_counter()
         script = Script(steps, seconds)
         try:
-            found = run_in_copy(
-                lambda tell: run_ahead(self._station, script, self._plans, tell),
-                self._station.loop.wait_between_cycles,
-            )
+            found = self._foresee(script)
         finally:
             self._busy.release()
         told = replace(found.rehearsal, wall_time=time.perf_counter() - begun)
@@ -276,6 +300,60 @@ class Rehearsals:
                 remedy=suggest(name, poses),
             )
         return found
+
+    def _foresee(self, script: Script) -> Forecast:
+        """Carry out a script in a copy, or with a model if the robot is real.
+
+        Raises:
+            RehearsalError: It is not possible.
+        """
+        station = self._station
+        if station.loop.hw.simulated_world() is not None or self._run_model is None:
+            return run_in_copy(
+                lambda tell: run_ahead(station, script, self._plans, tell),
+                station.loop.wait_between_cycles,
+            )
+        conditions, steps = Conditions.of(station), []
+        for step in script.steps:
+            plan_step = self._plans.get(str(step["kind"]))
+            # The model knows no paths; from where the robot stands the station plans.
+            if plan_step is not None and float(step["at"]) > 0.0:
+                raise RehearsalError(
+                    "With a model a path is rehearsed from the beginning alone.",
+                    remedy="Leave `at` out, or rehearse the path by itself.",
+                )
+            told = step if plan_step is None else plan_step(step)
+            steps.append({**told, "at": step["at"]})
+        found = self._run_model(station, replace(script, steps=steps))
+        # A certificate is for what the real robot begins with.
+        report = replace(found.rehearsal, twin="model")
+        return replace(found, rehearsal=report, conditions=conditions)
+
+    def _refuse_moving_robot(self) -> None:
+        """Refuse to rehearse while a real robot moves: its model does not know how.
+
+        Raises:
+            RehearsalError: A goal is under way, or a joint moves.
+        """
+        station = self._station
+        remedy = "Wait until the robot stands still, and rehearse again."
+        for status in station.controllers():
+            if status.state is ControllerState.LOADING:
+                continue
+            port = station.manager.get_controller(status.name).goals
+            if port is not None and any(not one.is_final() for one in port.goals()):
+                raise RehearsalError(
+                    f"A goal of '{status.name}' is under way.", remedy=remedy
+                )
+        cycle = station.latest().cycle
+        rows = station.snapshots.rows_since(cycle - REST_CYCLES).states_of_joints()
+        moved = np.ptp(rows[:, 0], axis=0) if len(rows) else np.zeros(0)
+        for joint, far in zip(station.joint_names, moved, strict=False):
+            if not far < AT_REST:
+                raise RehearsalError(
+                    f"{joint} moves: by {far:.4f} in the last {len(rows)} cycles.",
+                    remedy=remedy,
+                )
 
     def _pay(self, who: str | None) -> None:
         """Count a copy of a live station for the client that it is made for."""

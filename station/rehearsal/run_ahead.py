@@ -32,9 +32,9 @@ if TYPE_CHECKING:
 LONGEST = 30.0
 """Longest rehearsal without a time of its own [s]."""
 AT_REST = 5e-4
-"""Joints that move by no more than this in `_REST_CYCLES` stand still [rad or m].
+"""Joints that move by no more than this in `REST_CYCLES` stand still [rad or m].
 Measured speeds do not tell: their noise is 0.01 rad/s."""
-_REST_CYCLES = 100
+REST_CYCLES = 100
 _CLAMP_CYCLES = 20
 """Cycles between two looks at the commands that limits have cut off, which take as long
 as a cycle."""
@@ -166,7 +166,7 @@ class _RunAhead:
         if left < 0.5 * self._loop.period:
             return True
         cycles = self._loop.cycle - self._begin
-        if self._seconds is not None or cycles % _REST_CYCLES or not cycles:
+        if self._seconds is not None or cycles % REST_CYCLES or not cycles:
             return False
         return self._done == len(self._steps) and self._has_ended() and self._rests()
 
@@ -174,7 +174,7 @@ class _RunAhead:
         return all(goal.is_final() for goal in self._goals)
 
     def _rests(self) -> bool:
-        rows = self._station.snapshots.rows_since(self._loop.cycle - _REST_CYCLES)
+        rows = self._station.snapshots.rows_since(self._loop.cycle - REST_CYCLES)
         return _rest(rows.states_of_joints())
 
     def _carry_out_due(self) -> None:
@@ -333,7 +333,7 @@ class _RunAhead:
         return Rehearsal(
             outcome=self._outcome(),
             error=self._error,
-            is_at_rest=_rest(states[-_REST_CYCLES:]),
+            is_at_rest=_rest(states[-REST_CYCLES:]),
             begin_cycle=self._begin + 1,
             cycles=count,
             duration=self._elapsed,

@@ -35,6 +35,8 @@ def rehearse(
     same controllers in the same state. A stepped station then goes the same way bit for
     bit. With a certificate a command is carried out only if nothing that matters has
     changed since, and the station stops if the robot leaves the rehearsed motion.
+
+    For a real Franka arm that stands still, a simulated model of it does so (`twin`).
     """
     steps = [step.as_input() for step in request.steps]
     return services.rehearsals.rehearse(

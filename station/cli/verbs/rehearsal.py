@@ -137,6 +137,8 @@ def _tell(told: "Rehearsal") -> None:
         f"{told.outcome} after {told.duration:.3f} s ({told.cycles} cycles, rehearsed "
         f"in {1e3 * told.wall_time:.0f} ms)."
     )
+    if told.twin == "model":
+        say("A model of the arm was moved; it is as good as its parameters.")
     if told.error is not None:
         where = f" at {told.error.where}" if told.error.where else ""
         say(f"{told.error.cause}{where} in cycle {told.error.cycle}: {told.error.text}")

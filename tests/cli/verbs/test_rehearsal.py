@@ -38,6 +38,11 @@ def test_path_is_rehearsed_and_its_end_is_told(run, station):
     assert outcome.out == "completed after 0.900 s (900 cycles, rehearsed in 50 ms).\n"
 
 
+def test_model_of_a_real_arm_is_told(run, station):
+    station.rehearsal = report(twin="model")
+    assert "A model of the arm was moved" in run("rehearse --path wave").out
+
+
 def test_failed_steps_of_a_file_give_exit_code_1(run, station, tmp_path):
     error = {
         "cause": "reflex",

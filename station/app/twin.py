@@ -1,0 +1,207 @@
+"""A model of a real arm: the simulated arm with its settings, in a process of its own.
+
+To copy the station's process, as for a simulated arm, may hold the control thread up
+for so long that a real arm misses too many commands and stops. A process that is
+spawned shares no memory with it.
+"""
+
+import logging
+import os
+import pickle
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+
+from station.app.composition import ROBOT_NAMESPACE, compose
+from station.config import StationConfig
+from station.config.models import RobotSection
+from station.core.clock import ManualClock
+from station.core.control.controller import ControllerState
+from station.core.control.switching import SwitchRequest
+from station.core.errors import RehearsalError, StationError
+from station.core.facade.station import Station
+from station.core.franka import CollisionBehavior
+from station.core.loop.stop_latch import StopState
+from station.hw.franka.arm.load import Load
+from station.hw.franka.franka_hw import FrankaHW
+from station.rehearsal.run_ahead import Forecast, Script, run_ahead
+
+_READY = frozenset({"idle", "move"})
+"""Modes in which an arm moves, or may be started."""
+_LONGEST = 60.0
+"""Longest that a model may take [s]; a second or two to start, and the motion."""
+
+
+@dataclass(frozen=True, slots=True)
+class Likeness:
+    """The settings and the state that a model takes over.
+
+    Attributes:
+        config: The configuration, without the address of the arm and controllers.
+        positions: Positions of the joints by name [rad].
+        load: The load that the arm was told of.
+        end_effector: NE_T_EE, 16 numbers.
+        stiffness_frame: EE_T_K, 16 numbers.
+        behavior: Thresholds of collisions; None for those of the configuration.
+        roles: The objects with a role around the arm.
+        controllers: Parameters of the loaded controllers, by name.
+        running: Names of those that run.
+        gains: Gains by controller and name.
+        stopped: Reason of the latched stop; None when motion is allowed.
+    """
+
+    config: StationConfig
+    positions: Mapping[str, float]
+    load: Load
+    end_effector: tuple[float, ...]
+    stiffness_frame: tuple[float, ...]
+    behavior: CollisionBehavior | None
+    roles: Sequence[Mapping[str, object]]
+    controllers: Mapping[str, Mapping[str, object]]
+    running: Sequence[str]
+    gains: Mapping[str, Mapping[str, float]]
+    stopped: str | None
+
+    @classmethod
+    def of(cls, config: StationConfig, station: Station) -> "Likeness":
+        """Return the likeness of a station.
+
+        Args:
+            config: Its configuration.
+            station: The station.
+
+        Raises:
+            RehearsalError: The robot is no single real Franka arm, or is not ready.
+        """
+        real, told = station.loop.hw, station.parameters.get(ROBOT_NAMESPACE)
+        # Any other robot might connect to the real one again without an address.
+        if not isinstance(real, FrankaHW) or not isinstance(told, dict):
+            raise RehearsalError(
+                "There is no model of this real robot.",
+                remedy="Rehearse on a simulated station with the same configuration.",
+            )
+        if real.mode() not in _READY:
+            raise RehearsalError(
+                f"The arm is in the mode '{real.mode()}', which its model has not.",
+                remedy="Recover the arm, and rehearse again.",
+            )
+        section = {key: value for key, value in told.items() if key != "robot_ip"}
+        robot = RobotSection.model_validate(section)
+        bare: dict[str, object] = {
+            "controllers": {},
+            "start": [],
+            "ros_controllers": [],
+        }
+        listed = station.controllers()
+        found = {one.name: station.parameters.get(one.name) for one in listed}
+        latch, state = station.loop.stop_latch, real.arm.state
+        now = station.latest().position
+        return cls(
+            config.model_copy(update={"robot": robot, **bare}),
+            dict(zip(station.joint_names, now, strict=True)),
+            Load(state.m_load, (*state.F_x_Cload,), (*state.I_load,)),
+            (*state.NE_T_EE,),
+            (*state.EE_T_K,),
+            real.arm.collision_behavior(),
+            station.surroundings.entries(),
+            {
+                one.name: params
+                for one in listed
+                if one.state is not ControllerState.LOADING
+                and isinstance(params := found[one.name], dict)
+            },
+            [one.name for one in listed if one.state is ControllerState.RUNNING],
+            station.tuning.all_gains(),
+            None if latch.state is StopState.ARMED else latch.reason,
+        )
+
+    def build(self) -> Station:
+        """Return a stepped station with a simulated arm of this likeness.
+
+        Raises:
+            RehearsalError: The simulated arm has other joints.
+            StationError: It cannot stand or be set up like the real one.
+        """
+        twin = compose(self.config, ManualClock()).station
+        hw, period = twin.loop.hw, twin.loop.period
+        twin.manager.pump = lambda: twin.loop.step(1, period)
+        if twin.joint_names != [*self.positions] or not isinstance(hw, FrankaHW):
+            raise RehearsalError(
+                "The model has other joints than the real robot.",
+                remedy="Set robot.fingers_in_joint_states to false.",
+            )
+        twin.loop.step(1, period)
+        twin.simulation.reset(self.positions)
+        hw.arm.set_load(self.load)
+        hw.arm.set_end_effector_frame(self.end_effector)
+        hw.arm.set_stiffness_frame(self.stiffness_frame)
+        if self.behavior is not None:
+            hw.arm.set_collision_behavior(self.behavior)
+        twin.surroundings.replace_roles(self.roles)
+        for name, params in self.controllers.items():
+            twin.load_controller(name, params=params)
+        twin.tuning.set_many(self.gains)
+        if self.running:
+            twin.switch_controllers(SwitchRequest(start=self.running))
+        if self.stopped is not None:
+            twin.stop(self.stopped)
+        return twin
+
+
+def run_model(config: StationConfig, station: Station, script: Script) -> Forecast:
+    """Return the findings of a model of a real arm that carries out a script.
+
+    Args:
+        config: The configuration of the station.
+        station: The station.
+        script: What is carried out.
+
+    Raises:
+        RehearsalError: There is no model, or it came to no result.
+    """
+    question = pickle.dumps((Likeness.of(config, station), script))
+    # Without `close_fds` the process is spawned: nothing of this one is copied.
+    with subprocess.Popen(
+        [sys.executable, "-m", "station.app.twin"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        close_fds=False,
+    ) as process:
+        try:
+            answer, trace = process.communicate(question, _LONGEST)
+        except subprocess.TimeoutExpired as late:
+            process.kill()
+            raise RehearsalError(
+                f"The model came to no result in {_LONGEST:g} s.",
+                remedy="Rehearse a shorter motion.",
+            ) from late
+    if process.returncode != 0:
+        raise RehearsalError(
+            "The process of the model failed.",
+            remedy="Report it: the details have the traceback.",
+            details={"traceback": trace.decode(errors="replace")},
+        )
+    found: Forecast | tuple[str, str] = pickle.loads(answer)
+    if isinstance(found, tuple):
+        raise RehearsalError(found[0], remedy=found[1])
+    return found
+
+
+def _answer(question: bytes) -> Forecast | tuple[str, str] | None:
+    """Carry out a script; return why and what to do if there is no model."""
+    likeness, script = pickle.loads(question)
+    try:
+        return run_ahead(likeness.build(), script, {}, lambda: None)
+    except StationError as error:
+        return str(error), error.remedy
+
+
+if __name__ == "__main__":
+    with suppress(OSError):
+        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+    # What building has to say was logged when the station itself was built.
+    logging.disable()
+    sys.stdout.buffer.write(pickle.dumps(_answer(sys.stdin.buffer.read())))
