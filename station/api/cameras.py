@@ -18,7 +18,7 @@ from station.core.errors import StationError, suggest
 from station.core.loop.scheduling import ordinary_priority
 from station.reports import CameraReport
 
-RENDERER = (sys.executable, "-m", "station.hw.mujoco.camera_renderer")
+RENDERER = (sys.executable, "-m", "station.app.camera_renderer")
 FIRST_PICTURE = 30.0
 """Longest wait for a picture: a process starts and reads the meshes of robots [s]."""
 AGAIN_AFTER = 10.0

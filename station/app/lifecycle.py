@@ -8,11 +8,11 @@ import contextlib
 import hashlib
 import os
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, closing
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from station import compiled
 from station.api.agents import AgentPolicy
@@ -28,7 +28,13 @@ from station.app.recording_start import make_ports, make_recorder
 from station.app.shutdown_signals import ShutdownSignals
 from station.app.station_watchdog import StationWatchdog
 from station.app.twin import run_model
-from station.app.ui_process import UiOptions, UiProcess, find_orphan, free_port
+from station.app.ui_process import (
+    AdoptedProcess,
+    UiOptions,
+    UiProcess,
+    find_orphan,
+    free_port,
+)
 from station.config import StationConfig
 from station.core.control.switching import SwitchRequest
 from station.core.errors import StationError
@@ -51,6 +57,7 @@ from station.trials.trial import Setup
 from station.web.host_policy import HostPolicy
 
 if TYPE_CHECKING:
+    from station.api.tool_port import ToolPort
     from station.records.recorder import Recorder
 
 
@@ -222,8 +229,7 @@ class StationRun:
         # The robot knows best where it stands.
         robot = station.parameters.get(ROBOT_NAMESPACE)
         placed = robot if isinstance(robot, dict) else {}
-        options = self._ui_options(placed, "", "", "", ui.port)
-        orphan = find_orphan(api.host, ui.port, options.shown()) if ui.enabled else None
+        orphan = self._find_dashboard(placed)
         ui_port = orphan.port if orphan else 0
         if ui.enabled and not orphan:
             ui_port = free_port(api.host, ui.port)
@@ -231,6 +237,12 @@ class StationRun:
         authenticator.named = journal.named_tokens()
         experiments = stack.enter_context(closing(self._background_experiments()))
         policy = HostPolicy(host_names(api.host), api.allowed_origins)
+
+        def assignment() -> dict[str, object]:
+            robots, viewer = _drawn_robots(placed), authenticator.viewer_token
+            return {"url": server.url, "token": viewer, "robots": robots}
+
+        cameras = Cameras(self._config.cameras, assignment)
         app = create_app(
             station,
             authenticator,
@@ -240,18 +252,7 @@ class StationRun:
             agents=AgentPolicy(
                 self._config.agents.approval == "always", self._config.agents.wait
             ),
-            cameras=stack.enter_context(
-                closing(
-                    Cameras(
-                        self._config.cameras,
-                        lambda: {
-                            "url": server.url,
-                            "token": authenticator.viewer_token,
-                            "robots": _drawn_robots(placed),
-                        },
-                    )
-                )
-            ),
+            cameras=stack.enter_context(closing(cameras)),
         )
         app.state.services.rehearsals.adopt(
             _rules_of(self._config), partial(run_model, self._config)
@@ -262,11 +263,7 @@ class StationRun:
         stack.callback(self._finish_ui)
         stack.callback(server.stop, SERVER_TIMEOUT)
         server.start()
-        configured = (self._config.foxglove, self._config.rosbridge)
-        asked = [one.port for one in configured if one.enabled]
-        for port, number in zip(ports, asked, strict=True):
-            if number == 0:
-                self._warn(f"{port.tool} is served at port {port.port}.")
+        self._name_free_ports(ports)
         token = authenticator.operator_token
         pid = os.getpid()
         running = RunningStation(
@@ -298,6 +295,20 @@ class StationRun:
             kernel=self._extensions.start(),
             robot=station.status().robot_label,
         )
+
+    def _find_dashboard(self, robot: Mapping[str, object]) -> AdoptedProcess | None:
+        """Return the dashboard of an earlier station, if it shows the same."""
+        api, ui = self._config.api, self._config.ui
+        options = self._ui_options(robot, "", "", "", ui.port)
+        return find_orphan(api.host, ui.port, options.shown()) if ui.enabled else None
+
+    def _name_free_ports(self, ports: "Sequence[ToolPort[Any]]") -> None:
+        """Warn where tools are served that were given any free port."""
+        configured = (self._config.foxglove, self._config.rosbridge)
+        asked = [one.port for one in configured if one.enabled]
+        for port, number in zip(ports, asked, strict=True):
+            if number == 0:
+                self._warn(f"{port.tool} is served at port {port.port}.")
 
     def _background_experiments(self) -> BackgroundExperiments:
         return BackgroundExperiments(Setup.of(self._config), workers=spare_processors())

@@ -47,6 +47,7 @@ def _expect_no_simulation(browser, running):
     with StationClient(running.api, running.token) as client:
         assert client.status().simulation is None
         label = client.status().robot_label
+        client.waypoint_paths.capture("poses", "here")
     assert label == running.robot == f"REAL ARM {ARM_HOST}"
     context = browser.new_context(viewport={"width": 1280, "height": 800})
     without_scene(context)
@@ -55,6 +56,10 @@ def _expect_no_simulation(browser, running):
     assert WorkspacePage(page).dock("timeline").is_visible()
     page.locator("#robot").get_by_text(label, exact=True).wait_for()
     page.locator('.dock[data-dock="simulation"]').wait_for(state="hidden")
+    # A model of the arm rehearses; what is around it is not known.
+    joints = WorkspacePage(page).dock("joints")
+    joints.get_by_role("button", name="Rehearse", disabled=False).wait_for()
+    assert joints.get_by_role("button", name="Go around").is_disabled()
     page.set_viewport_size({"width": 390, "height": 844})
     page.locator('#docks-nav [data-dock="timeline"]').wait_for()
     assert page.locator("#robot").is_visible()

@@ -88,10 +88,9 @@ class RosGraph:
         for action in actions:
             topics += self.goals.topics_of(action)
         # A topic that stays keeps its time, and what it has sent last.
-        kept = {name: (one.type, one) for name, one in own.items()}
         self.topics.maps[0] = {
-            one.name: kept[one.name][1]
-            if one.name in kept and kept[one.name][0] == one.type
+            one.name: old
+            if (old := own.get(one.name)) is not None and old.type == one.type
             else one
             for one in topics
         }

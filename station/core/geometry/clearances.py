@@ -17,7 +17,7 @@ from station.core.geometry.distances import (
     reaches,
     reaches_of_tree,
 )
-from station.core.numerics.arm_chain import new_links, place_links, place_tree
+from station.core.numerics.arm_chain import TREE_ROW, new_links, place_links, place_tree
 from station.memory.doubles import Doubles, doubles, indices, zeros
 from station.memory.functions import square_root
 
@@ -81,9 +81,9 @@ class Clearances:
         self.link_count = size
         parents, joints = [*range(-1, size - 1)], [*range(size)]
         if self.is_tree:
-            self.link_count = len(tree) // 17
-            parents = [int(tree[k]) for k in range(0, len(tree), 17)]
-            joints = [int(tree[k + 1]) for k in range(0, len(tree), 17)]
+            parents = [int(number) for number in tree[::TREE_ROW]]
+            joints = [int(number) for number in tree[1::TREE_ROW]]
+            self.link_count = len(parents)
         self.parents, self.joints = indices(parents), indices(joints)
         self.links = new_links(doubles([0.0] * 4 * (self.link_count + 1)))
         self.segments = zeros(6 * self.count)

@@ -12,6 +12,7 @@ nearest where the slope changes its sign, and it is farthest at an end.
 from collections.abc import Sequence
 from math import hypot
 
+from station.core.numerics.arm_chain import TREE_ROW
 from station.memory.doubles import Doubles, Indices, Storage, zeros
 from station.memory.functions import square_root
 
@@ -436,19 +437,20 @@ def reaches_of_tree(
     Returns:
         Metres per unit of the joint.
     """
-    far = [0.0] * (len(tree) // 17)
+    rows = [tree[k : k + TREE_ROW] for k in range(0, len(tree), TREE_ROW)]
+    far = [0.0] * len(rows)
     for i, link in enumerate(owners):
         k = 7 * i
         end = max(hypot(*capsules[k : k + 3]), hypot(*capsules[k + 3 : k + 6]))
         far[link] = max(far[link], end + capsules[k + 6])
     for link in range(len(far) - 1, -1, -1):
-        row = tree[17 * link : 17 * link + 17]
+        row = rows[link]
         step = hypot(*row[14:17])
         step += abs(row[3]) * longest[link] + abs(row[4]) if row[2] else 0.0
         if row[0] >= 0.0:
             parent = int(row[0])
             far[parent] = max(far[parent], step + far[link])
     return [
-        abs(tree[17 * link + 3]) * (1.0 if tree[17 * link + 2] else reach)
-        for link, reach in enumerate(far)
+        abs(row[3]) * (1.0 if row[2] else reach)
+        for row, reach in zip(rows, far, strict=True)
     ]

@@ -48,7 +48,7 @@ TIME_LIMIT = DeclaredParameter(
     default=1.0,
     minimum=0.0,
     excludes_minimum=True,
-    description="an asynchronous update that takes longer stops the controller",
+    description="an asynchronous update that takes longer is a fault",
 )
 _WITHOUT_EFFECT = (
     "thread_priority",
@@ -108,7 +108,7 @@ class AsyncFunction:
         params: How it is called.
 
     Attributes:
-        every: A call begins in every so manieth cycle, >= 1.
+        every: Cycles from the beginning of a call to that of the next one, >= 1.
         is_stepped: Returns whether no thread runs the loop. A call is then carried out
             at once, and counts after the declared cycles.
         params: As given.

@@ -1,6 +1,8 @@
 cimport cython
 from station.memory.functions cimport cosine, sine
 
+cdef long _TREE_ROW
+
 cpdef void place_links(double[::1] chain, double[::1] q, double[::1] links) noexcept
 @cython.locals(
     r=long, k=long, p=long, i=long, axis=long, parent=long, x=double, y=double, z=double)

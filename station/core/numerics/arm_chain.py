@@ -1,5 +1,7 @@
 """Poses and Jacobians of an arm whose links form a chain of revolute joints.
 
+Robots of other joints are trees, of which the poses alone are computed.
+
 A chain of n joints is given by 4 (n + 1) numbers, a [m], d [m], cos alpha and sin alpha
 of each joint and of the flange, after Craig's convention of Denavit and Hartenberg: the
 frame of a link is the one of the link before, turned by alpha about x, moved by a along
@@ -13,6 +15,9 @@ they are. A Jacobian has 6 n numbers, column-major, rows vx vy vz wx wy wz.
 from station.memory.doubles import Doubles, Storage, doubles
 from station.memory.functions import cosine, sine
 
+TREE_ROW = 17
+"""Numbers of a link of a tree, see `place_tree`."""
+_TREE_ROW = TREE_ROW  # as a C number, by the .pxd
 _IDENTITY = (
     1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0,
     0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0,
@@ -65,17 +70,19 @@ def place_tree(tree: Doubles, q: Storage, links: Storage) -> None:
     """Write the poses of the moving links of any robot in the frame of its base.
 
     Args:
-        tree: 17 numbers for each link, parents first: the index of its parent, -1 for
-            the base; the index of its joint; 0 for a joint that turns about z and 1 for
-            one that slides along it; the factor and the offset of its position by that
-            of the joint; its axes and its origin in the frame of the parent at 0.
+        tree: `TREE_ROW` numbers for each link, parents first: the index of its parent,
+            -1 for the base; the index of its joint; 0 for a joint that turns about z
+            and 1 for one that slides along it; the factor and the offset of its
+            position by that of the joint; its axes and its origin in the frame of the
+            parent at 0.
         q: Positions of the joints [rad or m].
         links: Where the poses go, 16 numbers each.
     """
     ax, ay, az, bx, by, bz = 1.0, 0.0, 0.0, 0.0, 1.0, 0.0
     cx, cy, cz, ox, oy, oz = 0.0, 0.0, 1.0, 0.0, 0.0, 0.0
-    for link in range(len(tree) // 17):
-        r, k, parent = 17 * link, 16 * link, int(tree[17 * link])
+    for link in range(len(tree) // _TREE_ROW):
+        r, k = _TREE_ROW * link, 16 * link
+        parent = int(tree[r])
         ax, ay, az, bx, by, bz = 1.0, 0.0, 0.0, 0.0, 1.0, 0.0
         cx, cy, cz, ox, oy, oz = 0.0, 0.0, 1.0, 0.0, 0.0, 0.0
         if parent >= 0:

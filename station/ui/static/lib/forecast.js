@@ -1,4 +1,4 @@
-// What a motion would do, tried in a copy of the station: the verdict in words, the way as a ghost.
+// What a motion would do, tried in a copy of the station or with a model of a real arm: the verdict in words, the way as a ghost.
 import { button, h, line } from "./dom.js";
 import { hideGhost, showGhost } from "./ghost.js";
 import { act } from "./station.js";
@@ -26,7 +26,7 @@ export function stepOf({ operation, target, request }) {
 }
 
 /** Return the verdict of a rehearsal and what else is good to know, as sentences. */
-export function wordsOf({ outcome, error, duration, joints, contacts }) {
+export function wordsOf({ outcome, error, duration, joints, contacts, twin }) {
   const angle = (value) => `${number(value * units.scale, units.angle === "deg" ? 1 : 3)}${units.sign}`;
   const least = (key) => joints.filter((one) => one[key] != null).sort((a, b) => a[key] - b[key])[0];
   const verdict = {
@@ -39,7 +39,8 @@ export function wordsOf({ outcome, error, duration, joints, contacts }) {
   const part = (one, key, what) => one && `${number(one[key] * 100, 0)} % of the ${what} of ${one.joint}`;
   const left = [range && `${store.docks?.sliding.includes(range.joint) ? `${number(range.position_margin, 3)} m` : angle(range.position_margin)} to the end of ${range.joint}`, part(speed, "velocity_margin", "speed"), part(torque, "effort_margin", "torque")].filter(Boolean);
   const touched = contacts.length ? `Touches ${contacts.slice(0, 3).map(({ bodies, force }) => `${bodies.join(" and ")} with ${number(force, 0)} N`).join(", ")}.` : "Touches nothing.";
-  return [units.words(verdict), left.length ? `Left: ${left.join(", ")}.` : "", touched].filter(Boolean).join(" ");
+  const worth = twin === "model" ? "A model of the arm was moved; it is as good as its parameters." : "";
+  return [units.words(verdict), left.length ? `Left: ${left.join(", ")}.` : "", touched, worth].filter(Boolean).join(" ");
 }
 
 /** A card with the forecast of one motion at a time; `closed()` is called when a person leaves it. */
@@ -51,7 +52,7 @@ export class Forecast {
 
   /** Try steps; a motion that would be completed can be made as it was rehearsed, unless it `isOfOther`. */
   async rehearse(steps, { isOfOther = false, before = "" } = {}) {
-    const told = await this.ask("Trying it in a copy of the station …", "/rehearse", { steps, certificate: !isOfOther });
+    const told = await this.ask("Trying it …", "/rehearse", { steps, certificate: !isOfOther });
     if (!told) return;
     const name = told.certificate?.name;
     const move = name ? button("Move as rehearsed", "The robot moves like the ghost, and stops if it leaves that way.", () => this.carryOut(steps, name), { class: "s primary" }) : null;

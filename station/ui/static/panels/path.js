@@ -246,7 +246,7 @@ class Path extends Panel {
     this.newButton.disabled = !store.isOperator || !this.newName.value.trim();
     this.deleteButton.disabled = !store.isOperator || !this.choice.value;
     this.playButton.disabled = !store.isOperator || !this.path.waypoints.length;
-    this.rehearseButton.disabled = this.playButton.disabled || !store.docks?.simulation;
+    this.rehearseButton.disabled = this.playButton.disabled;
     this.previewButton.disabled = !this.path.waypoints.length;
     show(this.pauseButton, playback?.state === "paused" ? "Resume" : "Pause");
     this.progress.hidden = !active;

@@ -15,7 +15,7 @@ SCRIPT = """
 import json, sys
 import numpy as np
 from station.config.models import CameraSection
-from station.hw.mujoco.camera_renderer import DrawnRobot, Stage, looking
+from station.app.camera_renderer import DrawnRobot, Stage, looking
 from station.wire import JointStates, Scene, SceneObject
 
 asked = json.loads(sys.stdin.read())
