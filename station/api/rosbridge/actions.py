@@ -46,6 +46,7 @@ MOST_THREADS = 16
 MOST_GOALS = 32
 """Most goals that are followed at a time."""
 _TRAJECTORY = "control_msgs/FollowJointTrajectory"
+_SEQUENCE = "control_msgs/ExecuteMotionPrimitiveSequence"
 _GRIPPER = "control_msgs/GripperCommand"
 REJECTED = 5
 """actionlib's number of a goal that was refused."""
@@ -167,14 +168,15 @@ class StationActions:
             except StationError:
                 continue  # unloaded since
             if controller.goals is not None:
-                follows = controller.trajectories is not None
-                name, kind = (
-                    ("follow_joint_trajectory", _TRAJECTORY)
-                    if follows
-                    else ("gripper_cmd", _GRIPPER)
-                )
-                begin = partial(self._begin_goal, status.name, kind)
-                yield Action(f"/{status.name}/{name}", kind, begin)
+                actions = {"gripper_cmd": _GRIPPER}
+                if controller.trajectories is not None:
+                    actions = {
+                        "follow_joint_trajectory": _TRAJECTORY,
+                        "motion_sequence": _SEQUENCE,
+                    }
+                for name, kind in actions.items():
+                    begin = partial(self._begin_goal, status.name, kind)
+                    yield Action(f"/{status.name}/{name}", kind, begin)
         for arm_id in self._station.robots.names(GripperServices):
             space = gripper_namespace(self._station, arm_id)
             for name in ("homing", "stop", "move", "grasp"):
