@@ -148,7 +148,7 @@ class _Piece:
 
     @property
     def length(self) -> float:
-        """Return how long it is."""
+        """Return its length [m or rad]."""
         return float(self.at[-1])
 
 

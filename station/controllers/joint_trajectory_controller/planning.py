@@ -172,7 +172,7 @@ class TrajectoryPlanner:
         )
 
     def resting_place(self) -> list[float]:
-        """Return where the joints are held [rad or m], shape (n,). Any thread.
+        """Return the positions at which the joints are held [rad or m]. Any thread.
 
         Raises:
             InvalidTrajectoryError: They move.

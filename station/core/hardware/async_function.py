@@ -18,6 +18,7 @@ from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.faults import CONTAINED
 from station.core.numerics.statistics import DurationRing
 from station.core.parameters import Parameters
+from station.core.scheduling import ROUND_ROBIN_PRIORITY
 from station.memory.wall_time import wall_time
 from station.reports import AsyncStatistics
 
@@ -294,4 +295,5 @@ def _step_behind_the_control_thread() -> None:
     is_first = getattr(os, "SCHED_FIFO", None)
     if is_first is not None and os.sched_getscheduler(0) == is_first:
         with suppress(PermissionError):
-            os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(1))
+            least = os.sched_param(ROUND_ROBIN_PRIORITY)
+            os.sched_setscheduler(0, os.SCHED_RR, least)

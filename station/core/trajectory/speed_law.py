@@ -86,7 +86,7 @@ class SpeedLaw:
 
     @property
     def duration(self) -> float:
-        """Return how long the path takes [s]."""
+        """Return the time that the path takes [s]."""
         return sum(duration for duration, _ in self.phases)
 
     def at(self, time: float) -> tuple[float, float, float]:
