@@ -124,6 +124,7 @@ class ControlLoop:
         self._scheduler = ""
         manager.pump = self.step
         manager.period = period
+        manager.loop_cycle = lambda: self.cycle
         # A switch posted before a stop must not start anything after it.
         manager.lifecycle.start_gate = self.stop_latch.check
 
