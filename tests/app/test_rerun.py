@@ -112,13 +112,14 @@ controllers:
     type: velocity_controllers/JointGroupVelocityController
     joints: [inner/j1]
     is_async: true
-    async_parameters: {cycles: 3}
+    async_parameters: {cycles: 3, process: true}
     update_rate: 250
 start: []
 """
 
 
-def test_rates_chains_and_what_is_asynchronous_run_again_bit_for_bit(tmp_path):
+@pytest.mark.parametrize("process", ["false", "true"])
+def test_rates_chains_and_what_is_asynchronous_run_again_bit_for_bit(tmp_path, process):
     config = tmp_path / "station.yaml"
     config.write_text(CHAIN)
     with (
