@@ -2,7 +2,7 @@
 // the first minute and the progress line show. Each panel is a file in `panels/`.
 import { watchAgents } from "./lib/agents.js";
 import { alarms } from "./lib/alarms.js";
-import { h, isNarrow, kept, show } from "./lib/dom.js";
+import { h, html, isNarrow, kept, nothing, render, repeat, show } from "./lib/dom.js";
 import { control } from "./lib/control.js";
 import { refusals, remedyOf } from "./lib/refusals.js";
 import { act, api, teleoperation } from "./lib/station.js";
@@ -12,8 +12,6 @@ import { units } from "./lib/units.js";
 import { showTour } from "./lib/tour.js";
 import { watchScene } from "./lib/scene.js";
 import { showViewTools } from "./lib/view_tools.js";
-import { html, nothing, render } from "./vendor/lit/lit-html.js";
-import { repeat } from "./vendor/lit/directives/repeat.js";
 import "./panels/joints.js";
 import "./panels/controllers.js";
 import "./panels/gripper.js";

@@ -1,10 +1,9 @@
 // What agents ask for: who, what, with what, and a person's answer. It lies over the picture,
 // so that it moves nothing below the pointer.
+import { html, nothing, render, repeat } from "./dom.js";
 import { Forecast, stepOf } from "./forecast.js";
 import { act, api, follow } from "./station.js";
 import { store } from "./store.js";
-import { html, nothing, render } from "../vendor/lit/lit-html.js";
-import { repeat } from "../vendor/lit/directives/repeat.js";
 
 const TICK_MS = 1000;
 const ANSWERS = [

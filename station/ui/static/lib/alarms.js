@@ -1,11 +1,9 @@
 // The alarms of the station: what asks for a person, and who has seen it. The strip counts
 // those that nobody has seen; the dock Timeline lists and acknowledges them.
-import { show } from "./dom.js";
+import { html, nothing, repeat, show } from "./dom.js";
 import { forPerson } from "./refusals.js";
 import { act, api, follow } from "./station.js";
 import { store } from "./store.js";
-import { html, nothing } from "../vendor/lit/lit-html.js";
-import { repeat } from "../vendor/lit/directives/repeat.js";
 
 const LOOK_MS = 2000;
 

@@ -1,6 +1,9 @@
-// Small pieces of the page that every panel uses.
-import { html, render } from "../vendor/lit/lit-html.js";
+// Small pieces of the page that every panel uses, templates among them.
+import { html, nothing, render } from "../vendor/lit/lit-html.js";
+import { live } from "../vendor/lit/directives/live.js";
 import { repeat } from "../vendor/lit/directives/repeat.js";
+
+export { html, live, nothing, render, repeat };
 
 /** Return an element: `h("button", {class: "s", onclick: f}, "text", child)`. */
 export function h(tag, props = {}, ...children) {

@@ -1,15 +1,11 @@
 // The bench: tests of one joint, gains that a relay test proposes, and the kept runs.
-import { button as plainButton, drawn, field, h, kept, line, show } from "../lib/dom.js";
-import { BodePlot } from "../lib/bode.js";
+import { button as plainButton, drawn, field, h, html, kept, line, nothing, repeat, show } from "../lib/dom.js";
 import { History } from "../lib/history.js";
 import { Panel } from "../lib/panel.js";
-import { Plot } from "../lib/plot.js";
+import { BodePlot, COLOURS, Plot } from "../lib/plot.js";
 import { act, api } from "../lib/station.js";
 import { store } from "../lib/store.js";
 import { number, typed } from "../lib/text.js";
-import { COLOURS } from "../lib/traces.js";
-import { html, nothing } from "../vendor/lit/lit-html.js";
-import { repeat } from "../vendor/lit/directives/repeat.js";
 
 /** What each kind of test asks for besides its size and duration. */
 const EXCITATIONS = { step: [], sine: ["frequency"], chirp: ["first", "last"], multisine: ["frequencies"], relay: ["hysteresis", "relay_gain"] };

@@ -1,13 +1,11 @@
 // Controllers: a row for each, what a switch would do before the click, and loading.
 import "./chains.js";
 import "./load_form.js";
-import { breakable, h, show } from "../lib/dom.js";
+import { breakable, h, html, nothing, render, repeat, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { act, api } from "../lib/station.js";
 import { restartController, stopController, store, switchTo } from "../lib/store.js";
 import { number, shortNames } from "../lib/text.js";
-import { html, nothing, render } from "../vendor/lit/lit-html.js";
-import { repeat } from "../vendor/lit/directives/repeat.js";
 
 const SYMBOLS = { running: "●", initialized: "○", stopped: "○", loading: "…", aborted: "✖", waiting: "…" };
 

@@ -1,10 +1,9 @@
 // Gamepad: moves the hand while its dead-man button is held; the map shows what does what.
-import { h, kept, show } from "../lib/dom.js";
+import { h, html, kept, render, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { directionsOf } from "../lib/gamepad_map.js";
 import { teleoperation } from "../lib/station.js";
 import { store } from "../lib/store.js";
-import { html, render } from "../vendor/lit/lit-html.js";
 
 const LOOK_MS = 40; // the dashboard takes 25 set-points a second
 const DEAD_MAN = { button: 5, words: "right shoulder button" };

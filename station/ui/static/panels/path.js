@@ -1,15 +1,12 @@
 // Waypoint paths: captured, edited and played at the station, so they outlive this page.
 import { Forecast } from "../lib/forecast.js";
 import { hideGhost, showGhost } from "../lib/ghost.js";
-import { button, h, line, offer, show } from "../lib/dom.js";
+import { button, h, html, line, live, offer, render, repeat, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { refusals } from "../lib/refusals.js";
 import { act, api, Refusal } from "../lib/station.js";
 import { store, switchTo } from "../lib/store.js";
 import { number, sharedPrefix, typed } from "../lib/text.js";
-import { html, render } from "../vendor/lit/lit-html.js";
-import { live } from "../vendor/lit/directives/live.js";
-import { repeat } from "../vendor/lit/directives/repeat.js";
 
 const LOOK_MS = 250;
 const LIST_MS = 2000;

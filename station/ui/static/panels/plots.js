@@ -6,13 +6,12 @@ import { button, h, kept, show } from "../lib/dom.js";
 import { Panel } from "../lib/panel.js";
 import { History } from "../lib/history.js";
 import { layoutMenu, layoutOf } from "../lib/plot_layouts.js";
-import { Plot, download } from "../lib/plot.js";
+import { Plot, download, swatch } from "../lib/plot.js";
 import { Run, ofLink } from "../lib/recorded.js";
 import { replay } from "../lib/replay.js";
 import { follow } from "../lib/station.js";
 import { store } from "../lib/store.js";
 import { number, shortNames } from "../lib/text.js";
-import { swatch } from "../lib/traces.js";
 import { SPECTRUM, TRANSFORMS, transformed } from "../lib/transforms.js";
 
 const DRAW_HZ = 15;

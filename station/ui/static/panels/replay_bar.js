@@ -1,10 +1,9 @@
 // The bar of an open recording over the plots: time, play, speed, comparison, notes, link.
 // Its `tools` belong beside the title of the dock.
-import { button, h, line, show } from "../lib/dom.js";
+import { button, h, html, line, nothing, render, show } from "../lib/dom.js";
 import { replay } from "../lib/replay.js";
 import { store } from "../lib/store.js";
 import { number } from "../lib/text.js";
-import { html, nothing, render } from "../vendor/lit/lit-html.js";
 
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10];
 const BEGIN = "begin";
