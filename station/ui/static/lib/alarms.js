@@ -55,10 +55,8 @@ const clock = (time) => new Date(time * 1e3).toLocaleTimeString("en-GB");
 
 function row(alarm) {
   const seen = alarm.acknowledged_at !== null;
-  const state = [
-    alarm.cleared_at === null ? "still there" : `gone since ${clock(alarm.cleared_at)}`,
-    seen ? `seen by ${alarm.acknowledged_by} at ${clock(alarm.acknowledged_at)}` : "not acknowledged",
-  ].join(", ");
+  const gone = alarm.cleared_at === null ? "still there" : `gone since ${clock(alarm.cleared_at)}`;
+  const state = `${gone}, ${seen ? `seen by ${alarm.acknowledged_by} at ${clock(alarm.acknowledged_at)}` : "not acknowledged"}`;
   return html`<div class="row ${alarm.severity}">
     <time title=${new Date(alarm.raised_at * 1e3).toISOString()}>${clock(alarm.raised_at)}</time>
     <b>${alarm.severity === "error" ? "✖" : "▲"} ${alarm.text} </b>

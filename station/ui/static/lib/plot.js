@@ -1,5 +1,5 @@
 // Charts drawn by uPlot: traces over time, over frequency or over one of them, with cursors, marks and zoom.
-import { csvOf } from "./history.js";
+import { History, csvOf } from "./history.js";
 import { number } from "./text.js";
 import uPlot from "../vendor/uplot/uPlot.esm.js";
 
@@ -27,6 +27,15 @@ export function swatch(i) {
 function withRoom(low, high) {
   const room = Math.max((high - low) * 0.08, Math.max(Math.abs(high), 1) * 1e-3);
   return { min: low - room, max: high + room };
+}
+
+/** Return traces of responses {label, time, values, colour}, whose values may be missing. */
+export function responseTraces(responses) {
+  return responses.map(({ label, time, values, colour }) => {
+    const history = new History(Infinity);
+    time.forEach((at, i) => history.add(at, values[i]));
+    return { label, unit: "rad", history, colour };
+  });
 }
 
 /** Return the samples of all traces from `begin` to `end` over the same times. */

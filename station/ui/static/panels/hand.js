@@ -1,13 +1,7 @@
 // The hand of one arm: held directions, steps, a typed pose, and how fast it may move.
 import { Forecast } from "../lib/forecast.js";
-import { button, h, holdButton, kept, offer, show, valueField } from "../lib/dom.js";
-import { Panel } from "../lib/panel.js";
+import { act, api, button, DEGREES, follow, h, holdButton, kept, number, offer, Panel, refusals, show, store, switchTo, teleoperation, typed, units, valueField } from "../lib/panel.js";
 import { anglesOfMatrix, fromAngles, stepped, toAngles } from "../lib/pose_maths.js";
-import { refusals } from "../lib/refusals.js";
-import { act, api, follow, teleoperation } from "../lib/station.js";
-import { store, switchTo } from "../lib/store.js";
-import { number, typed } from "../lib/text.js";
-import { DEGREES, units } from "../lib/units.js";
 
 const AXES = ["x", "y", "z", "about x", "about y", "about z"];
 const JOG = "CartesianJogController";

@@ -1,14 +1,8 @@
 // Joints: where each is, what it is told, exact typed values, and hold-to-run buttons.
-import { button, h, holdButton, kept, line as lineOf, offer, show, valueField } from "../lib/dom.js";
 import { Forecast } from "../lib/forecast.js";
 import { hideGhost, showGhost } from "../lib/ghost.js";
 import { JointSlider } from "../lib/joint_slider.js";
-import { Panel } from "../lib/panel.js";
-import { refusals } from "../lib/refusals.js";
-import { act, api, follow, teleoperation } from "../lib/station.js";
-import { store } from "../lib/store.js";
-import { number, shortNames, typed } from "../lib/text.js";
-import { DEGREES, units } from "../lib/units.js";
+import { act, api, button, DEGREES, follow, h, holdButton, kept, line as lineOf, number, offer, Panel, refusals, shortNames, show, store, teleoperation, typed, units, valueField } from "../lib/panel.js";
 
 const NEAR_LIMIT = 0.05; // part of the range at each end
 const POSITIONS = ["rad", "m"]; // units of what a held button can move

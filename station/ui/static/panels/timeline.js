@@ -1,12 +1,8 @@
 // Timeline: what happened, recordings and incidents, as far as the station offers them.
 import { alarmRows, alarms } from "../lib/alarms.js";
-import { button, h, html, nothing, render, repeat, show } from "../lib/dom.js";
 import { deedOf } from "../lib/deeds.js";
-import { Panel } from "../lib/panel.js";
+import { act, api, button, follow, h, html, nothing, Panel, refusals, render, repeat, show, store } from "../lib/panel.js";
 import { replay } from "../lib/replay.js";
-import { refusals } from "../lib/refusals.js";
-import { act, api, follow } from "../lib/station.js";
-import { store } from "../lib/store.js";
 
 const LOOK_MS = 2000;
 const SHOWN = 60;

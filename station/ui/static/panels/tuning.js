@@ -2,12 +2,7 @@
 import "./bench.js";
 import "./gain_sets.js";
 import "./tune_search.js";
-import { button, h, line, offer, show } from "../lib/dom.js";
-import { Panel } from "../lib/panel.js";
-import { refusals } from "../lib/refusals.js";
-import { act, api, Refusal } from "../lib/station.js";
-import { store } from "../lib/store.js";
-import { sharedPrefix, typed } from "../lib/text.js";
+import { act, api, button, h, line, offer, Panel, Refusal, refusals, sharedPrefix, show, store, typed } from "../lib/panel.js";
 
 class Tuning extends Panel {
   build() {
