@@ -9,8 +9,8 @@ class LoadForm extends Panel {
   }
 
   /** Show the types that suit this robot and have the words of the search in their names. */
-  offerTypes() {
-    const search = h("input", { type: "search", placeholder: "search a type, e.g. group position", ariaLabel: "Search controller types", oninput: () => fill() });
+  offerTypes(words = "") {
+    const search = h("input", { type: "search", value: words, placeholder: "search a type, e.g. group position", ariaLabel: "Search controller types", oninput: () => fill() });
     const list = h("div", { class: "types", role: "listbox", ariaLabel: "Controller types" });
     const type = (name) => html`<button class="type" type="button" role="option" @click=${() => this.chooseType(name)}>${name}</button>`;
     const fill = () => {
@@ -19,6 +19,7 @@ class LoadForm extends Panel {
       render(fits.length ? fits.map(type) : html`<p class="hint">No type has “${search.value.trim()}” in its name. Try fewer words, e.g. position.</p>`, list);
     };
     this.replaceChildren(h("p", { class: "hint" }, "Which type? The parameters of the next step are filled in for this robot."), search, list);
+    this.search = search;
     fill();
     search.focus();
   }
@@ -37,7 +38,7 @@ class LoadForm extends Panel {
     this.showView(!this.inputs.length);
     const name = h("input", { value: example.name, ariaLabel: "Name of the controller" });
     const load = (label, look, andStart) => button(label, undefined, () => this.load(name.value.trim(), type, andStart), { class: look, disabled: !store.isOperator });
-    const buttons = line(load("Load", "s", false), load("Load and start", "s primary", true), this.other, button("Back", undefined, () => this.offerTypes()));
+    const buttons = line(load("Load", "s", false), load("Load and start", "s primary", true), this.other, button("Back", undefined, () => this.offerTypes(this.search.value)));
     const parts = [h("p", {}, h("b", {}, type), " ", known?.description ?? ""), this.armChoice(type, arm), h("label", {}, "name", name), this.view, this.text, buttons];
     this.replaceChildren(...parts.filter(Boolean));
   }
