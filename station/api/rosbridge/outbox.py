@@ -11,7 +11,7 @@ from station.records.cdr import Values
 MOST_ANSWERS = 1000
 """Most answers that wait for a client that does not read."""
 MOST_BYTES = 8_000_000
-"""Most bytes in all queues of a client together: pictures of a camera for some seconds."""
+"""Most bytes in all queues of a client together: pictures for some seconds."""
 LEVELS = ("none", "error", "warning", "info")
 """Levels of statuses, each with those before it."""
 
