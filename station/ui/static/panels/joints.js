@@ -59,7 +59,7 @@ class Joints extends Panel {
     return lineOf("Poses", this.poseList, this.goButton, ...this.trialButtons, this.forgetButton, this.poseName, this.saveButton);
   }
 
-  /** The buttons that try a motion before it is made; `targets()` are its ends. Ways around are found in a simulation alone. */
+  /** The buttons that try a motion before it is made; `targets()` are its ends. */
   trials(targets) {
     return [
       button("Rehearse", "Try the motion in a copy of the station: how it would end, and a ghost of it. Nothing moves.", () => this.forecast.rehearseMove(targets(), this.wantedSpeed.joints)),
@@ -82,7 +82,7 @@ class Joints extends Panel {
   showPoses() {
     offer(this.poseList, this.kept.map(({ name }) => name));
     this.goButton.disabled = !this.kept.length || !this.may;
-    for (const [i, each] of this.trialButtons.entries()) each.disabled = !this.kept.length || !store.isOperator || (i > 0 && !store.docks.simulation);
+    for (const each of this.trialButtons) each.disabled = !this.kept.length || !store.isOperator;
     this.forgetButton.disabled = !this.kept.length || !store.isOperator;
     this.saveButton.disabled = !this.poseName.value.trim() || !store.isOperator;
   }
@@ -128,7 +128,7 @@ class Joints extends Panel {
       }, { class: look });
     const go = decide("Move there", () => this.move(targets), "s primary");
     const leave = decide("Leave it", () => this.contains(document.activeElement) && document.activeElement.select?.()); // to be typed over
-    const trials = this.trials(() => targets).slice(0, store.docks.simulation ? 2 : 1);
+    const trials = this.trials(() => targets);
     for (const each of trials) each.addEventListener("click", () => this.forgetFar(), true);
     // The field keeps the focus, and with it Enter, while one of the two is clicked.
     for (const each of [go, leave, ...trials]) each.addEventListener("mousedown", (event) => event.preventDefault());
