@@ -241,7 +241,7 @@ class Hand extends Panel {
     });
     this.step.disabled = !this.isStepping;
     this.reach.disabled = !isOf(target);
-    for (const each of this.trials) each.disabled = !store.isOperator || !store.docks.simulation;
+    for (const each of this.trials) each.disabled = !store.isOperator;
     this.axes.disabled = (!isOf(jog) && !this.isStepping) || !store.isOperator;
     this.startJog.hidden = Boolean(jog.controller) || !store.isOperator;
     this.startTarget.hidden = Boolean(target.controller) || !store.isOperator;
