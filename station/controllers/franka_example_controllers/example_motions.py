@@ -100,8 +100,6 @@ class JointPositionExampleController(_JointExample[PositionJointInterface]):
     Parameters: `joint_names`, 7 names.
     """
 
-    hardware_interface: ClassVar[type] = PositionJointInterface
-
     @override
     def starting(self, time: float) -> None:
         """Start at the measured joint positions.
@@ -135,7 +133,6 @@ class JointVelocityExampleController(_JointExample[VelocityJointInterface]):
     Parameters: `joint_names`, 7 names. `arm_id` is accepted and has no effect.
     """
 
-    hardware_interface: ClassVar[type] = VelocityJointInterface
     accepted_parameters: ClassVar[tuple[str, ...]] = ("arm_id",)
 
     @override
@@ -167,7 +164,6 @@ class CartesianPoseExampleController(Controller[FrankaPoseCartesianInterface]):
     Parameters: `arm_id`.
     """
 
-    hardware_interface: ClassVar[type] = FrankaPoseCartesianInterface
     own_parameters = (ARM_ID,)
 
     @override
@@ -214,7 +210,6 @@ class CartesianVelocityExampleController(Controller[FrankaVelocityCartesianInter
     Parameters: `arm_id`.
     """
 
-    hardware_interface: ClassVar[type] = FrankaVelocityCartesianInterface
     own_parameters = (ARM_ID,)
 
     @override
@@ -255,7 +250,6 @@ class ElbowExampleController(Controller[FrankaPoseCartesianInterface]):
     Parameters: `arm_id`.
     """
 
-    hardware_interface: ClassVar[type] = FrankaPoseCartesianInterface
     own_parameters = (ARM_ID,)
 
     @override

@@ -237,35 +237,25 @@ class PositionJointTrajectoryController(
 ):
     """Commands positions."""
 
-    hardware_interface: ClassVar[type] = PositionJointInterface
-
 
 class VelocityJointTrajectoryController(
     JointTrajectoryController[VelocityJointInterface]
 ):
     """Commands velocities computed from the errors of position and velocity."""
 
-    hardware_interface: ClassVar[type] = VelocityJointInterface
-
 
 class EffortJointTrajectoryController(JointTrajectoryController[EffortJointInterface]):
     """Commands efforts computed from the errors of position and velocity."""
 
-    hardware_interface: ClassVar[type] = EffortJointInterface
-
 
 class PosVelJointTrajectoryController(JointTrajectoryController[PosVelJointInterface]):
     """Commands positions and velocities."""
-
-    hardware_interface: ClassVar[type] = PosVelJointInterface
 
 
 class PosVelAccJointTrajectoryController(
     JointTrajectoryController[PosVelAccJointInterface]
 ):
     """Commands positions, velocities and accelerations."""
-
-    hardware_interface: ClassVar[type] = PosVelAccJointInterface
 
 
 def _message(state: PosVelAccState) -> dict[str, object]:
