@@ -65,9 +65,9 @@ from station.memory.direct_calls import call_directly
 from station.memory.doubles import Doubles, doubles
 
 _VELOCITY_FF = DeclaredParameter(
-    f"velocity_ff/{EACH_JOINT}",
-    ParameterType.NUMBER,
-    "factor with which the desired velocity is added to the command",
+    name=f"velocity_ff/{EACH_JOINT}",
+    type=ParameterType.NUMBER,
+    description="factor with which the desired velocity is added to the command",
     unit="command s/rad",
     default=0.0,
 )
@@ -243,16 +243,16 @@ class JointTrajectoryState(NamedTuple):
 
 
 _ALLOW_PARTIAL_JOINTS_GOAL = DeclaredParameter(
-    "allow_partial_joints_goal",
-    ParameterType.BOOLEAN,
-    "a trajectory may leave joints out",
+    name="allow_partial_joints_goal",
+    type=ParameterType.BOOLEAN,
+    description="a trajectory may leave joints out",
     default=False,
 )
 _CONSTRAINTS = "constraints"
 _STOP_TRAJECTORY_DURATION = DeclaredParameter(
-    "stop_trajectory_duration",
-    ParameterType.NUMBER,
-    "time in which a motion comes to rest; 0: hold at once",
+    name="stop_trajectory_duration",
+    type=ParameterType.NUMBER,
+    description="time in which a motion comes to rest; 0: hold at once",
     unit="s",
     default=0.0,
     minimum=0.0,
