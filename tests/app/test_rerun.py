@@ -118,8 +118,7 @@ start: []
 """
 
 
-@pytest.mark.parametrize("process", ["false", "true"])
-def test_rates_chains_and_what_is_asynchronous_run_again_bit_for_bit(tmp_path, process):
+def test_rates_chains_and_what_is_asynchronous_run_again_bit_for_bit(tmp_path):
     config = tmp_path / "station.yaml"
     config.write_text(CHAIN)
     with (

@@ -74,7 +74,7 @@ class _Request(NamedTuple):
 
 
 class _Answer(NamedTuple):
-    """What a callback has left.
+    """Results of a callback.
 
     Attributes:
         error: What it raised, and its text.
@@ -300,7 +300,7 @@ def _refuse_what_has_no_way(controller: ControllerBase) -> None:
 
 
 def _pickled(kind: type, content: object) -> bytes:
-    """Return what the process needs.
+    """Return the class and the handles for the process.
 
     Raises:
         ControllerLoadError: The class cannot be imported elsewhere, or a handle has
