@@ -126,6 +126,7 @@ def test_rates_chains_and_what_is_asynchronous_run_again_bit_for_bit(tmp_path):
         robot.record(tmp_path, "chain") as path,
     ):
         _move_in_a_chain(robot)
+        assert robot.facade.manager.get_controller("cascade").sample.desired == [0.3]
 
     found = module.rerun(path)
 

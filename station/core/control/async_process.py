@@ -79,13 +79,13 @@ class _Answer(NamedTuple):
     Attributes:
         error: What it raised, and its text.
         memory: Content of all storages.
-        sample: The sample of the controller, or the row of its columns.
+        sample: The sample of the controller.
         messages: What it has published.
     """
 
     error: tuple[BaseException | None, str] | None
     memory: bytes
-    sample: ControllerSample | bytes | None
+    sample: ControllerSample | None
     messages: Mapping[str, Mapping[str, object]]
 
 
@@ -148,6 +148,8 @@ class ProcessUpdate(AsyncUpdate):
         # The run-time parameters that the process has.
         self._told: Mapping[str, float] | None = None
         self._start_process()
+        # Columns would be those of this process; the samples of the other one come.
+        controller.sampled = None
         controller.starting = self._note_start  # type: ignore[method-assign]
         controller.update = partial(self._ask, "update")  # type: ignore[method-assign]
         controller.stopping = partial(self._ask, "stopping")  # type: ignore[method-assign]
@@ -218,9 +220,7 @@ class ProcessUpdate(AsyncUpdate):
         self._started, self._told = None, tunables
         _fill(self._memory, answer.memory)
         controller.messages = answer.messages
-        if controller.sampled is not None and isinstance(answer.sample, bytes):
-            controller.sampled.packed[:] = answer.sample
-        elif isinstance(answer.sample, ControllerSample):
+        if answer.sample is not None:
             controller.sample = answer.sample
         if answer.error is not None:
             raised, text = answer.error
@@ -392,13 +392,8 @@ def _carry_out(
         messages = controller.published()
     except CONTAINED as raised:
         error = (raised if _can_be_sent(raised) else None, describe(raised))
-    sampled = controller.sampled
-    return _Answer(
-        error,
-        b"".join(map(_bytes_of, memory)),
-        controller.sample if sampled is None else sampled.packed.tobytes(),
-        messages,
-    )
+    content = b"".join(map(_bytes_of, memory))
+    return _Answer(error, content, controller.sample, messages)
 
 
 def _can_be_sent(error: BaseException) -> bool:
