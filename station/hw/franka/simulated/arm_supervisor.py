@@ -17,7 +17,6 @@ from station.hw.franka.arm.franka_kinematics import zero_jacobian
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.simulated.cycle_log import CycleLog
 from station.hw.franka.simulated.joint_watch import JointWatch
-from station.hw.franka.simulated.simulated_cycles import AlertFlag
 from station.reports import ArmRecord
 
 # Change for the worse after a recovery that makes a value an error again [rad or m];
@@ -27,7 +26,7 @@ _WORSE_SHARE = 0.1
 _ELBOW_JOINT = 2
 
 
-class ArmSupervisor(AlertFlag):
+class ArmSupervisor:
     """Finds errors in the measured state, and keeps those of the arm.
 
     A value that is still out of its range when the arm recovers, such as a joint beyond
@@ -56,7 +55,7 @@ class ArmSupervisor(AlertFlag):
         watch: JointWatch,
         cycle_log: CycleLog,
     ) -> None:
-        super().__init__()
+        self.is_alert = False
         self._state = state
         self._thresholds = thresholds
         self._watch = watch

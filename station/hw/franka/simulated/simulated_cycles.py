@@ -14,32 +14,12 @@ from station.hw.mujoco.world_step import WorldStep
 
 if TYPE_CHECKING:
     from station.core.franka.franka_robot_state import RobotState
+    from station.hw.franka.simulated.arm_supervisor import ArmSupervisor
+    from station.hw.franka.simulated.contact_estimate import ContactEstimate
 
 # As C numbers, by the .pxd.
 _TOUCHED = TOUCHED
 _ASKS = WEAK | LOST
-
-
-class ContactFlag:
-    """Tells about the contacts of an arm.
-
-    Attributes:
-        is_quiet: Whether nothing touches the arm.
-    """
-
-    def __init__(self) -> None:
-        self.is_quiet = True
-
-
-class AlertFlag:
-    """Tells about the readings of an arm.
-
-    Attributes:
-        is_alert: Whether a reading of the last cycle was out of its range.
-    """
-
-    def __init__(self) -> None:
-        self.is_alert = False
 
 
 class SimulatedCycles:
@@ -71,8 +51,8 @@ class SimulatedCycles:
         *,
         state: "RobotState",
         period: float,
-        contact: ContactFlag,
-        supervisor: AlertFlag,
+        contact: "ContactEstimate",
+        supervisor: "ArmSupervisor",
         read_disturbed: Callable[[float], int],
         observer: FrictionAndObserver | None,
         expect_load: Callable[[], None],
