@@ -45,7 +45,6 @@ class ArmSupervisor:
         errors: The present errors with their causes; empty after a recovery.
         last_motion_errors: The errors that ended the last motion.
         log: The last cycles before the last error.
-        is_alert: Whether a reading had to be examined in the cycle before.
     """
 
     def __init__(
@@ -55,7 +54,6 @@ class ArmSupervisor:
         watch: JointWatch,
         cycle_log: CycleLog,
     ) -> None:
-        self.is_alert = False
         self._state = state
         self._thresholds = thresholds
         self._watch = watch
@@ -99,7 +97,7 @@ class ArmSupervisor:
             Errors of measured values that were out of range for too long.
         """
         # After the last violation one more cycle is examined, which ends the count.
-        self.is_alert = not is_quiet
+        self._watch.is_alert = not is_quiet
         if is_quiet:
             self._bad_cycles = 0
             self._known = {}
@@ -166,7 +164,7 @@ class ArmSupervisor:
         self._watch.room = 0.0
         self._watch.check_readings(is_following=False, has_moved=False)
         self._accept()
-        self.is_alert = True
+        self._watch.is_alert = True
 
     def _accept(self) -> None:
         """Note the values that are out of range now as known."""

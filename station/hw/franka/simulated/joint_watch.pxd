@@ -22,6 +22,7 @@ cdef class JointWatch:
     cdef double least_distance
     cdef LinkDistances distances
     cdef public double room
+    cdef public bint is_alert
     @cython.locals(away=double, is_slow=bint)
     cpdef bint check_readings(self, bint is_following, bint has_moved)
     cdef check_distances(self)

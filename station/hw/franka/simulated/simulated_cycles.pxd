@@ -8,7 +8,7 @@ cdef int _TOUCHED, _ASKS
 cdef class SimulatedCycles:
     cdef ArmStep step
     cdef WorldStep world
-    cdef object contact, supervisor, state, read_disturbed, expect_load, react, supervise
+    cdef object contact, state, read_disturbed, expect_load, react, supervise
     cdef double period
     cdef FrictionAndObserver observer
     cdef readonly long long cycle, seen

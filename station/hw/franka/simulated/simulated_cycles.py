@@ -14,7 +14,6 @@ from station.hw.mujoco.world_step import WorldStep
 
 if TYPE_CHECKING:
     from station.core.franka.franka_robot_state import RobotState
-    from station.hw.franka.simulated.arm_supervisor import ArmSupervisor
     from station.hw.franka.simulated.contact_estimate import ContactEstimate
 
 # As C numbers, by the .pxd.
@@ -31,7 +30,6 @@ class SimulatedCycles:
         state: The arm's state; its time is written.
         period: Duration of a cycle [s], > 0.
         contact: Estimates contacts; supervised while it is not quiet.
-        supervisor: Keeps the errors; called while it is alert.
         read_disturbed: Reads the joints at a time [s] while a load or a fault acts;
             returns what `ArmStep.read_joints` returns.
         observer: Disturbs the readings; None for an ideal arm.
@@ -52,7 +50,6 @@ class SimulatedCycles:
         state: "RobotState",
         period: float,
         contact: "ContactEstimate",
-        supervisor: "ArmSupervisor",
         read_disturbed: Callable[[float], int],
         observer: FrictionAndObserver | None,
         expect_load: Callable[[], None],
@@ -64,7 +61,6 @@ class SimulatedCycles:
         self.state = state
         self.period = period
         self.contact = contact
-        self.supervisor = supervisor
         self.read_disturbed = read_disturbed
         self.observer = observer
         self.expect_load = expect_load
@@ -106,7 +102,7 @@ class SimulatedCycles:
             or world.stands_still
             or step.has_load
             or not self.contact.is_quiet
-            or self.supervisor.is_alert
+            or step.watch.is_alert
         ):
             self.supervise(found)
         return self.state
