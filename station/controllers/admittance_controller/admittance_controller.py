@@ -4,12 +4,10 @@ Source: ros2_controllers@4.x admittance_controller/src/admittance_controller.cpp
 admittance_controller_parameters.yaml.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from math import inf, sqrt
-from typing import ClassVar, NoReturn
+from typing import ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import override
 
 from station.controllers.admittance_controller.admittance_rule import AdmittanceRule
@@ -23,11 +21,11 @@ from station.controllers.set_point_controller import (
 from station.core.control.controller import ControllerSample
 from station.core.control.tunables import Tunable, Tunables
 from station.core.declared_parameter import DeclaredParameter, ParameterType
+from station.core.description.chains_of_frames import chain_to
 from station.core.description.robot_description import (
     ROBOT_DESCRIPTION,
     require_robot_description,
 )
-from station.core.description.urdf import Joint, JointType, Pose, Urdf
 from station.core.description.urdf_parser import parse_urdf
 from station.core.errors import ControllerLoadError
 from station.core.hardware.interfaces import (
@@ -43,79 +41,6 @@ from station.core.ports.set_point import (
     timeout_parameters,
 )
 from station.memory.doubles import doubles, put, zeros
-
-
-def chain_to(urdf: Urdf, base: str, frame: str, joints: Sequence[str]) -> JointChain:
-    """Return the chain from one link to another.
-
-    Args:
-        urdf: The robot.
-        base: Link that carries the chain; `frame` is below it, or below a link to which
-            it is fixed.
-        frame: Link at the end of the chain.
-        joints: The joints whose positions are given, in their order.
-
-    Raises:
-        ControllerLoadError: A link is unknown, no chain leads from one link to the
-            other, or a joint in it is none of `joints`.
-    """
-    for link in (base, frame):
-        if link not in urdf.links:
-            _refuse(f"The robot has no link '{link}'.")
-    # The links to which the base is fixed, and the pose of each in the base.
-    carriers, pose, link = {base: np.eye(4)}, np.eye(4), base
-    while (above := urdf.joint_above(link)) and above.type is JointType.FIXED:
-        pose = pose @ np.linalg.inv(_matrix(above.origin))
-        link = above.parent
-        carriers[link] = pose
-    path: list[Joint] = []
-    link = frame
-    while link not in carriers:
-        above = urdf.joint_above(link)
-        if above is None:
-            _refuse(f"Link '{frame}' is not below '{base}'.")
-        path.insert(0, above)
-        link = above.parent
-    origins = [carriers[link]]
-    moving: list[Joint] = []
-    for joint in path:
-        origins[-1] = origins[-1] @ _matrix(joint.origin)
-        if joint.type is JointType.FIXED:
-            continue
-        if joint.name not in joints:
-            _refuse(
-                f"Joint '{joint.name}' between '{base}' and '{frame}' is none of the "
-                "controller's."
-            )
-        moving.append(joint)
-        origins.append(np.eye(4))
-    return JointChain(
-        len(joints),
-        np.concatenate([origin.T.ravel() for origin in origins]).tolist(),
-        [part for joint in moving for part in joint.axis],
-        [float(joint.type.is_rotation) for joint in moving],
-        [float(joints.index(joint.name)) for joint in moving],
-    )
-
-
-def _refuse(problem: str) -> NoReturn:
-    raise ControllerLoadError(
-        problem, remedy="Correct `kinematics`, `joints` or the name of the frame."
-    )
-
-
-def _matrix(pose: Pose) -> NDArray[np.float64]:
-    """Return a pose as a matrix, shape (4, 4)."""
-    w, x, y, z = pose.quaternion
-    result = np.eye(4)
-    result[:3, :3] = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    result[:3, 3] = pose.xyz
-    return result
-
 
 _AXES = ("x", "y", "z", "rx", "ry", "rz")
 

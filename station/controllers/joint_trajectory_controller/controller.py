@@ -21,6 +21,9 @@ from station.controllers.joint_trajectory_controller.goals import (
     FollowJointTrajectoryPort,
     JointTrajectoryPort,
 )
+from station.controllers.joint_trajectory_controller.motion_primitives import (
+    MotionSequences,
+)
 from station.controllers.joint_trajectory_controller.planning import TrajectoryPlanner
 from station.controllers.set_point_controller import (
     JOINTS,
@@ -35,10 +38,12 @@ from station.controllers.set_point_controller import (
 from station.core.control.controller import Controller, PackedSample
 from station.core.control.tunables import Tunables
 from station.core.declared_parameter import EACH_JOINT, DeclaredParameter, ParameterType
+from station.core.description.chains_of_frames import chain_to, ends_of_chain
 from station.core.description.robot_description import (
     JointDescription,
     require_robot_description,
 )
+from station.core.description.urdf_parser import parse_urdf
 from station.core.errors import ControllerLoadError
 from station.core.hardware.interfaces import (
     EffortJointInterface,
@@ -53,6 +58,7 @@ from station.core.hardware.interfaces import (
     VelocityJointInterface,
 )
 from station.core.hardware.interfaces.interface_manager import interface_type_name
+from station.core.numerics.joint_chain import JointChain
 from station.core.numerics.pid import PidGains
 from station.core.parameters import Parameters
 from station.core.ports.goal import GoalStatus
@@ -249,6 +255,20 @@ _ALLOW_PARTIAL_JOINTS_GOAL = DeclaredParameter(
     default=False,
 )
 _CONSTRAINTS = "constraints"
+_BASE = DeclaredParameter(
+    name="kinematics/base",
+    type=ParameterType.STRING,
+    default="",
+    default_text="the link that carries the first joint",
+    description="link in whose frame the poses of motion primitives are",
+)
+_TIP = DeclaredParameter(
+    name="kinematics/tip",
+    type=ParameterType.STRING,
+    default="",
+    default_text="the last link",
+    description="link whose poses those of motion primitives are",
+)
 _STOP_TRAJECTORY_DURATION = DeclaredParameter(
     name="stop_trajectory_duration",
     type=ParameterType.NUMBER,
@@ -266,7 +286,8 @@ class JointTrajectoryController(Controller[InterfaceT]):
     and per joint `trajectory` and `goal`; `stop_trajectory_duration` [s];
     `allow_partial_joints_goal`; `speed_scaling`, 0 to 1, and `speed_scaling_ramp`, the
     time from standstill to full speed [s]; and those of the interface's adapter, see
-    `adapter_for`. `robot_description` in this or an outer namespace gives types and
+    `adapter_for`; `kinematics/base` and `kinematics/tip` for motion primitives.
+    `robot_description` in this or an outer namespace gives types and
     limits of the joints. `state_publish_rate` and `action_monitor_rate` are accepted
     and have no effect, because the state of every cycle is available.
 
@@ -298,6 +319,8 @@ class JointTrajectoryController(Controller[InterfaceT]):
             *(each.inside(_CONSTRAINTS) for each in TOLERANCE_PARAMETERS),
             _STOP_TRAJECTORY_DURATION,
             _ALLOW_PARTIAL_JOINTS_GOAL,
+            _BASE,
+            _TIP,
             *SPEED_PARAMETERS,
             *adapter_parameters(cls.hardware_interface),
         )
@@ -328,8 +351,22 @@ class JointTrajectoryController(Controller[InterfaceT]):
         self.sampled = self._update.sampled
         command = self._update.command_joints
         call_directly(self, JointTrajectoryController, update=command)
+        base, tip = _BASE.read_str(params), _TIP.read_str(params)
+
+        def chain_in(frame: str) -> JointChain:
+            urdf = parse_urdf(description.xml)
+            ends = (base, tip) if base and tip else ends_of_chain(urdf, names)
+            carrier = frame or base or ends[0]
+            return chain_to(urdf, carrier, tip or ends[1], names)
+
+        # The reference of a controller, `controller/joint`, is placed as the joint.
+        names = [name.rpartition("/")[2] for name in self.joint_names]
         self.goals = FollowJointTrajectoryPort(
-            self.planner, tolerances, self.is_running, self._state_message
+            self.planner,
+            MotionSequences(self.joints, chain_in),
+            tolerances,
+            self.is_running,
+            self._state_message,
         )
         self.trajectories = JointTrajectoryPort(self.planner, self.is_running)
         self.tunables = Tunables.joined(self._adapter.tunables, speed.tunables)
