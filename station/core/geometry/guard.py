@@ -20,6 +20,8 @@ from station.core.numerics.rigid_motion import twist_between
 from station.memory.doubles import Doubles, Storage, doubles, zeros
 from station.memory.functions import square_root
 
+GUARD_REFLEX = "guard_reflex"
+"""Name of the reflex with which a motion ends that cannot stop clear any more."""
 PASSES, SLOWED, CANNOT_STOP = range(3)
 """What becomes of a Cartesian command."""
 _PASSES, _SLOWED, _CANNOT_STOP = PASSES, SLOWED, CANNOT_STOP  # as C numbers
@@ -199,11 +201,11 @@ class Guard:
         """Return the reason for which the arm was stopped, in words."""
         pair = self.clearances.blocking
         if pair < 0:
-            return "guard_reflex: too near"
+            return f"{GUARD_REFLEX}: too near"
         capsule, solid = divmod(pair, len(self.things))
         margin = 1000.0 * self.margin_of(solid)
         return (
-            f"guard_reflex: {self.names[capsule]} would have come nearer than "
+            f"{GUARD_REFLEX}: {self.names[capsule]} would have come nearer than "
             f"{margin:.0f} mm to '{self.things[solid]}'"
         )
 
