@@ -20,8 +20,8 @@ from station.core.control.controller_loader import TableLoader
 from station.core.control.switching import Strictness, SwitchRequest
 from station.core.facade.station import Station
 from station.core.hardware.interfaces import JointStateInterface
-from station.core.loop.scheduling import realtime_interpreter
 from station.core.parameters import Parameters
+from station.core.scheduling import realtime_interpreter
 from station.reports import Percentiles
 
 CONTROLLER = "effort_group_position_controller"

@@ -23,6 +23,7 @@ from station.api.rosbridge.topics import (
     Topic,
     arm_namespace,
     gripper_namespace,
+    loaded_controllers,
     seconds_of,
 )
 from station.api.tool_port import ToolClient
@@ -46,6 +47,7 @@ MOST_THREADS = 16
 MOST_GOALS = 32
 """Most goals that are followed at a time."""
 _TRAJECTORY = "control_msgs/FollowJointTrajectory"
+_SEQUENCE = "control_msgs/ExecuteMotionPrimitiveSequence"
 _GRIPPER = "control_msgs/GripperCommand"
 REJECTED = 5
 """actionlib's number of a goal that was refused."""
@@ -161,20 +163,18 @@ class StationActions:
 
     def all(self) -> Iterator[Action]:
         """Yield the actions that there are now."""
-        for status in self._station.manager.conditions():
-            try:
-                controller = self._station.manager.get_controller(status.name)
-            except StationError:
-                continue  # unloaded since
-            if controller.goals is not None:
-                follows = controller.trajectories is not None
-                name, kind = (
-                    ("follow_joint_trajectory", _TRAJECTORY)
-                    if follows
-                    else ("gripper_cmd", _GRIPPER)
-                )
-                begin = partial(self._begin_goal, status.name, kind)
-                yield Action(f"/{status.name}/{name}", kind, begin)
+        for name, _, controller in loaded_controllers(self._station):
+            if controller.goals is None:
+                continue
+            actions = {"gripper_cmd": _GRIPPER}
+            if controller.trajectories is not None:
+                actions = {
+                    "follow_joint_trajectory": _TRAJECTORY,
+                    "motion_sequence": _SEQUENCE,
+                }
+            for action, kind in actions.items():
+                begin = partial(self._begin_goal, name, kind)
+                yield Action(f"/{name}/{action}", kind, begin)
         for arm_id in self._station.robots.names(GripperServices):
             space = gripper_namespace(self._station, arm_id)
             for name in ("homing", "stop", "move", "grasp"):

@@ -10,6 +10,8 @@ from station.records.cdr import Values
 
 MOST_ANSWERS = 1000
 """Most answers that wait for a client that does not read."""
+MOST_BYTES = 8_000_000
+"""Most bytes in all queues of a client together: pictures for some seconds."""
 LEVELS = ("none", "error", "warning", "info")
 """Levels of statuses, each with those before it."""
 
@@ -22,6 +24,7 @@ class Subscription:
         wishes: Throttle rate [s], queue length and form, by the client's identifier.
         queue: Messages that wait, the oldest first.
         due: When the next message may be sent [s, clock of the event loop].
+        size: Bytes of the messages that wait, as JSON.
         lost: How many messages the client has lost because it did not read.
         throttle: The lowest throttle rate [s].
         length: The longest queue.
@@ -30,6 +33,7 @@ class Subscription:
 
     wishes: dict[str, tuple[float, int, Form]] = field(default_factory=dict)
     queue: deque[Publication] = field(default_factory=deque)
+    size: int = 0
     due: float = 0.0
     lost: int = 0
     throttle: float = 0.0
@@ -41,6 +45,17 @@ class Subscription:
         throttles, lengths, forms = zip(*self.wishes.values(), strict=True)
         self.throttle, self.length = min(throttles), max(lengths)
         self.form = forms[-1]
+
+    def push(self, publication: Publication) -> None:
+        """Let a message wait."""
+        self.queue.append(publication)
+        self.size += publication.size
+
+    def pop(self) -> Publication:
+        """Return the oldest message, which waits no longer."""
+        publication = self.queue.popleft()
+        self.size -= publication.size
+        return publication
 
 
 class Outbox:
@@ -79,11 +94,13 @@ class Outbox:
         # Without a queue, a message that comes too early is left out, as asked for.
         if is_free and not one.length and now + self._half_tick < one.due:
             return
-        one.queue.append(publication)
+        one.push(publication)
         while len(one.queue) > max(one.length, 1):
-            one.queue.popleft()
+            one.pop()
             one.lost += not is_free
         self._flush(one, now)
+        if one.queue:
+            self._limit_bytes()
 
     def flush(self, now: float) -> None:
         """Send what has waited for its time or for the client.
@@ -139,9 +156,18 @@ class Outbox:
     def _can_write(self) -> bool:
         return not self._answers and self._port.is_writable()
 
+    def _limit_bytes(self) -> None:
+        """Drop the oldest messages of the topic that has most, until all fit."""
+        found = self.subscriptions.values()
+        while sum(one.size for one in found) > MOST_BYTES:
+            # Pictures must not push the states out, which are small.
+            largest = max(found, key=lambda one: one.size)
+            largest.pop()
+            largest.lost += 1
+
     def _flush(self, one: Subscription, now: float) -> None:
         while one.queue and now + self._half_tick >= one.due and self._can_write():
             # A steady rate: a message that was late does not delay the next one.
             is_steady = now - one.due < one.throttle
             one.due = (one.due if is_steady else now) + one.throttle
-            self._port.write_frame(one.queue.popleft().frames(one.form))
+            self._port.write_frame(one.pop().frames(one.form))

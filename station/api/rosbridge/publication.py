@@ -9,6 +9,7 @@ import struct
 import zlib
 from array import array
 from collections.abc import Iterable
+from functools import cached_property
 from itertools import count
 from math import ceil, isqrt
 from typing import Any, NamedTuple
@@ -59,6 +60,11 @@ class Publication:
         self._stamp = stamp
         self._made: dict[Form, bytes] = {}
 
+    @cached_property
+    def size(self) -> int:
+        """Bytes of the message as JSON, about as many as in its other forms."""
+        return len(orjson.dumps(self._message, default=_base64))
+
     def frames(self, form: Form) -> bytes:
         """Return the WebSocket frames of the message in a form."""
         found = self._made.get(form)
@@ -91,9 +97,9 @@ def text_frames(message: Values, form: Form) -> bytes:
         form: The form; its compression is `none` or `png`.
     """
     # Bytes, as those of a picture, are base64 in JSON.
-    data = orjson.dumps(message, default=lambda data: base64.b64encode(data).decode())
+    data = orjson.dumps(message, default=_base64)
     if form.compression == "png":
-        data = orjson.dumps({"op": "png", "data": base64.b64encode(png(data)).decode()})
+        data = orjson.dumps({"op": "png", "data": _base64(png(data))})
     if not 0 < form.fragment_size < len(data):
         return _text(data)
     text, size = data.decode(), form.fragment_size
@@ -104,6 +110,10 @@ def text_frames(message: Values, form: Form) -> bytes:
         _text(orjson.dumps({**head, "data": part, "num": k, "total": total}))
         for k, part in enumerate(parts)
     )
+
+
+def _base64(data: bytes) -> str:
+    return base64.b64encode(data).decode()
 
 
 def _text(data: bytes) -> bytes:

@@ -8,13 +8,17 @@ from pydantic import ValidationError
 
 from station import wire
 from station.api.rosbridge.ros_types import RosTypeError
-from station.api.rosbridge.topics import StationTopics, arm_namespace, seconds_of
+from station.api.rosbridge.topics import (
+    StationTopics,
+    arm_namespace,
+    loaded_controllers,
+    seconds_of,
+)
 from station.api.routes.robots import collision_thresholds
 from station.api.service_routes import call_service
 from station.api.tool_port import ToolClient
 from station.core.control.controller import ControllerBase
 from station.core.control.switching import Strictness, SwitchRequest
-from station.core.errors import StationError
 from station.core.facade.station import Station
 from station.core.franka import FrankaServices
 from station.core.franka.arms import Arms
@@ -78,12 +82,8 @@ class StationServices:
             yield RosService(f"/stop/{name}", trigger, call, changes=True)
         for arm_id in self._station.robots.names(FrankaServices):
             yield from self._of_arm(arm_id)
-        for status in self._station.manager.conditions():
-            try:
-                controller = self._station.manager.get_controller(status.name)
-            except StationError:
-                continue  # unloaded since
-            yield from self._of_controller(status.name, controller)
+        for name, _, controller in loaded_controllers(self._station):
+            yield from self._of_controller(name, controller)
 
     def _of_manager(self) -> Iterator[RosService]:
         for name, call, changes in (

@@ -71,6 +71,16 @@ _PLACES = {
 }
 
 
+def loaded_controllers(station: Station) -> Iterator[tuple[str, str, ControllerBase]]:
+    """Yield name, type and controller of all that are loaded."""
+    for status in station.manager.conditions():
+        try:
+            controller = station.manager.get_controller(status.name)
+        except StationError:
+            continue  # unloaded since
+        yield status.name, status.type, controller
+
+
 class CycleFrame(NamedTuple):
     """The newest cycle.
 
@@ -194,12 +204,8 @@ class StationTopics:
             topic = f"{gripper_namespace(self._station, arm_id)}/joint_states"
             read = _Fingers(self._station, arm_id).read
             yield Topic(topic, _JOINT_STATE, read, period=FINGER_PERIOD)
-        for status in self._station.manager.conditions():
-            try:
-                controller = self._station.manager.get_controller(status.name)
-            except StationError:
-                continue  # unloaded since
-            yield from self._of_controller(status.name, status.type, controller)
+        for name, type_name, controller in loaded_controllers(self._station):
+            yield from self._of_controller(name, type_name, controller)
 
     def _of_controller(
         self, name: str, type_name: str, controller: ControllerBase

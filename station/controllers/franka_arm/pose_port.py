@@ -38,23 +38,16 @@ class PosePort(SetPointPort):
         self._tolerance = tolerance
 
     @override
-    def check(
-        self,
-        values: list[float],
-        timeout: float | None = None,
-        rates: list[float] | None = None,
-    ) -> None:
+    def check_values(self, values: list[float]) -> None:
         """Refuse a malformed set-point, and a quaternion whose length is not 1.
 
         Args:
             values: The pose, shape (7,).
-            timeout: As in `SetPointPort.check`.
-            rates: As in `SetPointPort.check`.
 
         Raises:
             InvalidCommandError: As in `SetPointPort.check`, or the length is not 1.
         """
-        super().check(values, timeout, rates)
+        super().check_values(values)
         length = sqrt(sum(value * value for value in values[3:7]))
         if abs(length - 1.0) > self._tolerance:
             order = ", ".join(element.name for element in self.elements[3:])

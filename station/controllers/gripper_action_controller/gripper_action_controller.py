@@ -292,8 +292,6 @@ class PositionGripperActionController(GripperActionController[PositionJointInter
         ignores `max_effort`. A robot that measures no effort presses as it likes.
     """
 
-    hardware_interface: ClassVar[type] = PositionJointInterface
-
     def __init__(self) -> None:
         super().__init__()
         self._reach = inf
@@ -425,7 +423,6 @@ class EffortGripperActionController(GripperActionController[EffortJointInterface
     `PidGains.of_joints`.
     """
 
-    hardware_interface: ClassVar[type] = EffortJointInterface
     _pids: JointPidGroup
     own_parameters = (
         *pid_parameters(error=JointQuantity.POSITION, command=JointQuantity.EFFORT),

@@ -18,6 +18,8 @@ from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.faults import CONTAINED
 from station.core.numerics.statistics import DurationRing
 from station.core.parameters import Parameters
+from station.core.ports.receipt import update_of_thread
+from station.core.scheduling import ROUND_ROBIN_PRIORITY
 from station.memory.wall_time import wall_time
 from station.reports import AsyncStatistics
 
@@ -111,6 +113,7 @@ class AsyncFunction:
         every: Cycles from the beginning of a call to that of the next one, >= 1.
         is_stepped: Returns whether no thread runs the loop. A call is then carried out
             at once, and counts after the declared cycles.
+        present_cycle: Returns the number of the present cycle.
         params: As given.
     """
 
@@ -119,6 +122,7 @@ class AsyncFunction:
     ) -> None:
         self.every = 1
         self.is_stepped: Callable[[], bool] = lambda: True
+        self.present_cycle: Callable[[], int] = lambda: 0
         self.params = params
         self._name = name
         self._function = function
@@ -127,6 +131,7 @@ class AsyncFunction:
         self._run_number = 0
         # The call under way: its time and period, and what is owed after its end.
         self._job = (0.0, 0.0)
+        self._begun_in = 0
         self._is_busy = self._is_ending = False
         self._owed: deque[Callable[[], None]] = deque()
         self._error: BaseException | None = None
@@ -241,6 +246,7 @@ class AsyncFunction:
         self._countdown = self.every
         prepare()
         self._job, self._elapsed = (time, self._elapsed), 0.0
+        self._begun_in = self.present_cycle()
         self._periods.add(self._job[1])
         self._in_flight, self._waited, self._is_busy = True, 0, True
         if self.is_stepped():
@@ -264,6 +270,7 @@ class AsyncFunction:
             go.acquire()
             # It is also woken to end.
             if self._is_busy:
+                update_of_thread.cycle = self._begun_in
                 self._call()
 
     def _call(self) -> None:
@@ -294,4 +301,5 @@ def _step_behind_the_control_thread() -> None:
     is_first = getattr(os, "SCHED_FIFO", None)
     if is_first is not None and os.sched_getscheduler(0) == is_first:
         with suppress(PermissionError):
-            os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(1))
+            least = os.sched_param(ROUND_ROBIN_PRIORITY)
+            os.sched_setscheduler(0, os.SCHED_RR, least)

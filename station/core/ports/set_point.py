@@ -141,7 +141,7 @@ class SetPointPort:
                 remedy="Leave the timeout out, and send set-points repeatedly.",
                 details={"timeout": timeout, "longest": self.longest},
             )
-        _check_values(self.elements, values)
+        self.check_values(values)
         if rates is not None and not self.feed_forward:
             raise InvalidCommandError(
                 "This controller does not use the rates of its set-points.",
@@ -149,6 +149,17 @@ class SetPointPort:
             )
         if rates is not None:
             _check_values(self.feed_forward, rates)
+
+    def check_values(self, values: list[float]) -> None:
+        """Refuse values of the wrong number, not finite or out of their range.
+
+        Args:
+            values: The set-point.
+
+        Raises:
+            InvalidCommandError: A value is refused.
+        """
+        _check_values(self.elements, values)
 
     def post(
         self,

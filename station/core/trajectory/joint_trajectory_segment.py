@@ -5,6 +5,7 @@ joint_trajectory_segment.h, trajectory_interface.h.
 """
 
 from bisect import bisect_right
+from dataclasses import dataclass, field, replace
 from math import pi
 
 from station.core.numerics.joint_errors import shortest_angular_distance
@@ -19,6 +20,7 @@ from station.core.trajectory.tolerances import JointTolerances
 _HALF_TURN_ROUNDING = 1e-9
 
 
+@dataclass(eq=False)
 class JointTrajectorySegment:
     """A segment of one joint with the goal it belongs to and its tolerances.
 
@@ -26,7 +28,7 @@ class JointTrajectorySegment:
         spline: The path in time, of one dimension.
         end: The state at the end, kept for a bridge that may have to begin later.
         goal: The goal that the segment belongs to; None if it belongs to none.
-        tolerances: Bounds of the error while it is executed; None for no bounds.
+        tolerances: Bounds of the error while it is executed; by default none.
         is_bridge: Whether the segment leads from an older trajectory to a new one.
 
     Attributes:
@@ -34,32 +36,20 @@ class JointTrajectorySegment:
         end_time: Time at the end [s].
     """
 
-    def __init__(
-        self,
-        spline: QuinticSplineSegment,
-        end: PosVelAccState,
-        *,
-        goal: Goal | None = None,
-        tolerances: JointTolerances | None = None,
-        is_bridge: bool = False,
-    ) -> None:
-        self.spline = spline
-        self.end = end
-        self.goal = goal
-        self.tolerances = JointTolerances() if tolerances is None else tolerances
-        self.is_bridge = is_bridge
-        self.start_time = spline.start_time
-        self.end_time = spline.end_time
+    spline: QuinticSplineSegment
+    end: PosVelAccState
+    goal: Goal | None = None
+    tolerances: JointTolerances = field(default_factory=JointTolerances)
+    is_bridge: bool = False
+    start_time: float = field(init=False)
+    end_time: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.start_time, self.end_time = self.spline.start_time, self.spline.end_time
 
     def with_goal(self, goal: Goal | None) -> "JointTrajectorySegment":
         """Return the same segment for another goal."""
-        return JointTrajectorySegment(
-            self.spline,
-            self.end,
-            goal=goal,
-            tolerances=self.tolerances,
-            is_bridge=self.is_bridge,
-        )
+        return replace(self, goal=goal)
 
     def starting_at(
         self, time: float, start: PosVelAccState
@@ -70,12 +60,8 @@ class JointTrajectorySegment:
             time: Time at the new start [s], <= `end_time`.
             start: State at the new start.
         """
-        return JointTrajectorySegment(
-            QuinticSplineSegment(time, start, self.end_time, self.end),
-            self.end,
-            goal=self.goal,
-            tolerances=self.tolerances,
-            is_bridge=self.is_bridge,
+        return replace(
+            self, spline=QuinticSplineSegment(time, start, self.end_time, self.end)
         )
 
 

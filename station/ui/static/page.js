@@ -7,11 +7,7 @@ const POLL_MS = 300;
 const POLL_LOST_MS = 100; // the station may be back at any moment
 const PATIENCE_MS = 2000;
 const STOP_PATIENCE_MS = 5000;
-const MOTION = {
-  armed: "allowed",
-  stopped: "STOPPED",
-  released: "not allowed yet",
-};
+const MOTION = { armed: "allowed", stopped: "STOPPED", released: "not allowed yet" };
 
 const element = (id) => document.getElementById(id);
 const show = (id, text) => {
@@ -187,10 +183,7 @@ const TEXT_INPUTS = new Set(["text", "search", "password", "number", ""]);
 function isTyping(target) {
   if (!target || !target.tagName) return false;
   if (target.tagName === "TEXTAREA" || target.isContentEditable) return true;
-  return (
-    target.tagName === "INPUT" &&
-    TEXT_INPUTS.has(target.getAttribute("type") ?? "")
-  );
+  return target.tagName === "INPUT" && TEXT_INPUTS.has(target.getAttribute("type") ?? "");
 }
 
 // Again and again, because Viser's page replaces its document while it loads; adding

@@ -2,7 +2,7 @@
 // the first minute and the progress line show. Each panel is a file in `panels/`.
 import { watchAgents } from "./lib/agents.js";
 import { alarms } from "./lib/alarms.js";
-import { h, isNarrow, kept, show } from "./lib/dom.js";
+import { button, h, html, isNarrow, kept, nothing, press, render, repeat, show } from "./lib/dom.js";
 import { control } from "./lib/control.js";
 import { refusals, remedyOf } from "./lib/refusals.js";
 import { act, api, teleoperation } from "./lib/station.js";
@@ -12,8 +12,6 @@ import { units } from "./lib/units.js";
 import { showTour } from "./lib/tour.js";
 import { watchScene } from "./lib/scene.js";
 import { showViewTools } from "./lib/view_tools.js";
-import { html, nothing, render } from "./vendor/lit/lit-html.js";
-import { repeat } from "./vendor/lit/directives/repeat.js";
 import "./panels/joints.js";
 import "./panels/controllers.js";
 import "./panels/gripper.js";
@@ -60,9 +58,7 @@ function arranged({ open, wide = [], ...sizes }) {
 
 const layout = { side: 468, dock: "joints", heights: {}, preset: "Operate", ...kept.get("layout", arranged(PRESETS.Operate)) };
 
-function keepLayout() {
-  kept.set("layout", layout);
-}
+const keepLayout = () => kept.set("layout", layout);
 
 function applySizes() {
   const workspace = element("workspace");
@@ -70,8 +66,8 @@ function applySizes() {
   const below = Math.min(Math.max(layout.below, 90), innerHeight - 260);
   workspace.style.setProperty("--side", `${side}px`);
   workspace.style.setProperty("--below", `${below}px`);
-  element("split-side").setAttribute("aria-valuenow", String(Math.round(side)));
-  element("split-below").setAttribute("aria-valuenow", String(Math.round(below)));
+  element("split-side").ariaValueNow = Math.round(side);
+  element("split-below").ariaValueNow = Math.round(below);
 }
 
 let own = []; // names of the layouts that the station keeps
@@ -116,8 +112,8 @@ function drawLayouts() {
     listLayouts();
   };
   const forget = async () => (await act("DELETE", layoutPath(layout.preset))) && listLayouts();
-  const button = (name) => html`<button class="s" type="button" aria-pressed=${String(name === layout.preset)} @click=${() => choose(name)}>${name}</button>`;
-  const remove = own.includes(layout.preset) && store.isOperator ? html`<button class="s" type="button" aria-label="Forget the layout ${layout.preset}" @click=${forget}>✕</button>` : nothing;
+  const button = (name) => press(name, "", () => choose(name), { pressed: name === layout.preset });
+  const remove = own.includes(layout.preset) && store.isOperator ? press("✕", "", forget, { name: `Forget the layout ${layout.preset}` }) : nothing;
   render(html`${repeat([...Object.keys(PRESETS), ...own], (name) => name, button)}${remove}<input class="name" placeholder="keep as …" aria-label="Keep this layout as" title="A name and Enter keep folds, sizes and plots at the station, for every browser." ?disabled=${!store.isOperator} @keydown=${keep} />`, element("layouts"));
 }
 
@@ -143,22 +139,14 @@ function splitter(id, key, grow) {
 }
 
 function makeDock(dock) {
-  const body = document.createElement(`st-${dock.id}`);
-  body.id = `dock-${dock.id}`;
-  const fold = h("button", { class: "fold", type: "button" }, h("span", { class: "arrow", ariaHidden: "true" }), dock.title);
-  fold.setAttribute("aria-controls", body.id);
-  const tools = h("span", { class: "tools" });
-  const section = h(
-    "section",
-    { class: "dock", data: { dock: dock.id } },
-    h("h2", {}, fold, tools),
-    body,
-  );
-  body.tools = tools;
+  const body = h(`st-${dock.id}`, { id: `dock-${dock.id}` });
+  const fold = h("button", { class: "fold", type: "button", "aria-controls": body.id }, h("span", { class: "arrow", ariaHidden: "true" }), dock.title);
+  body.tools = h("span", { class: "tools" });
+  const section = h("section", { class: "dock", data: { dock: dock.id } }, h("h2", {}, fold, body.tools), body);
   const setFolded = (folded) => {
     layout.folded[dock.id] = folded;
     section.classList.toggle("folded", folded);
-    fold.setAttribute("aria-expanded", String(!folded));
+    fold.ariaExpanded = !folded;
     if (body.built && body.isShown && store.docks) body.refresh(); // not at the next poll
   };
   const change = (folded) => {
@@ -175,7 +163,7 @@ function makeDock(dock) {
   });
   section.addEventListener("open-dock", () => layout.folded[dock.id] && change(false));
   for (const name of ["pointerdown", "focusin"]) section.addEventListener(name, () => usedAt.set(dock.id, performance.now()));
-  if (layout.heights[dock.id]) section.style.height = layout.heights[dock.id];
+  section.style.height = layout.heights[dock.id] ?? "";
   new MutationObserver(() => {
     layout.heights[dock.id] = section.style.height;
     keepLayout();
@@ -203,24 +191,20 @@ function makeRoom(section) {
 
 // On a narrow screen one dock is shown at a time; these buttons choose it.
 function makeNav() {
-  for (const dock of DOCKS) {
-    const button = h("button", { class: "s", type: "button" }, dock.title);
-    button.addEventListener("click", () => {
-      layout.dock = dock.id;
-      sections.get(dock.id).dispatchEvent(new Event("open-dock"));
-      chooseDock();
-    });
-    button.dataset.dock = dock.id;
-    element("docks-nav").append(button);
-  }
-  chooseDock();
+  element("docks-nav").append(...DOCKS.map(({ id, title }) => button(title, undefined, () => chooseDock(id), { data: { dock: id } })));
+  showChosen();
 }
 
-function chooseDock() {
-  for (const button of element("docks-nav").children)
-    button.setAttribute("aria-pressed", String(button.dataset.dock === layout.dock));
-  for (const section of document.querySelectorAll(".dock"))
-    section.classList.toggle("chosen", section.dataset.dock === layout.dock);
+/** Unfold a dock, which a narrow screen shows alone. */
+function chooseDock(id) {
+  layout.dock = id;
+  sections.get(id).dispatchEvent(new Event("open-dock"));
+  showChosen();
+}
+
+function showChosen() {
+  for (const button of element("docks-nav").children) button.ariaPressed = button.dataset.dock === layout.dock;
+  for (const [id, section] of sections) section.classList.toggle("chosen", id === layout.dock);
 }
 
 // A real robot has nothing to simulate, and only Franka arms have a gripper that a page
@@ -233,17 +217,14 @@ function showDocks() {
     for (const part of document.querySelectorAll(`[data-dock="${id}"]`)) part.hidden = absent;
     if (!absent || layout.dock !== id) continue;
     layout.dock = "joints";
-    chooseDock();
+    showChosen();
   }
 }
 
 /** Unfold a dock and bring it into view. */
-export function openDock(id) {
-  layout.dock = id;
-  const section = sections.get(id);
-  section.dispatchEvent(new Event("open-dock"));
-  chooseDock();
-  section.scrollIntoView({ block: "nearest" });
+function openDock(id) {
+  chooseDock(id);
+  sections.get(id).scrollIntoView({ block: "nearest" });
 }
 
 // An arm that stopped itself says so in a line of its own, with the button that helps.
@@ -259,8 +240,8 @@ function showTrouble() {
   const { trouble, reason, label, action } = store.docks.rescue;
   const line = element("trouble");
   line.hidden = !trouble;
-  const button = action && store.isOperator ? html`<button class="s primary" type="button" @click=${recover}>${label}</button>` : nothing;
-  render(html`<b>✖ ${trouble}</b><span>${reason}</span>${button}`, line);
+  const help = action && store.isOperator ? press(label, "", recover, { look: "primary" }) : nothing;
+  render(html`<b>✖ ${trouble}</b><span>${reason}</span>${help}`, line);
 }
 
 const remedies = {
@@ -275,7 +256,7 @@ const remedies = {
 
 function remedyButton(entry) {
   const remedy = remedyOf(entry, { stop: store.stop, ...store.docks }, remedies);
-  return remedy && store.isOperator ? html`<button class="s primary" type="button" @click=${remedy.run}>${remedy.label}</button>` : nothing;
+  return remedy && store.isOperator ? press(remedy.label, "", remedy.run, { look: "primary" }) : nothing;
 }
 
 function logRow(entry) {
@@ -348,17 +329,17 @@ function start() {
   element("log-button").addEventListener("click", () => {
     const log = element("log");
     log.hidden = !log.hidden;
-    element("log-button").setAttribute("aria-expanded", String(!log.hidden));
+    element("log-button").ariaExpanded = !log.hidden;
     showLog();
   });
   refusals.addEventListener("change", showRefusal);
   units.addEventListener("change", showLog);
   element("enable").addEventListener("click", enableSliders);
-  store.addEventListener("docks", showEnable);
-  store.addEventListener("docks", showTrouble);
-  store.addEventListener("docks", showDocks);
   store.addEventListener("bar", drawLayouts);
   store.addEventListener("docks", () => {
+    showEnable();
+    showTrouble();
+    showDocks();
     if (store.docks.link !== "live" || layoutsOf === store.bootId) return;
     layoutsOf = store.bootId;
     listLayouts();

@@ -4,7 +4,12 @@ import json
 
 import pytest
 
-from station.api.rosbridge.outbox import MOST_ANSWERS, Outbox, Subscription
+from station.api.rosbridge.outbox import (
+    MOST_ANSWERS,
+    MOST_BYTES,
+    Outbox,
+    Subscription,
+)
 from station.api.rosbridge.publication import Form, Publication
 from tests.api.rosbridge.test_publication import payloads
 
@@ -48,7 +53,8 @@ def offer(outbox, *numbers, period=0.01):
 
 
 def numbers(port):
-    return [int(one["msg"]["data"]) for one in port.sent if one["op"] == "publish"]
+    sent = [one for one in port.sent if one["op"] == "publish"]
+    return [int(one["msg"]["data"]) for one in sent if one["topic"] == "/t"]
 
 
 @pytest.mark.parametrize(("length", "kept"), [(0, [9]), (1, [9]), (3, [7, 8, 9])])
@@ -63,6 +69,28 @@ def test_a_client_that_does_not_read_loses_the_oldest(outbox, port, length, kept
     (status,) = [one for one in port.sent if one["op"] == "status"]
     assert status["msg"].startswith(f"{10 - len(kept)} messages of /t were lost")
     assert outbox.subscriptions["/t"].lost == 0
+
+
+def test_large_messages_that_wait_are_limited_in_bytes_and_the_small_ones_stay(
+    outbox, port
+):
+    subscribe(outbox, length=100)
+    outbox.subscriptions["/picture"] = Subscription({"a": (0.0, 100, Form())})
+    outbox.subscriptions["/picture"].settle()
+    port.is_open = False
+    offer(outbox, 0)
+    picture = {"data": b"\xff" * (MOST_BYTES // 20)}
+    for _ in range(20):
+        outbox.offer(Publication("/picture", "sensor_msgs/Image", picture, 0), 0.1)
+    offer(outbox, 1)
+    assert sum(one.size for one in outbox.subscriptions.values()) <= MOST_BYTES
+    port.is_open = True
+    outbox.flush(0.2)
+    assert numbers(port) == [0, 1]
+    assert outbox.subscriptions["/picture"].size == 0
+    # In base64 each has a third more bytes, so that 14 of the 20 fit.
+    (status,) = [one for one in port.sent if one["op"] == "status"]
+    assert status["msg"].startswith("6 messages of /picture were lost")
 
 
 def test_what_is_throttled_is_not_lost(outbox, port):

@@ -77,7 +77,7 @@ def test_switches_and_gains_are_marked_in_the_plots(workspace, enabled):
 def test_no_two_of_many_traces_look_the_same_and_the_legend_shows_how(workspace):
     page = workspace.page
     looks = page.evaluate(
-        "async () => { const {dashOf} = await import('/static/lib/traces.js');"
+        "async () => { const {dashOf} = await import('/static/lib/plot.js');"
         " return [...Array(28).keys()].map((i) => `${i % 7} ${dashOf(i)}`); }"
     )
     assert len(set(looks)) == 28

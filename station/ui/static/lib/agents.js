@@ -1,10 +1,9 @@
 // What agents ask for: who, what, with what, and a person's answer. It lies over the picture,
 // so that it moves nothing below the pointer.
+import { html, nothing, press, render, repeat } from "./dom.js";
 import { Forecast, stepOf } from "./forecast.js";
 import { act, api, follow } from "./station.js";
 import { store } from "./store.js";
-import { html, nothing, render } from "../vendor/lit/lit-html.js";
-import { repeat } from "../vendor/lit/directives/repeat.js";
 
 const TICK_MS = 1000;
 const ANSWERS = [
@@ -28,28 +27,18 @@ function forecastOf(asked) {
   return forecasts.get(asked.number).element;
 }
 
-/** Return what an agent wants in words, and what goes with it as text. */
-export function wordsOf({ operation, target, request }) {
-  const words = operation.replaceAll("_", " ");
-  return {
-    what: target ? `${words}: ${target}` : words,
-    content: request === null || !Object.keys(request).length ? "" : JSON.stringify(request, null, 1),
-  };
-}
-
 function card(asked) {
-  const { what, content } = wordsOf(asked);
+  const { operation, target, request } = asked;
+  const what = operation.replaceAll("_", " ") + (target ? `: ${target}` : "");
+  const content = Object.keys(request ?? {}).length ? JSON.stringify(request, null, 1) : "";
   const left = Math.max(0, Math.round(asked.expires_at - Date.now() / 1e3));
-  const answer = async (verdict) => {
-    await act("POST", `/agents/requests/${asked.number}`, { verdict });
-    await look();
-  };
+  const answer = (verdict) => act("POST", `/agents/requests/${asked.number}`, { verdict }).then(look);
   return html`<section class="request" aria-label="Request of ${asked.agent}">
     <p><b>${asked.agent}</b> asks for <b>${what}</b> <small>refused in ${left} s</small></p>
     ${content ? html`<details><summary>With</summary><pre>${content}</pre></details>` : ""}
     ${forecastOf(asked)}
     <div class="line">
-      ${ANSWERS.map(([verdict, text, why]) => html`<button class="s" type="button" title=${why} ?disabled=${!store.isOperator} @click=${() => answer(verdict)}>${text}</button>`)}
+      ${ANSWERS.map(([verdict, text, why]) => press(text, why, () => answer(verdict), { off: !store.isOperator }))}
     </div>
   </section>`;
 }

@@ -1,11 +1,9 @@
 // The alarms of the station: what asks for a person, and who has seen it. The strip counts
 // those that nobody has seen; the dock Timeline lists and acknowledges them.
-import { show } from "./dom.js";
+import { html, nothing, repeat, show } from "./dom.js";
 import { forPerson } from "./refusals.js";
 import { act, api, follow } from "./station.js";
 import { store } from "./store.js";
-import { html, nothing } from "../vendor/lit/lit-html.js";
-import { repeat } from "../vendor/lit/directives/repeat.js";
 
 const LOOK_MS = 2000;
 
@@ -57,10 +55,8 @@ const clock = (time) => new Date(time * 1e3).toLocaleTimeString("en-GB");
 
 function row(alarm) {
   const seen = alarm.acknowledged_at !== null;
-  const state = [
-    alarm.cleared_at === null ? "still there" : `gone since ${clock(alarm.cleared_at)}`,
-    seen ? `seen by ${alarm.acknowledged_by} at ${clock(alarm.acknowledged_at)}` : "not acknowledged",
-  ].join(", ");
+  const gone = alarm.cleared_at === null ? "still there" : `gone since ${clock(alarm.cleared_at)}`;
+  const state = `${gone}, ${seen ? `seen by ${alarm.acknowledged_by} at ${clock(alarm.acknowledged_at)}` : "not acknowledged"}`;
   return html`<div class="row ${alarm.severity}">
     <time title=${new Date(alarm.raised_at * 1e3).toISOString()}>${clock(alarm.raised_at)}</time>
     <b>${alarm.severity === "error" ? "✖" : "▲"} ${alarm.text} </b>

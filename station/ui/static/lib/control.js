@@ -1,21 +1,21 @@
 // Who holds control, and how to take it, hand it over and give it back. The lease itself
 // stays in the gateway; this page only learns who holds control and whether it does.
-import { button as plainButton, h, kept, show } from "./dom.js";
+import { html, kept, nothing, press, render, show } from "./dom.js";
 import { refusals } from "./refusals.js";
-import { Refusal, send } from "./station.js";
+import { said, send } from "./station.js";
 import { store } from "./store.js";
 
 const LOOK_MS = 1000;
 const PATH = "/workspace/control";
 
 const element = (id) => document.getElementById(id);
-const button = (label, run, kind = "") => plainButton(label, undefined, run, { class: `s ${kind}` });
+const note = (text) => html`<p class="hint">${text}</p>`;
+const button = (label, run, look = "") => press(label, "", run, { look });
 
 class Control {
   constructor() {
     this.state = { owner: null, mine: false };
     this.asking = false;
-    this.drawn = "";
     this.changes = 0; // how often this page asked for a change, or had its answer
   }
 
@@ -53,8 +53,7 @@ class Control {
   open({ asking = false }) {
     this.asking = asking && !this.state.mine;
     this.panel.hidden = false;
-    element("control").setAttribute("aria-expanded", "true");
-    this.drawn = "";
+    element("control").ariaExpanded = "true";
     this.draw();
     // Who has said a name, here or at the login, is not asked again.
     this.panel.querySelector(kept.get("person", "") ? "button" : "input, button")?.focus();
@@ -63,25 +62,18 @@ class Control {
   close() {
     this.panel.hidden = true;
     this.asking = false;
-    element("control").setAttribute("aria-expanded", "false");
+    element("control").ariaExpanded = "false";
   }
 
   /** Ask the station; a refusal goes into the log. Returns whether it was done. */
   async ask(method, body) {
     this.changes += 1;
-    try {
-      const state = await send(method, PATH, body);
-      this.changes += 1;
-      this.state = state;
-      this.asking = false;
-      this.drawn = "";
-      this.draw();
-      return true;
-    } catch (error) {
-      if (!(error instanceof Refusal)) throw error;
-      refusals.add(error, { method, path: PATH });
-      return false;
-    }
+    const state = await said(send(method, PATH, body), { method, path: PATH });
+    if (!state) return false;
+    this.changes += 1;
+    Object.assign(this, { state, asking: false });
+    this.draw();
+    return true;
   }
 
   async take(force, owner = this.panel.querySelector("input[name=owner]")?.value.trim() ?? "") {
@@ -90,69 +82,42 @@ class Control {
   }
 
   draw() {
-    const { owner, mine, hand_over_to: heir } = this.state;
+    const { owner, mine } = this.state;
     show(element("control"), owner === null ? "any operator" : mine ? `you (${owner})` : owner);
     element("control").dataset.held = owner === null ? "" : mine ? "mine" : "other";
     const watching = element("watching");
     watching.hidden = owner === null || mine || !store.isOperator;
     show(watching, `${owner} holds control: here you only watch. STOP works.`);
-    const key = JSON.stringify([owner, mine, heir, this.asking, store.isOperator]);
-    if (this.panel.hidden || key === this.drawn) return;
-    this.drawn = key;
-    this.panel.replaceChildren(h("h2", {}, "Control"), ...this.content());
+    if (!this.panel.hidden) render(html`<h2>Control</h2>${this.content()}`, this.panel);
   }
 
   content() {
-    const { owner, mine } = this.state;
-    const line = (...parts) => h("div", { class: "line" }, ...parts);
-    const note = (text) => h("p", { class: "hint" }, text);
-    if (!store.isOperator)
-      return [note(owner === null ? "Nobody holds control: every operator may change things." : `${owner} holds control.`), line(button("Close", () => this.close()))];
-    if (mine) return this.contentOfHolder(line, note);
-    if (owner === null)
-      return [
-        note("Nobody holds control: every operator may change things. Once you take it, the changes of all others are refused until you give it back or this page is closed."),
-        line(this.nameField(), button("Take control", () => this.take(false), "primary"), button("Close", () => this.close())),
-      ];
-    return this.contentOfOthers(line, note);
-  }
-
-  contentOfHolder(line, note) {
-    const { owner, since, hand_over_to: heir } = this.state;
-    const to = h("input", { class: "name", name: "heir", maxLength: 100, ariaLabel: "Hand over to" });
-    const offer = async () => to.value.trim() && (await this.ask("PATCH", { hand_over_to: to.value.trim() }));
-    const at = new Date(since * 1e3).toLocaleTimeString("en-GB");
-    return [
-      note(`You hold control as ${owner} since ${at}. The changes of others are refused; anybody can stop.`),
-      line(
-        button("Give back", () => this.ask("DELETE"), "primary"),
-        h("label", {}, "Hand over to ", to),
-        button("Offer", offer),
-        button("Close", () => this.close()),
-      ),
-      ...(heir ? [note(`Offered to ${heir}, who can take control now. Until then it stays yours.`)] : []),
-    ];
-  }
-
-  contentOfOthers(line, note) {
-    const { owner, since, hand_over_to: heir } = this.state;
+    const { owner, mine, since, hand_over_to: heir } = this.state;
     const at = new Date(since * 1e3).toLocaleTimeString("en-GB");
     const close = button("Close", () => this.close());
+    if (!store.isOperator) return html`${note(owner === null ? "Nobody holds control: every operator may change things." : `${owner} holds control.`)}<div class="line">${close}</div>`;
+    if (mine)
+      return html`${note(`You hold control as ${owner} since ${at}. The changes of others are refused; anybody can stop.`)}
+        <div class="line">${button("Give back", () => this.ask("DELETE"), "primary")}<label>Hand over to <input class="name" name="heir" maxlength="100" /></label>${button("Offer", () => this.offer())}${close}</div>
+        ${heir ? note(`Offered to ${heir}, who can take control now. Until then it stays yours.`) : nothing}`;
+    if (owner === null)
+      return html`${note("Nobody holds control: every operator may change things. Once you take it, the changes of all others are refused until you give it back or this page is closed.")}
+        <div class="line">${this.nameField()}${button("Take control", () => this.take(false), "primary")}${close}</div>`;
     if (this.asking)
-      return [
-        note(`Take control away from ${owner}? What ${owner} is moving is held where it is, and ${owner} is told your name.`),
-        line(this.nameField(), button(`Yes, take it from ${owner}`, () => this.take(true), "danger"), button("No", () => this.close())),
-      ];
-    const ask = button("Take it by force …", () => this.open({ asking: true }));
-    const accept = heir ? button(`Take control as ${heir}`, () => this.take(false, heir), "primary") : null;
-    const offer = heir ? ` Control is offered to ${heir}.` : "";
-    return [note(`${owner} holds control since ${at}: your changes are refused. STOP always works.${offer}`), line(accept, ask, close)];
+      return html`${note(`Take control away from ${owner}? What ${owner} is moving is held where it is, and ${owner} is told your name.`)}
+        <div class="line">${this.nameField()}${button(`Yes, take it from ${owner}`, () => this.take(true), "danger")}${button("No", () => this.close())}</div>`;
+    return html`${note(`${owner} holds control since ${at}: your changes are refused. STOP always works.${heir ? ` Control is offered to ${heir}.` : ""}`)}
+      <div class="line">${heir ? button(`Take control as ${heir}`, () => this.take(false, heir), "primary") : nothing}${button("Take it by force …", () => this.open({ asking: true }))}${close}</div>`;
+  }
+
+  async offer() {
+    const to = this.panel.querySelector("input[name=heir]").value.trim();
+    if (to) await this.ask("PATCH", { hand_over_to: to });
   }
 
   nameField() {
-    const field = h("input", { class: "name", name: "owner", maxLength: 100, value: kept.get("person", ""), placeholder: "e.g. ada" });
-    field.addEventListener("keydown", (event) => event.key === "Enter" && !this.asking && this.take(false));
-    return h("label", {}, "Your name ", field);
+    const enter = ({ key }) => key === "Enter" && !this.asking && this.take(false);
+    return html`<label>Your name <input class="name" name="owner" maxlength="100" value=${kept.get("person", "")} placeholder="e.g. ada" @keydown=${enter} /></label>`;
   }
 }
 

@@ -1,6 +1,9 @@
-// Small pieces of the page that every panel uses.
-import { html, render } from "../vendor/lit/lit-html.js";
+// Small pieces of the page that every panel uses, templates among them.
+import { html, nothing, render } from "../vendor/lit/lit-html.js";
+import { live } from "../vendor/lit/directives/live.js";
 import { repeat } from "../vendor/lit/directives/repeat.js";
+
+export { html, live, nothing, render, repeat };
 
 /** Return an element: `h("button", {class: "s", onclick: f}, "text", child)`. */
 export function h(tag, props = {}, ...children) {
@@ -25,8 +28,21 @@ export function field(name, value, unit, label = `${name} [${unit}]`) {
   return { input, label: h("label", {}, `${name} `, input, ` ${unit}`) };
 }
 
+/** Return a field for a name that Enter sends. */
+export const nameField = (label, placeholder, send, props = {}) => h("input", { class: "name", placeholder, ariaLabel: label, onkeydown: ({ key }) => key === "Enter" && send(), ...props });
+
+/** Return a choice among texts, or pairs of value and text. */
+export function choice(label, choices, changed, props = {}) {
+  const options = choices.map((one) => [one].flat()).map(([value, text = value]) => h("option", { value }, text));
+  return h("select", { ariaLabel: label, onchange: changed, ...props }, ...options);
+}
+
 /** Return a row of parts. */
 export const line = (...parts) => h("div", { class: "line" }, ...parts);
+
+/** Return a button for a template; one that stays down is `pressed`, and one that can do nothing is `off`. */
+export const press = (label, title, run, { look = "", off = false, pressed = nothing, name = nothing } = {}) =>
+  html`<button class="s ${look}" type="button" title=${title || nothing} aria-label=${name} aria-pressed=${pressed} ?disabled=${off} @click=${run}>${label}</button>`;
 
 /** Draw a template into an element and return it; drawn again, only what differs changes. */
 export function drawn(element, template) {

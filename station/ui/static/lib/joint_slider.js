@@ -25,13 +25,9 @@ export class JointSlider {
     this.here = h("i", { class: "here", title: "Where the joint is" });
     this.told = h("i", { class: "told", title: "What the joint is told" });
     this.thumb = h("i", { class: "thumb" });
+    const [ariaValueMin, ariaValueMax] = [this.low, this.high];
     const title = "Drag the thumb, or use the arrow keys; with Shift in finer steps, with Page Up and Down in coarser ones. A click beside it goes there.";
-    this.element = h("div", { class: "slider", tabIndex: 0, title }, this.told, this.here, this.thumb);
-    const say = (name, value) => this.element.setAttribute(name, value);
-    say("role", "slider");
-    say("aria-label", `Slider of ${label}`);
-    say("aria-valuemin", String(this.low));
-    say("aria-valuemax", String(this.high));
+    this.element = h("div", { class: "slider", role: "slider", tabIndex: 0, title, ariaLabel: `Slider of ${label}`, ariaValueMin, ariaValueMax }, this.told, this.here, this.thumb);
     this.element.addEventListener("keydown", (event) => this.press(event));
     this.element.addEventListener("pointerdown", (event) => this.grab(event));
     this.element.addEventListener("pointermove", (event) => this.drag(event));
@@ -42,7 +38,7 @@ export class JointSlider {
   set disabled(disabled) {
     if (disabled) this.end();
     this.isDisabled = disabled;
-    this.element.setAttribute("aria-disabled", String(disabled));
+    this.element.ariaDisabled = disabled;
   }
 
   clamp(value) {

@@ -1,6 +1,14 @@
-// The base of all panels: a custom element that draws when the page's knowledge changes.
+// The base of all panels: a custom element that draws when the page's knowledge changes. Panels
+// import from here what all of them work with.
 import { Refusal } from "./station.js";
 import { store } from "./store.js";
+
+export * from "./dom.js";
+export * from "./refusals.js";
+export * from "./station.js";
+export * from "./store.js";
+export * from "./text.js";
+export * from "./units.js";
 
 export class Panel extends HTMLElement {
   connectedCallback() {

@@ -1,14 +1,42 @@
-// A plot over time, or over frequency, drawn by uPlot: traces, cursors, marks, zoom.
-import { h } from "./dom.js";
-import { csvOf } from "./history.js";
+// Charts drawn by uPlot: traces over time, over frequency or over one of them, with cursors, marks and zoom.
+import { History, csvOf } from "./history.js";
 import { number } from "./text.js";
-import { COLOURS, FONT, dashOf, withRoom } from "./traces.js";
-import { drawXy } from "./xy_plot.js";
 import uPlot from "../vendor/uplot/uPlot.esm.js";
 
 const NEAR = 8; // pixels from a mark within which its text is shown
 const SHORTEST = 0.2; // shown time [s]
 const LONGEST = 60; // of the robot; a recording is shown as a whole
+export const COLOURS = 7; // `--trace0` to `--trace6` in the style sheet
+const FONT = "11px system-ui, 'DejaVu Sans', sans-serif";
+const DASHES = [[], [6, 3], [2, 3], [8, 3, 2, 3]];
+
+/** Return the dashes of a trace: no two of 28 traces have the same colour and dashes. */
+export const dashOf = (i) => DASHES[((i % COLOURS) + Math.floor(i / COLOURS)) % DASHES.length];
+
+/** Return a piece of a trace for the legend, dashed as in the plot. */
+export function swatch(i) {
+  const line = document.createElementNS("http://www.w3.org/2000/svg", "line");
+  for (const [name, value] of Object.entries({ x1: 0, y1: 4, x2: 12, y2: 4, "stroke-dasharray": dashOf(i).join(" ") })) line.setAttribute(name, value);
+  const picture = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+  picture.setAttribute("aria-hidden", "true");
+  picture.append(line);
+  return picture;
+}
+
+/** Return the ends of an axis for values from `low` to `high`. */
+function withRoom(low, high) {
+  const room = Math.max((high - low) * 0.08, Math.max(Math.abs(high), 1) * 1e-3);
+  return { min: low - room, max: high + room };
+}
+
+/** Return traces of responses {label, time, values, colour}, whose values may be missing. */
+export function responseTraces(responses) {
+  return responses.map(({ label, time, values, colour }) => {
+    const history = new History(Infinity);
+    time.forEach((at, i) => history.add(at, values[i]));
+    return { label, unit: "rad", history, colour };
+  });
+}
 
 /** Return the samples of all traces from `begin` to `end` over the same times. */
 function aligned(traces, begin, end) {
@@ -24,14 +52,90 @@ function aligned(traces, begin, end) {
   return parts.every(isSame) ? [first, ...parts.map(([, values]) => values)] : uPlot.join(parts);
 }
 
-export class Plot {
+/** A chart that fills its `place`, made when there is room and something to draw. */
+class Chart {
+  constructor(place) {
+    this.place = place;
+    this.traces = []; // {label, colour, ...}; in the order of the colours without one
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.forget());
+  }
+
+  /** Begin anew, e.g. with other traces or colours. */
+  forget() {
+    this.chart?.destroy();
+    this.chart = null;
+  }
+
+  /** Make the chart, or fit it to its place. */
+  fit() {
+    const { clientWidth: width, clientHeight: height } = this.place;
+    if (!this.chart) this.chart = new uPlot({ width, height, legend: { show: false }, padding: [6, 6, 0, 0], ...this.options() }, this.data(), this.place);
+    else if (this.chart.width !== width || this.chart.height !== height) this.chart.setSize({ width, height });
+  }
+
+  /** Whether there is room for a chart. */
+  get isRoomy() {
+    return this.place.clientWidth >= 60 && this.place.clientHeight >= 40;
+  }
+
+  colour(name) {
+    return getComputedStyle(this.place).getPropertyValue(name).trim();
+  }
+
+  /** Return the axes, whose values are written by `x` and `y`. */
+  axes(x, y, space) {
+    const axis = { stroke: this.colour("--dim"), font: FONT, grid: { stroke: this.colour("--line"), width: 1 }, ticks: { show: false } };
+    return [{ ...axis, size: 18, gap: 2, space, values: x }, { ...axis, size: 46, gap: 3, space: 26, values: y }];
+  }
+
+  /** Return the series of the traces, the abscissa's before them. */
+  series(pointsOf) {
+    const series = ({ label, colour }, i) => ({ label, stroke: this.colour(`--trace${(colour ?? i) % COLOURS}`), width: 1.6, dash: dashOf(colour ?? i), points: pointsOf(this.traces[i]), spanGaps: true });
+    return [{}, ...this.traces.map(series)];
+  }
+}
+
+/** Curves {label, colour, x [Hz], y} over a logarithmic axis of frequencies; `unit` is that of the values. */
+export class BodePlot extends Chart {
+  constructor(place, unit) {
+    super(place);
+    this.unit = unit;
+  }
+
+  set(traces) {
+    this.traces = traces;
+    this.forget();
+  }
+
+  data() {
+    return uPlot.join(this.traces.map(({ x, y }) => [x, y]));
+  }
+
+  options() {
+    const texts = (unit) => (_, values) => values.map((value) => (value == null ? "" : number(value, Math.abs(value) < 1 && value ? 1 : 0) + unit));
+    return {
+      scales: { x: { time: false, distr: 3 } },
+      axes: this.axes(texts(" Hz"), texts(` ${this.unit}`), 40),
+      series: this.series(({ x }) => ({ show: x.length < 12, size: 5 })),
+      cursor: { y: false, drag: { setScale: false }, sync: { key: "bode", setSeries: false, scales: ["x", null] } },
+    };
+  }
+
+  draw() {
+    if (this.isRoomy && this.traces.length) this.fit();
+  }
+}
+
+/** Traces {label, history, unit, colour} over time or frequency, or all but the first over the first. */
+export class Plot extends Chart {
   /**
    * `place` is the element to draw into. Plots of one `group` share their cursor. `moved()` is
    * called when a cursor moves, `chosen(begin, end)` when a range of time is dragged [s], and
    * `zoomed()` when more or less of it is to be shown.
    */
   constructor(place, { group = "", moved = () => {}, chosen = () => {}, zoomed = () => {} } = {}) {
-    Object.assign(this, { place, group, moved, chosen, zoomed });
+    super(place);
+    Object.assign(this, { group, moved, chosen, zoomed });
     this.span = 10; // seconds shown
     this.end = null; // time at the right edge; null follows the newest sample
     this.cursor = null; // time of the cursor
@@ -40,20 +144,20 @@ export class Plot {
     this.longest = LONGEST; // most that is shown [s]
     this.isSpectrum = false; // whether the traces are over frequency [Hz]
     this.xy = false; // whether the first trace is the abscissa of the others
-    this.traces = []; // {label, history, unit, colour}; in the order of the colours without one
     this.markers = [];
     place.addEventListener("keydown", (event) => this.press(event));
+    place.addEventListener("pointerdown", () => (this.isDragged = false));
+    place.addEventListener("click", ({ target }) => target === this.chart?.over && !this.isDragged && this.fix());
     place.addEventListener("blur", () => this.chart?.setCursor({ left: -10, top: -10 }, true, true));
     place.addEventListener("wheel", (event) => {
       event.preventDefault();
       this.zoom(event.deltaY > 0 ? 1.25 : 0.8);
     }, { passive: false });
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.forget());
   }
 
   /** Put the second cursor where the first is, or take it away when it is there. */
   fix() {
-    if (this.isSpectrum) return undefined;
+    if (!this.isOverTime) return undefined;
     if (this.seek) return this.cursor === null ? undefined : this.seek(this.cursor);
     const isThere = this.fixed !== null && this.cursor !== null && Math.abs(this.cursor - this.fixed) < this.span / 100;
     this.fixed = isThere ? null : this.cursor;
@@ -82,46 +186,56 @@ export class Plot {
     this.zoomed();
   }
 
-  /** Begin anew, e.g. with other traces or colours. */
   forget() {
     this.drawn = null;
-    this.chart?.destroy();
-    this.chart = null;
+    super.forget();
   }
 
-  make(width, height) {
-    const style = getComputedStyle(this.place);
-    const colour = (name) => style.getPropertyValue(name).trim();
-    const axis = { stroke: colour("--dim"), font: FONT, grid: { stroke: colour("--line"), width: 1 }, ticks: { show: false } };
+  data() {
+    return this.isAcross ? [[0, 1]] : [[], ...this.traces.map(() => [])];
+  }
+
+  options() {
     const digits = (step) => Math.min(Math.max(0, -Math.floor(Math.log10(step) + 1e-9)), 5);
     const texts = (unit) => (_, values, __, ___, step) => values.map((value) => number(value, digits(step)) + unit);
-    const sync = this.group && !this.isSpectrum ? { key: this.group, setSeries: false, scales: ["x", null] } : {};
+    const range = (_, low, high) => {
+      const { min, max } = low === null ? { min: -1, max: 1 } : withRoom(low, high);
+      return [min, max];
+    };
+    const unit = this.isAcross ? this.traces[0].unit : this.isSpectrum ? "Hz" : "s";
+    const [marker, dim] = [this.colour("--marker"), this.colour("--dim")];
     this.key = this.keyOf();
-    this.chart = new uPlot(
-      {
-        width,
-        height,
-        padding: [6, 6, 0, 0],
-        legend: { show: false },
-        scales: { x: { time: false, auto: false }, y: { range: (_, low, high) => (low === null ? [-1, 1] : withRoom(low, high)) } },
-        axes: [{ ...axis, size: 18, gap: 2, space: 70, values: texts(this.isSpectrum ? " Hz" : " s") }, { ...axis, size: 46, gap: 3, space: 26, values: texts("") }],
-        series: [{}, ...this.traces.map(({ label, colour: paint }, i) => ({ label, stroke: colour(`--trace${(paint ?? i) % COLOURS}`), width: 1.6, dash: dashOf(paint ?? i), points: { show: false }, spanGaps: true }))],
-        cursor: { y: false, points: { size: 6 }, drag: { x: true, y: false, setScale: false }, sync, bind: { dblclick: () => null } },
-        hooks: {
-          setCursor: [({ cursor }) => this.chart && this.hear(cursor.left)],
-          setSelect: [(chart) => this.choose(chart)],
-          draw: [(chart) => this.drawMarks(chart, colour("--marker"), colour("--dim"))],
-        },
+    return {
+      scales: { x: { time: false, auto: false }, y: { range } },
+      axes: this.axes(texts(` ${unit}`), texts(""), 70),
+      series: this.isAcross ? [{}] : this.series(() => ({ show: false })),
+      cursor: {
+        show: !this.isAcross,
+        y: false,
+        points: { size: 6 },
+        drag: { x: true, y: false, setScale: false },
+        sync: this.group && this.isOverTime ? { key: this.group, setSeries: false, scales: ["x", null] } : {},
+        bind: { dblclick: () => null },
       },
-      [[], ...this.traces.map(() => [])],
-      this.place,
-    );
-    this.chart.over.addEventListener("click", () => this.isDragged || this.fix());
-    this.chart.over.addEventListener("pointerdown", () => (this.isDragged = false));
+      hooks: {
+        setCursor: [({ cursor }) => this.chart && this.hear(cursor.left)],
+        setSelect: [(chart) => this.choose(chart)],
+        draw: [(chart) => (this.isAcross ? this.drawAcross(chart) : this.drawMarks(chart, marker, dim))],
+      },
+    };
+  }
+
+  /** Whether the first trace is the abscissa of the others. */
+  get isAcross() {
+    return this.xy && this.traces.length > 1;
+  }
+
+  get isOverTime() {
+    return !this.isAcross && !this.isSpectrum;
   }
 
   keyOf() {
-    return JSON.stringify([this.isSpectrum, ...this.traces.map(({ label, unit, colour }) => [label, unit, colour])]);
+    return JSON.stringify([this.isSpectrum, this.isAcross, ...this.traces.map(({ label, unit, colour }) => [label, unit, colour])]);
   }
 
   /** Note where the cursor is [px]; outside of the plot it is nowhere. */
@@ -134,28 +248,19 @@ export class Plot {
     const { left, width } = chart.select;
     if (width < 4) return;
     this.isDragged = true;
-    if (!this.isSpectrum) this.chosen(chart.posToVal(left, "x"), chart.posToVal(left + width, "x"));
+    if (this.isOverTime) this.chosen(chart.posToVal(left, "x"), chart.posToVal(left + width, "x"));
     chart.setSelect({ left: 0, width: 0, top: 0, height: 0 }, false);
   }
 
   /** Draw the plot; `newest` is the present station time [s]. */
   draw(newest) {
-    const { clientWidth: width, clientHeight: height } = this.place;
-    if (width < 60 || height < 40) return;
+    if (!this.isRoomy) return undefined;
     const end = this.end ?? newest;
-    this.shownEnd = end;
     const begin = end - this.span;
-    if (this.xy && this.traces.length > 1) {
-      this.forget();
-      this.canvas ??= h("canvas");
-      if (!this.canvas.isConnected) this.place.append(this.canvas);
-      return drawXy(this.canvas, this.traces, begin, end);
-    }
-    this.canvas?.remove();
     if (this.chart && this.key !== this.keyOf()) this.forget();
-    if (!this.chart) this.make(width, height);
-    else if (this.chart.width !== width || this.chart.height !== height) this.chart.setSize({ width, height });
-    const held = JSON.stringify([this.end, this.span, width, height]);
+    this.fit();
+    if (this.isAcross) return this.layAcross(begin, end);
+    const held = JSON.stringify([this.end, this.span, this.chart.width, this.chart.height]);
     if (this.end !== null && this.drawn?.held === held && this.drawn.traces === this.traces) {
       if (this.drawn.fixed !== this.fixed || this.drawn.markers !== this.markers) this.chart.redraw(false);
       Object.assign(this.drawn, { fixed: this.fixed, markers: this.markers });
@@ -169,6 +274,50 @@ export class Plot {
     });
     this.hear(this.chart.cursor.left); // the picture may have moved under the pointer
     return undefined;
+  }
+
+  /** Lay all traces but the first over the first, from `begin` to `end` [s]. */
+  layAcross(begin, end) {
+    const [{ history: abscissa }, ...others] = this.traces;
+    this.curves = others.map(({ history: { times, values }, history }) => {
+      const [from, to] = [history.indexAt(begin), history.indexAt(end)];
+      const points = times.slice(from, to).map((time, i) => [abscissa.valueAt(time), values[from + i]]);
+      return points.filter(([x]) => x !== undefined);
+    });
+    const range = (axis) => {
+      const all = this.curves.flat().map((point) => point[axis]);
+      const [low, high] = all.reduce(([a, b], value) => [Math.min(a, value), Math.max(b, value)], [Infinity, -Infinity]);
+      return all.length ? withRoom(low, high) : { min: -1, max: 1 };
+    };
+    this.chart.batch(() => {
+      this.chart.setScale("x", range(0));
+      this.chart.setScale("y", range(1));
+      this.chart.redraw(false);
+    });
+  }
+
+  /** Draw the curves over the first trace, with a square where each is now. */
+  drawAcross(chart) {
+    const { ctx: pen, bbox } = chart;
+    const ratio = devicePixelRatio;
+    const place = ([x, y]) => [chart.valToPos(x, "x", true), chart.valToPos(y, "y", true)];
+    pen.save();
+    pen.lineWidth = 1.6 * ratio;
+    this.curves?.forEach((points, i) => {
+      pen.strokeStyle = pen.fillStyle = this.colour(`--trace${(i + 1) % COLOURS}`);
+      pen.setLineDash(dashOf(i + 1).map((part) => part * ratio));
+      pen.beginPath();
+      for (const point of points) pen.lineTo(...place(point));
+      pen.stroke();
+      if (!points.length) return;
+      const [x, y] = place(points.at(-1));
+      pen.fillRect(x - 3 * ratio, y - 3 * ratio, 6 * ratio, 6 * ratio);
+    });
+    pen.fillStyle = this.colour("--text");
+    pen.font = FONT.replace("11px", `${11 * ratio}px`);
+    pen.textAlign = "right";
+    pen.fillText(`across: ${this.traces[0].label} [${this.traces[0].unit}]`, bbox.left + bbox.width - 6 * ratio, bbox.top + 12 * ratio);
+    pen.restore();
   }
 
   /** Draw the marks of events, and the second cursor. */

@@ -1,10 +1,9 @@
 // Layouts of the plots: kept at the station under a name, or in a file.
-import { h } from "./dom.js";
+import { h, html, render } from "./dom.js";
 import { download } from "./plot.js";
 import { refusals } from "./refusals.js";
 import { act, api } from "./station.js";
 import { store } from "./store.js";
-import { html, render } from "../vendor/lit/lit-html.js";
 
 const ROUTE = "/plot-layouts";
 const pathOf = (name) => `${ROUTE}/${encodeURIComponent(name)}`;

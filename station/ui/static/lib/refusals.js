@@ -33,9 +33,7 @@ class Refusals extends EventTarget {
         count: 1,
         code: error.code ?? "",
         detail: error.detail ?? error.message,
-        remedy: [own, ...(error.errors ?? []).slice(0, 3).map((e) => `${e.field}: ${e.message}`)]
-          .filter(Boolean)
-          .join(" "),
+        remedy: [own, ...(error.errors ?? []).slice(0, 3).map((e) => `${e.field}: ${e.message}`)].filter(Boolean).join(" "),
         request,
       });
       this.entries.length = Math.min(this.entries.length, 100);
@@ -55,14 +53,9 @@ window.addEventListener("station-refused", (event) => {
 
 /** Return the remedies that are one click: a label and what the click does, or null. */
 export function remedyOf(entry, state, actions) {
-  if (state.stop === "stopped") {
-    if (["stopped", "not_sent", "bench_refused"].includes(entry.code))
-      return { label: "Release stop", run: actions.release };
-  }
-  if (state.stop === "released") {
-    if (["stopped", "not_sent", "bench_refused"].includes(entry.code))
-      return { label: "Allow motion", run: actions.arm };
-  }
+  const isMotion = ["stopped", "not_sent", "bench_refused"].includes(entry.code);
+  if (isMotion && state.stop === "stopped") return { label: "Release stop", run: actions.release };
+  if (isMotion && state.stop === "released") return { label: "Allow motion", run: actions.arm };
   if (entry.code === "control_held") return { label: "Take control …", run: actions.takeControl };
   const wanted = entry.request?.body?.start?.[0];
   if (entry.code === "resource_conflict" && wanted)

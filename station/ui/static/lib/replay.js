@@ -2,7 +2,7 @@
 import { hideGhost, showGhost } from "./ghost.js";
 import { Run, parsed, linkOf, runOfTrial, tableQuery } from "./recorded.js";
 import { refusals } from "./refusals.js";
-import { act, api, Refusal } from "./station.js";
+import { act, api, Refusal, said } from "./station.js";
 import { store } from "./store.js";
 import { number } from "./text.js";
 
@@ -73,17 +73,10 @@ class Replay extends EventTarget {
   /** Open a recording, an incident or a trial, over the one that is open if it is a comparison; return it, or undefined. */
   async open({ kind, id, isOther = false, time = null, offset = null }) {
     this.say(`Reading ${id} …`);
-    try {
-      const run = await (kind === "experiments" ? trial(id) : recorded(kind, id));
-      this.put(run, { isOther, time, offset });
-      return run;
-    } catch (error) {
-      if (!(error instanceof Refusal)) throw error;
-      refusals.add(error, {});
-      return undefined;
-    } finally {
-      this.say("");
-    }
+    const run = await said(kind === "experiments" ? trial(id) : recorded(kind, id));
+    if (run) this.put(run, { isOther, time, offset });
+    this.say("");
+    return run;
   }
 
   /** Show a run; an incident begins at the moment of its cause. */

@@ -23,18 +23,16 @@ export function watchScene(view, line, docks) {
       return undefined;
     }
     const late = Date.now() - began > LONG_MS ? ` This takes long; everything else works already.${inside.__viserTestpoints ? "" : " Reload the page if it stays so."}` : "";
-    const step = !inside.__viserTestpoints
-      ? "Loading the 3D view …"
-      : drawn === 0
-        ? "3D view: connecting …"
-        : `3D view: loading the robots (${drawn.toLocaleString("en")}${wanted ? ` of ${wanted.toLocaleString("en")}` : ""} triangles) …`;
+    const count = `${drawn.toLocaleString("en")}${wanted ? ` of ${wanted.toLocaleString("en")}` : ""}`;
+    const connected = drawn ? `3D view: loading the robots (${count} triangles) …` : "3D view: connecting …";
+    const step = inside.__viserTestpoints ? connected : "Loading the 3D view …";
     show(line, step + late);
     return setTimeout(look, LOOK_MS);
   };
   look();
   const button = document.getElementById("viser-panel");
   button.addEventListener("click", () => {
-    button.setAttribute("aria-pressed", String(button.getAttribute("aria-pressed") !== "true"));
+    button.ariaPressed = button.ariaPressed !== "true";
     showPanel(view, button);
   });
   setInterval(() => {
@@ -46,7 +44,7 @@ export function watchScene(view, line, docks) {
 // On a narrow screen Viser lays its panel over the picture and cannot be told to fold it.
 function showPanel(view, button) {
   const narrow = isNarrow();
-  const hidden = narrow && button.getAttribute("aria-pressed") !== "true";
+  const hidden = narrow && button.ariaPressed !== "true";
   for (const panel of view.contentWindow.document.querySelectorAll("#root .mantine-Paper-root:has([role=tab])")) {
     // What Viser shows and hides by itself stays as it is.
     if (hidden === ("hiddenHere" in panel.dataset)) continue;

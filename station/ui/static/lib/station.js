@@ -47,9 +47,7 @@ window.addEventListener("station-bar", ({ detail }) => {
   lost = new AbortController();
 });
 
-function isForStation(path) {
-  return path.startsWith(API) || path.startsWith("/workspace/control");
-}
+const isForStation = (path) => path.startsWith(API) || path.startsWith("/workspace/control");
 
 async function fetched(method, path, options) {
   if (!isForStation(path)) return fetch(path, options);
@@ -76,9 +74,7 @@ export class Refusal extends Error {
   }
 }
 
-function linkIsLost() {
-  return new Refusal(0, { code: "unreachable", detail: "The link to the station is lost.", remedy: REMEDY });
-}
+const linkIsLost = () => new Refusal(0, { code: "unreachable", detail: "The link to the station is lost.", remedy: REMEDY });
 
 /** Send a request and return the JSON of its answer; throws a Refusal. */
 export async function send(method, path, body, headers = {}) {
@@ -96,11 +92,7 @@ export async function send(method, path, body, headers = {}) {
     });
   } catch {
     if (link === "lost" && isRefused) throw linkIsLost();
-    throw new Refusal(0, {
-      code: "unreachable",
-      detail: "The dashboard does not answer.",
-      remedy: REMEDY,
-    });
+    throw new Refusal(0, { code: "unreachable", detail: "The dashboard does not answer.", remedy: REMEDY });
   }
   const told = answer.status === 204 ? {} : await answer.json().catch(() => ({}));
   if (!answer.ok) throw new Refusal(answer.status, told);
@@ -109,20 +101,19 @@ export async function send(method, path, body, headers = {}) {
 
 export const api = (method, path, body, headers) => send(method, API + path, body, headers);
 
-/** Send a request for a person: a refusal goes into the log and returns undefined. */
-export async function act(method, path, body, headers) {
+/** Wait for what a person has asked for: a refusal goes into the log and returns undefined. */
+export async function said(promise, request = {}) {
   try {
-    return await api(method, path, body, headers);
+    return await promise;
   } catch (error) {
     if (!(error instanceof Refusal)) throw error;
-    refusals.add(error, { method, path, body });
+    refusals.add(error, request);
     return undefined;
   }
 }
 
-function address(path) {
-  return `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}${path}`;
-}
+/** Send a request for a person. */
+export const act = (method, path, body, headers) => said(api(method, path, body, headers), { method, path, body });
 
 const broken = new Set(); // sockets that wait to be opened again
 
@@ -139,7 +130,7 @@ class Socket {
     clearTimeout(this.timer);
     broken.delete(this);
     if (!this.wanted) return;
-    this.socket = new WebSocket(address(this.path));
+    this.socket = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}${this.path}`);
     this.socket.onmessage = (event) => this.onMessage(JSON.parse(event.data));
     this.socket.onclose = () => {
       this.timer = setTimeout(() => this.open(), AGAIN_MS);
@@ -193,11 +184,7 @@ class Teleoperation extends EventTarget {
 
   connect() {
     this.socket ??= new Socket("/workspace/teleoperation", (told) => {
-      if (told.refused)
-        refusals.add(
-          new Refusal(409, { code: told.code ?? "not_sent", detail: told.refused, remedy: told.remedy }),
-          {},
-        );
+      if (told.refused) refusals.add(new Refusal(409, { code: told.code ?? "not_sent", detail: told.refused, remedy: told.remedy }));
       this.state = told;
       if (told.link === "live" && link !== "live") window.dispatchEvent(new Event("station-back"));
       this.dispatchEvent(new Event("change"));
@@ -211,10 +198,7 @@ class Teleoperation extends EventTarget {
 
   say(message) {
     if (this.socket?.say(message)) return;
-    refusals.add(
-      new Refusal(0, { code: "not_sent", detail: "Not sent: this page may not move the robot, or is not connected." }),
-      {},
-    );
+    refusals.add(new Refusal(0, { code: "not_sent", detail: "Not sent: this page may not move the robot, or is not connected." }));
   }
 }
 

@@ -133,19 +133,16 @@ class Store extends EventTarget {
 
 export const store = new Store();
 
-/** Start a controller; what holds its joints stops in the same cycle. */
-export async function switchTo(name) {
-  const stop = (await store.known(name))?.replaces ?? [];
-  const done = await act("POST", "/controllers/switch", { start: [name], stop });
+async function change(start, stop) {
+  const done = await act("POST", "/controllers/switch", { start, stop });
   await store.refresh();
   return done;
 }
 
-export async function stopController(name) {
-  const done = await act("POST", "/controllers/switch", { start: [], stop: [name] });
-  await store.refresh();
-  return done;
-}
+/** Start a controller; what holds its joints stops in the same cycle. */
+export const switchTo = async (name) => change([name], (await store.known(name))?.replaces ?? []);
+
+export const stopController = (name) => change([], [name]);
 
 /** Stop a controller and start it again; the station takes one of the two in a switch. */
 export async function restartController(name) {
@@ -171,12 +168,7 @@ export async function enableSliders() {
 async function startWanted(wanted) {
   if (wanted.type) {
     const read = await send("POST", "/workspace/parameters", wanted.parameters);
-    const loaded = await act("POST", "/controllers", {
-      name: wanted.name,
-      type: wanted.type,
-      params: read.params,
-    });
-    if (!loaded) return;
+    if (!(await act("POST", "/controllers", { name: wanted.name, type: wanted.type, params: read.params }))) return;
   }
   await act("POST", "/controllers/switch", { start: [wanted.name, ...wanted.also], stop: wanted.replaces });
 }

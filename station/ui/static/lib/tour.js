@@ -1,5 +1,5 @@
 // Four steps for somebody who sees the page for the first time; gone after a click.
-import { button, h, isNarrow, kept } from "./dom.js";
+import { html, isNarrow, kept, nothing, press, render } from "./dom.js";
 
 const STEPS = [
   { mark: "#stop", text: "STOP, Escape or Space stops the robot at any time, from every dock. Afterwards: Release stop, then Allow motion." },
@@ -10,32 +10,21 @@ const STEPS = [
 
 export function showTour(card, openDock) {
   if (kept.get("tour", "") === "done") return;
-  let at = 0;
   const unmark = () => document.querySelector(".toured")?.classList.remove("toured");
   const end = () => {
     unmark();
     card.hidden = true;
     kept.set("tour", "done");
   };
-  const step = () => {
+  const step = (at) => {
     unmark();
     const { mark, dock, text } = STEPS[at];
     if (dock && isNarrow()) openDock(dock);
     document.querySelector(mark)?.classList.add("toured");
-    const last = at === STEPS.length - 1;
-    const go = () => {
-      at += 1;
-      if (last) end();
-      else step();
-    };
-    const next = button(last ? "Done" : "Next", undefined, go, { class: "s primary" });
-    const skip = button("Skip the tour", undefined, end);
-    card.replaceChildren(
-      h("b", {}, `${at + 1} of ${STEPS.length}`),
-      h("p", {}, text),
-      h("span", {}, last ? null : skip, next),
-    );
+    const isLast = at === STEPS.length - 1;
+    const next = press(isLast ? "Done" : "Next", "", () => (isLast ? end() : step(at + 1)), { look: "primary" });
+    render(html`<b>${at + 1} of ${STEPS.length}</b><p>${text}</p><span>${isLast ? nothing : press("Skip the tour", "", end)}${next}</span>`, card);
     card.hidden = false;
   };
-  step();
+  step(0);
 }

@@ -1,6 +1,6 @@
 // The toolbar over the 3D view: from where to look, and what to lay over the robots.
 // The choice is this browser's; the gateway draws it in the views of this session alone.
-import { button, h, holdButton, isNarrow, kept, offer } from "./dom.js";
+import { button, h, holdButton, html, isNarrow, kept, offer, render } from "./dom.js";
 import { refusals } from "./refusals.js";
 import { act, send } from "./station.js";
 import { store } from "./store.js";
@@ -28,6 +28,7 @@ const AT_FIRST = ["command", "forces", "limits"];
 const group = (name, ...children) => h("div", { class: "tools-group", role: "group", ariaLabel: name }, h("span", { ariaHidden: "true" }, name), ...children);
 const quietly = (method, path, body) => send(method, path, body).catch((error) => console.warn(error.message));
 
+const PULL = "Pull the robot with the pointer, in simulation.";
 const PUSH_S = 0.3; // one request pushes so long; a held button repeats it sooner
 const ALIVE_MS = 100;
 const DIRECTIONS = ["x", "y", "z"].flatMap((axis, i) => [-1, 1].map((sign) => [`${sign < 0 ? "−" : "+"}${axis}`, [0, 0, 0].with(i, sign)]));
@@ -51,23 +52,19 @@ function pushTools(tell) {
   const made = group("Push", h("span", { class: "hint" }, "Pull a link with the pointer, or hold:"), arm, ...buttons, force, "N");
   made.hidden = true;
   let beating = null;
-  const toggle = button("Push", "Pull the robot with the pointer, in simulation.", () => {
+  const toggle = button("Push", PULL, () => {
     made.hidden = !made.hidden;
-    toggle.setAttribute("aria-pressed", String(!made.hidden));
+    toggle.ariaPressed = !made.hidden;
     clearInterval(beating);
     // The push goes on only while this page says that it lives.
     beating = made.hidden ? null : setInterval(() => send("POST", "/ui/alive").catch(() => {}), ALIVE_MS);
     tell();
-  });
-  toggle.setAttribute("aria-pressed", "false");
+  }, { ariaPressed: false });
   const refresh = () => {
     const arms = store.docks?.simulation ? store.docks.arms.map((one) => one.arm_id) : [];
     toggle.disabled = !arms.length || !store.isOperator;
-    toggle.title = !arms.length
-      ? "Only a simulated Franka arm can be pushed."
-      : store.isOperator
-        ? "Pull the robot with the pointer, in simulation."
-        : "This session only watches. An operator's session can push.";
+    const without = store.isOperator ? "" : "This session only watches. An operator's session can push.";
+    toggle.title = (arms.length ? without : "Only a simulated Franka arm can be pushed.") || PULL;
     arm.hidden = arms.length < 2;
     offer(arm, arms, "no arm");
   };
@@ -92,27 +89,21 @@ export function showViewTools(place) {
   const pushing = pushTools(() => tell());
   const cameras = CAMERAS.map(([name, label, title]) => button(label, title, () => quietly("POST", "/ui/camera", { preset: name, covered: covered(place) })));
   const key = h("ul", { class: "key", ariaLabel: "What the colours mean" });
-  const isThere = (sign) => store.docks?.arms.length || !OF_FRANKA.includes(sign);
-  const explain = () =>
-    key.replaceChildren(
-      ...LAYERS.filter(([layer]) => shown.includes(layer)).flatMap(([, , , ...signs]) => signs.filter(([sign]) => isThere(sign)).map(([sign, words]) => h("li", {}, h("i", { class: sign, ariaHidden: "true" }), words))),
-    );
+  const isThere = ([sign]) => store.docks?.arms.length || !OF_FRANKA.includes(sign);
+  const explain = () => {
+    const signs = LAYERS.filter(([layer]) => shown.includes(layer)).flatMap(([, , , ...all]) => all.filter(isThere));
+    render(signs.map(([sign, words]) => html`<li><i class=${sign} aria-hidden="true"></i>${words}</li>`), key);
+  };
   explain();
-  let arms = 0;
-  store.addEventListener("docks", () => {
-    if (store.docks.arms.length === arms) return;
-    arms = store.docks.arms.length;
-    explain();
-  });
+  store.addEventListener("docks", explain);
   const layers = LAYERS.map(([name, label, title]) => {
     const made = button(label, title, () => {
       shown = shown.includes(name) ? shown.filter((other) => other !== name) : [...shown, name];
       kept.set("layers", shown);
-      made.setAttribute("aria-pressed", String(shown.includes(name)));
+      made.ariaPressed = shown.includes(name);
       explain();
       tell();
-    });
-    made.setAttribute("aria-pressed", String(shown.includes(name)));
+    }, { ariaPressed: shown.includes(name) });
     return made;
   });
   const fold = h("summary", { class: "s" }, "View");

@@ -1,10 +1,5 @@
 // What Franka Desk sets of an arm: collision thresholds, load, end effector, guiding.
-import { h, show } from "../lib/dom.js";
-import { Panel } from "../lib/panel.js";
-import { refusals } from "../lib/refusals.js";
-import { act, api } from "../lib/station.js";
-import { store } from "../lib/store.js";
-import { number, typed } from "../lib/text.js";
+import { act, api, button, h, line, number, Panel, refusals, show, store, typed } from "../lib/panel.js";
 
 const repeated = (list, n) => (list.length === 1 ? Array(n).fill(list[0]) : list);
 const rounded = (list) => list.map((value) => String(Number(number(value, 6)))).join(", ");
@@ -48,8 +43,8 @@ class ArmSettings extends Panel {
   build() {
     this.inputs = []; // {input, of: what the arm says, or null}
     this.state = h("p", { class: "hint" }, "Refused while the arm moves. Vectors are typed with commas; one number fills all thresholds. The arm does not tell the thresholds that hold.");
-    this.guide = h("button", { class: "s", type: "button", title: "Press the guiding buttons, so that the simulated arm can be pushed by hand.", onclick: () => act("POST", `/robots/${this.armName}/guiding`, { pressed: !this.isGuided }).then(() => store.refresh()) }, "Guiding on");
-    this.details = h("details", { class: "arm" }, h("summary", {}, "Arm: collision thresholds, load, end effector"), this.state, h("div", { class: "line" }, this.guide), ...SETTINGS.map((setting) => this.group(setting)));
+    this.guide = button("Guiding on", "Press the guiding buttons, so that the simulated arm can be pushed by hand.", () => act("POST", `/robots/${this.armName}/guiding`, { pressed: !this.isGuided }).then(() => store.refresh()));
+    this.details = h("details", { class: "arm" }, h("summary", {}, "Arm: collision thresholds, load, end effector"), this.state, line(this.guide), ...SETTINGS.map((setting) => this.group(setting)));
     this.details.addEventListener("toggle", () => this.details.open && this.read());
     this.append(this.details);
     // Scripts and other pages set the arm, too.
@@ -59,12 +54,11 @@ class ArmSettings extends Panel {
   group(setting) {
     const { title, fields } = setting;
     const inputs = fields.map(([label, unit, of, example]) => {
-      const input = h("input", { class: "value wide", placeholder: example ? `e.g. ${example}` : "", ariaLabel: `${title}: ${label}` });
-      input.dataset.was = "";
+      const input = h("input", { class: "value wide", placeholder: example ? `e.g. ${example}` : "", ariaLabel: `${title}: ${label}`, data: { was: "" } });
       this.inputs.push({ input, of });
       return { input, row: h("label", {}, `${label} `, input, ` ${unit}`) };
     });
-    const set = h("button", { class: "s", type: "button", onclick: () => this.set(setting, inputs.map(({ input }) => input)), ariaLabel: `Set ${title}` }, "Set");
+    const set = button("Set", undefined, () => this.set(setting, inputs.map(({ input }) => input)), { ariaLabel: `Set ${title}` });
     return h("div", { class: "group" }, h("b", {}, title), ...inputs.map(({ row }) => row), set);
   }
 
@@ -108,7 +102,7 @@ class ArmSettings extends Panel {
   refresh() {
     this.guide.hidden = !store.docks.simulation;
     this.guide.disabled = !store.isOperator;
-    this.guide.setAttribute("aria-pressed", String(this.isGuided));
+    this.guide.ariaPressed = this.isGuided;
     show(this.guide, this.isGuided ? "Guiding off" : "Guiding on");
   }
 }

@@ -1,15 +1,6 @@
 // The bench: tests of one joint, gains that a relay test proposes, and the kept runs.
-import { button as plainButton, drawn, field, h, kept, line, show } from "../lib/dom.js";
-import { BodePlot } from "../lib/bode.js";
-import { History } from "../lib/history.js";
-import { Panel } from "../lib/panel.js";
-import { Plot } from "../lib/plot.js";
-import { act, api } from "../lib/station.js";
-import { store } from "../lib/store.js";
-import { number, typed } from "../lib/text.js";
-import { COLOURS } from "../lib/traces.js";
-import { html, nothing } from "../vendor/lit/lit-html.js";
-import { repeat } from "../vendor/lit/directives/repeat.js";
+import { act, api, button, choice, drawn, field, h, html, kept, line, nameField, nothing, number, Panel, repeat, show, store, typed } from "../lib/panel.js";
+import { BodePlot, COLOURS, Plot, responseTraces } from "../lib/plot.js";
 
 /** What each kind of test asks for besides its size and duration. */
 const EXCITATIONS = { step: [], sine: ["frequency"], chirp: ["first", "last"], multisine: ["frequencies"], relay: ["hysteresis", "relay_gain"] };
@@ -28,13 +19,9 @@ const FIGURES = [
 ];
 const isSpectral = ({ bode }) => bode != null;
 
-/** Return a choice among texts. */
-const choice = (label, options) => h("select", { ariaLabel: label }, ...options.map((text) => h("option", {}, text)));
-
 class Bench extends Panel {
   build() {
-    const button = (label, title, run, look = "s") => plainButton(label, title, run, { class: look, disabled: true });
-    this.kind = choice("Kind of test", Object.keys(EXCITATIONS));
+    this.kind = choice("Kind of test", Object.keys(EXCITATIONS), () => this.choose());
     this.fields = {
       amplitude: field("size", "", "rad"),
       duration: field("for", "", "s"),
@@ -56,23 +43,16 @@ class Bench extends Panel {
       const usual = { amplitude: SIZES[kind], duration: TIMES[kind], relay_gain: p ? p / 4 : "" };
       for (const [name, value] of Object.entries(usual)) if (!isTyped.has(name)) this.fields[name].input.value = String(value);
     };
-    this.kind.addEventListener("change", this.choose);
-    this.runName = h("input", { class: "name", placeholder: "name of the run", ariaLabel: "Name of the run" });
-    this.runButton = button("Run test", "Moves the chosen joint through the running controller, at most 0.3 rad, and leads it back.", () => this.run(), "s primary");
-    this.findButton = button("Find gains by relay", "Lets a relay with a quarter of p swing the joint, and proposes gains by named rules. Nothing is applied.", () => this.run("relay"));
-    const time = h("div", { class: "chart response" });
-    const bode = h("div", { class: "bode" });
-    const gain = h("div", { class: "chart response" });
-    const phase = h("div", { class: "chart response" });
-    for (const [place, text] of [[time, "The shown runs over each other"], [gain, "Gain of the shown runs over frequency"], [phase, "Phase of the shown runs over frequency"]]) {
-      place.setAttribute("role", "img");
-      place.setAttribute("aria-label", text);
-    }
+    this.runName = nameField("Name of the run", "name of the run", () => {});
+    this.runButton = button("Run test", "Moves the chosen joint through the running controller, at most 0.3 rad, and leads it back.", () => this.run(), { class: "s primary", disabled: true });
+    this.findButton = button("Find gains by relay", "Lets a relay with a quarter of p swing the joint, and proposes gains by named rules. Nothing is applied.", () => this.run("relay"), { disabled: true });
+    const chart = (ariaLabel) => h("div", { class: "chart response", role: "img", ariaLabel });
+    const time = chart("The shown runs over each other");
+    const [gain, phase] = [chart("Gain of the shown runs over frequency"), chart("Phase of the shown runs over frequency")];
     this.response = new Plot(time);
-    this.curve = choice("Curve of the Bode plot", ["closed loop", "open loop", "plant"]);
-    this.curve.addEventListener("change", () => this.drawCurves());
+    this.curve = choice("Curve of the Bode plot", ["closed loop", "open loop", "plant"], () => this.drawCurves());
     this.bodePlots = [new BodePlot(gain, "dB"), new BodePlot(phase, "°")];
-    bode.append(h("div", { class: "line" }, h("b", {}, "Bode plot"), this.curve), gain, phase);
+    const bode = h("div", { class: "bode" }, line(h("b", {}, "Bode plot"), this.curve), gain, phase);
     Object.assign(this, { time, bode, table: h("div", { class: "scroll runs" }), proposals: h("div", {}) });
     this.state = h("p", { class: "hint", role: "status" });
     this.append(line(h("b", {}, "Test"), this.kind, ...Object.values(this.fields).map(({ label }) => label), this.runName, this.runButton, this.findButton), this.state, this.proposals, time, bode, this.table, this.buildPart());
@@ -90,7 +70,7 @@ class Bench extends Panel {
     this.source = choice("Recording to read", []);
     const kind = choice("Read as", Object.keys(EXCITATIONS));
     const [begin, end, low, high] = [field("from time", "", "s"), field("to time", "", "s"), field("lowest", "0.5", "Hz"), field("highest", "8", "Hz")];
-    const read = plainButton("Read", "Reads the chosen part as a test of the joint above; the robot does not move.", async () => {
+    const read = button("Read", "Reads the chosen part as a test of the joint above; the robot does not move.", async () => {
       const [b, e, l, u] = [begin, end, low, high].map(({ input }) => typed(input.value));
       const body = { ...this.tuning.chosen, kind: kind.value, begin: begin.input.value ? b : null, end: end.input.value ? e : null, low: l, high: u };
       if (this.runName.value.trim()) body.name = this.runName.value.trim();
@@ -224,15 +204,13 @@ class Bench extends Panel {
     this.bodePlots[0].set(spectral.map((run) => ({ label: run.name, colour: colour(run), x: run.bode.frequency, y: run.bode[key].gain.map((gain) => 20 * Math.log10(gain)) })));
     this.bodePlots[1].set(spectral.map((run) => ({ label: run.name, colour: colour(run), x: run.bode.frequency, y: run.bode[key].phase })));
     const trace = (run, field, label, i) => {
-      const history = new History(1e6);
       const forward = Math.sign(run.amplitude) || 1;
-      run.time.forEach((time, j) => run[field][j] != null && history.add(time, (run[field][j] - run.position[0]) * forward));
-      return { label, unit: "rad", history, colour: i };
+      return { label, time: run.time, values: run[field].map((value) => value != null ? (value - run.position[0]) * forward : null), colour: i };
     };
     const last = timed.at(-1);
-    this.response.traces = timed.map((run) => trace(run, "position", run.name, colour(run)));
+    const traces = timed.map((run) => trace(run, "position", run.name, colour(run)));
+    this.response.traces = responseTraces(last ? [...traces, trace(last, "desired", "command", colour(last) + 3)] : []);
     if (!last) return;
-    this.response.traces.push(trace(last, "desired", "command", colour(last) + 3));
     this.response.end = Math.max(...timed.map(({ time }) => time.at(-1)));
     this.response.span = this.response.end || 1;
   }

@@ -1,9 +1,5 @@
 // Cameras: their newest pictures, or why there are none. A folded dock asks for none.
-import { drawn, h } from "../lib/dom.js";
-import { Panel } from "../lib/panel.js";
-import { api } from "../lib/station.js";
-import { store } from "../lib/store.js";
-import { html } from "../vendor/lit/lit-html.js";
+import { api, drawn, h, html, Panel, store } from "../lib/panel.js";
 
 const LOOK_MS = 30;
 const AGAIN_MS = 5000; // after a picture that did not come

@@ -1,13 +1,6 @@
-// Controllers: a row for each, what a switch would do before the click, and loading.
-import "./chains.js";
+// Controllers: a row for each, what a switch would do before the click, chains, and loading.
 import "./load_form.js";
-import { breakable, h, show } from "../lib/dom.js";
-import { Panel } from "../lib/panel.js";
-import { act, api } from "../lib/station.js";
-import { restartController, stopController, store, switchTo } from "../lib/store.js";
-import { number, shortNames } from "../lib/text.js";
-import { html, nothing, render } from "../vendor/lit/lit-html.js";
-import { repeat } from "../vendor/lit/directives/repeat.js";
+import { act, api, breakable, button, h, html, nothing, number, Panel, render, repeat, restartController, shortNames, show, stopController, store, switchTo } from "../lib/panel.js";
 
 const SYMBOLS = { running: "●", initialized: "○", stopped: "○", loading: "…", aborted: "✖", waiting: "…" };
 
@@ -16,8 +9,8 @@ const SIGNS = { Restart: "↻", Unload: "✕" };
 
 class Controllers extends Panel {
   build() {
-    const load = h("button", { class: "s", type: "button", onclick: () => this.form.toggle() }, "Load …");
-    this.tools.append(load);
+    this.tools.append(button("Load …", undefined, () => this.form.toggle()));
+    this.chains = h("div", {});
     const heads = ["controller", "state", "claims", "update", ""].map((text) => h("th", {}, text));
     heads[3].title = "Median time that an update takes in the control cycle; 99 of 100 in the tooltip of each cell";
     this.body = h("tbody", {});
@@ -28,7 +21,7 @@ class Controllers extends Panel {
     this.append(
       this.preview,
       this.form,
-      h("st-chains", {}),
+      this.chains,
       h("div", { class: "scroll" }, h("table", { class: "controllers" }, h("thead", {}, h("tr", {}, ...heads)), this.body)),
     );
   }
@@ -39,19 +32,32 @@ class Controllers extends Panel {
     const rank = (c) => (c.resources.length ? 0 : 1);
     const rows = [...store.docks.controllers].sort((a, b) => rank(a) - rank(b));
     render(repeat(rows, (c) => c.name, (c) => this.row(c)), this.body);
+    const states = store.docks.controllers.map((c) => `${c.name} ${c.state}`).join();
+    if (states !== this.states) this.drawChains(states);
+  }
+
+  /** Show who commands whose references, from the first controller to the last. */
+  async drawChains(states) {
+    this.states = states;
+    const told = await api("GET", "/controllers/chains").catch(() => null); // a lost station is in the strip
+    if (!told) return (this.states = ""); // asked again
+    const all = new Map(told.controllers.map((c) => [c.name, c]));
+    const commanded = new Set(told.controllers.flatMap((c) => c.following));
+    const heads = told.controllers.filter((c) => c.following.length && !commanded.has(c.name));
+    const drawn = (level) => level.map((c) => `${c.state === "running" ? "●" : "○"} ${c.name}${c.is_in_chained_mode ? " (chained)" : ""}`).join(", ");
+    return render(heads.map((head) => html`<p class="hint">${levelsOf(head, all).map(drawn).join(" → ")}</p>`), this.chains);
   }
 
   row(c) {
-    const actions =
-      c.state === "running"
-        ? [
-            { label: "Stop", title: `Stop ${c.name}; its joints hold`, run: () => stopController(c.name) },
-            { label: "Restart", title: `Stop ${c.name} and start it again`, run: () => restartController(c.name), look: () => this.say(`Restart ${c.name}: its joints hold, and it starts anew from where they are.`) },
-          ]
-        : [
-            { label: "Start", title: c.reason || `Start ${c.name}`, run: () => this.start(c), look: () => this.look(c) },
-            { label: "Unload", title: `Unload ${c.name}`, run: () => this.unload(c) },
-          ];
+    const whenRunning = [
+      { label: "Stop", title: `Stop ${c.name}; its joints hold`, run: () => stopController(c.name) },
+      { label: "Restart", title: `Stop ${c.name} and start it again`, run: () => restartController(c.name), look: () => this.say(`Restart ${c.name}: its joints hold, and it starts anew from where they are.`) },
+    ];
+    const otherwise = [
+      { label: "Start", title: c.reason || `Start ${c.name}`, run: () => this.start(c), look: () => this.look(c) },
+      { label: "Unload", title: `Unload ${c.name}`, run: () => this.unload(c) },
+    ];
+    const actions = c.state === "running" ? whenRunning : otherwise;
     const p99 = c.update_count ? `p99 ${number(c.update_p99 * 1e6, 0)} µs, ${c.update_count} updates` : "It has not run yet";
     const claims = c.claims_short.map((claim) => html`<div>${claim.replace("-", "\u2011")}</div>`);
     // A button that means something else is another one: a held Enter must not press it.
@@ -108,6 +114,16 @@ class Controllers extends Panel {
     // The pointer is at another button by now: only the newest answer is shown.
     if (looks === this.looks) show(this.preview, text);
   }
+}
+
+/** Return the controllers of a chain, level by level: those that a level commands are the next. */
+function levelsOf(head, all) {
+  const levels = [[head]];
+  for (let last = levels[0]; last.length; last = levels.at(-1)) {
+    const names = new Set(last.flatMap((c) => c.following));
+    levels.push([...names].map((name) => all.get(name)).filter(Boolean));
+  }
+  return levels.slice(0, -1);
 }
 
 /** Return how far each joint steps, e.g. `joint1 0.0012 rad, joint2 −0.5 rad; 5 others not`. */

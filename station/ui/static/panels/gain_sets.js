@@ -1,35 +1,29 @@
 // Sets of gains, kept by the station: save, compare with the gains in force, apply.
-import { button as plainButton, h, line, offer, show } from "../lib/dom.js";
-import { Panel } from "../lib/panel.js";
-import { refusals } from "../lib/refusals.js";
-import { act, api } from "../lib/station.js";
-import { store } from "../lib/store.js";
-import { number } from "../lib/text.js";
+import { act, api, choice, drawn, h, html, nameField, number, offer, Panel, press, refusals, store } from "../lib/panel.js";
 
 /** The names that the station can keep as files. */
 const NAME = /^[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}$/;
 
 class GainSets extends Panel {
   build() {
-    this.sets = h("select", { title: "Saved sets of gains, kept by the station.", ariaLabel: "Set of gains", onchange: () => this.showDiff() });
-    this.setName = h("input", { class: "name", placeholder: "name", ariaLabel: "Name of the set", oninput: () => this.refresh() });
-    this.setName.addEventListener("keydown", (event) => event.key === "Enter" && this.save());
-    this.diff = h("p", { class: "hint" });
-    const button = (label, title, run) => plainButton(label, title, run, { disabled: true });
-    this.applyButton = button("Apply set", "Put the set into force, all controllers in one cycle", () => this.apply());
-    this.deleteButton = button("Delete", "Delete the set", () => this.remove());
-    this.saveButton = button("Save", "Save the gains of all controllers now", () => this.save());
-    this.append(h("details", {}, h("summary", {}, "Sets of gains"), line(this.sets, this.applyButton, this.deleteButton, this.setName, this.saveButton), this.diff));
+    this.sets = choice("Set of gains", [], () => this.showDiff(), { title: "Saved sets of gains, kept by the station." });
+    this.setName = nameField("Name of the set", "name", () => this.save(), { oninput: () => this.refresh() });
+    this.differs = "";
+    this.place = this.appendChild(h("details", {}));
+    this.refresh();
   }
 
   get path() {
     return `/gain-sets/${encodeURIComponent(this.sets.value)}`;
   }
 
-  /** Disable what cannot do anything: there is no set, or no name for one. */
   refresh() {
-    this.applyButton.disabled = this.deleteButton.disabled = !this.sets.value || !store.isOperator;
-    this.saveButton.disabled = !this.setName.value.trim() || !store.isOperator;
+    const noSet = !this.sets.value || !store.isOperator;
+    drawn(this.place, html`<summary>Sets of gains</summary><div class="line">${this.sets}
+        ${press("Apply set", "Put the set into force, all controllers in one cycle", () => this.apply(), { off: noSet })}
+        ${press("Delete", "Delete the set", () => this.remove(), { off: noSet })}${this.setName}
+        ${press("Save", "Save the gains of all controllers now", () => this.save(), { off: !this.setName.value.trim() || !store.isOperator })}</div>
+      <p class="hint">${this.differs}</p>`);
   }
 
   async apply() {
@@ -58,16 +52,16 @@ class GainSets extends Panel {
     const names = told.gain_sets;
     offer(this.sets, names);
     if (names.includes(chosen)) this.sets.value = chosen;
-    this.refresh();
     await this.showDiff();
   }
 
   async showDiff() {
-    if (!this.sets.value) return show(this.diff, "Save the present gains under a name to come back to them.");
-    const set = await api("GET", this.path).catch(() => null);
-    if (!set) return show(this.diff, "This set cannot be read; somebody may have deleted it.");
-    const lines = set.differences.map((d) => `${d.controller} ${d.name}: set ${number(d.saved, 4)}, now ${number(d.present, 4)}`);
-    return show(this.diff, lines.length ? `Differs from the present gains: ${lines.join("; ")}.` : "The set is in force: no gain differs.");
+    const set = this.sets.value && (await api("GET", this.path).catch(() => null));
+    const lines = set?.differences?.map((d) => `${d.controller} ${d.name}: set ${number(d.saved, 4)}, now ${number(d.present, 4)}`);
+    if (!this.sets.value) this.differs = "Save the present gains under a name to come back to them.";
+    else if (!set) this.differs = "This set cannot be read; somebody may have deleted it.";
+    else this.differs = lines.length ? `Differs from the present gains: ${lines.join("; ")}.` : "The set is in force: no gain differs.";
+    this.refresh();
   }
 }
 

@@ -1,10 +1,6 @@
 // Gamepad: moves the hand while its dead-man button is held; the map shows what does what.
-import { h, kept, show } from "../lib/dom.js";
-import { Panel } from "../lib/panel.js";
 import { directionsOf } from "../lib/gamepad_map.js";
-import { teleoperation } from "../lib/station.js";
-import { store } from "../lib/store.js";
-import { html, render } from "../vendor/lit/lit-html.js";
+import { h, html, kept, Panel, render, show, store, teleoperation } from "../lib/panel.js";
 
 const LOOK_MS = 40; // the dashboard takes 25 set-points a second
 const DEAD_MAN = { button: 5, words: "right shoulder button" };
@@ -23,15 +19,9 @@ class GamepadPanel extends Panel {
     this.state = h("p", { class: "hint", role: "status" });
     this.scale = h("input", { type: "range", min: 5, max: 100, step: 5, value: kept.get("gamepad-scale", 50), title: "Part of the top speeds of the hand at a full deflection.", ariaLabel: "Scale of the gamepad in percent", oninput: () => kept.set("gamepad-scale", Number(this.scale.value)) });
     this.map = h("tbody", {});
-    this.details = h(
-      "details",
-      {},
-      h("summary", {}, "Gamepad"),
-      this.state,
-      h("label", { class: "speed" }, "scale ", this.scale, (this.scaleText = h("output", {}))),
-      h("table", { class: "objects" }, h("thead", {}, h("tr", {}, ...["hand", "control", "now"].map((text) => h("th", {}, text)))), this.map),
-    );
-    this.append(this.details);
+    this.scaleText = h("output", {});
+    const table = h("table", { class: "objects" }, h("thead", {}, h("tr", {}, ...["hand", "control", "now"].map((text) => h("th", {}, text)))), this.map);
+    this.details = this.appendChild(h("details", {}, h("summary", {}, "Gamepad"), this.state, h("label", { class: "speed" }, "scale ", this.scale, this.scaleText), table));
     this.asked = []; // the directions that were sent last
     setInterval(() => this.look(), LOOK_MS);
   }

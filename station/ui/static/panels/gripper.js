@@ -1,9 +1,5 @@
 // Gripper: how wide it is, and open, close, grasp with a force, home.
-import { button, field, h, line, show } from "../lib/dom.js";
-import { Panel } from "../lib/panel.js";
-import { act, api } from "../lib/station.js";
-import { store } from "../lib/store.js";
-import { number, typed } from "../lib/text.js";
+import { act, api, button, field, h, line, number, Panel, show, store, typed } from "../lib/panel.js";
 
 const LOOK_MS = 400;
 

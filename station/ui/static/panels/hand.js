@@ -1,13 +1,7 @@
 // The hand of one arm: held directions, steps, a typed pose, and how fast it may move.
 import { Forecast } from "../lib/forecast.js";
-import { button, h, holdButton, kept, offer, show, valueField } from "../lib/dom.js";
-import { Panel } from "../lib/panel.js";
+import { act, api, button, choice, DEGREES, follow, h, holdButton, kept, line, number, offer, Panel, refusals, show, store, switchTo, teleoperation, typed, units, valueField } from "../lib/panel.js";
 import { anglesOfMatrix, fromAngles, stepped, toAngles } from "../lib/pose_maths.js";
-import { refusals } from "../lib/refusals.js";
-import { act, api, follow, teleoperation } from "../lib/station.js";
-import { store, switchTo } from "../lib/store.js";
-import { number, typed } from "../lib/text.js";
-import { DEGREES, units } from "../lib/units.js";
 
 const AXES = ["x", "y", "z", "about x", "about y", "about z"];
 const JOG = "CartesianJogController";
@@ -30,46 +24,40 @@ const FIRST_TURN = 3;
 class Hand extends Panel {
   build() {
     this.state = h("p", { class: "hint" });
-    const starter = (label, kind) => h("button", { class: "s", type: "button", onclick: () => this.start(kind) }, label);
-    this.startJog = starter("Start hand jog", JOG);
-    this.startTarget = starter("Start hand targets", TARGETS);
-    this.handButtons = AXES.flatMap((axis, i) =>
-      [-1, 1].map((sign) =>
-        holdButton(`${sign < 0 ? "−" : "+"} ${axis}`, "", () => this.press(i, sign), () => this.letGo()),
-      ),
-    );
+    this.startJog = button("Start hand jog", undefined, () => this.start(JOG));
+    this.startTarget = button("Start hand targets", undefined, () => this.start(TARGETS));
+    const hold = (axis, i, sign) => holdButton(`${sign < 0 ? "−" : "+"} ${axis}`, "", () => this.press(i, sign), () => this.letGo());
+    this.handButtons = AXES.flatMap((axis, i) => [hold(axis, i, -1), hold(axis, i, 1)]);
     this.targets = AXES.slice(0, FIRST_TURN).map((axis) => valueField(`Hand ${axis} [m]`, () => this.go()));
     this.angles = ANGLES.map((angle) => valueField(`Hand ${angle}`, () => this.go()));
     this.angleUnit = h("span", {}, units.sign);
-    this.step = h("select", { title: "How far one press of a button moves the hand; while the hand takes targets.", ariaLabel: "Step of the hand", onchange: () => kept.set("hand-step", Number(this.step.value)) });
+    this.step = choice("Step of the hand", [], () => kept.set("hand-step", Number(this.step.value)), { title: "How far one press of a button moves the hand; while the hand takes targets." });
     this.listSteps(kept.get("hand-step", 1));
     units.addEventListener("change", () => this.changeUnit());
-    this.reach = h("button", { class: "s", type: "button", title: "Move the hand there; without angles it keeps its orientation.", onclick: () => this.go() }, "Go there");
-    this.axes = h("select", { title: "Frame along whose axes the buttons move the hand.", ariaLabel: "Axes of the jog", onchange: () => this.setFrame() }, ...FRAMES.map((frame, i) => h("option", { value: String(i) }, frame)));
+    this.reach = button("Go there", "Move the hand there; without angles it keeps its orientation.", () => this.go());
+    this.axes = choice("Axes of the jog", FRAMES.map((frame, i) => [i, frame]), () => this.setFrame(), { title: "Frame along whose axes the buttons move the hand." });
     this.forecast = new Forecast();
     this.trials = [
       button("Rehearse", "Try to move the joints straight to the pose in a copy of the station: how it would end, and a ghost of it. Starts a trajectory controller; nothing moves.", () => this.tryOut(false)),
       button("Go around", "Search for a way that touches nothing, try it, and show its ghost. Starts a trajectory controller; nothing moves yet.", () => this.tryOut(true)),
     ];
-    const here = h("button", { class: "s", type: "button", title: "Fill in where the hand is.", onclick: () => this.fillIn() }, "Here");
+    const here = button("Here", "Fill in where the hand is.", () => this.fillIn());
     teleoperation.addEventListener("change", () => this.isShown && this.refresh());
     store.addEventListener("gains", () => (this.framed = "")); // the axes are a gain of the jog
     const named = (inputs, names) => inputs.map((input, i) => h("label", {}, `${names[i]} `, input));
-    this.append(
-      h(
-        "details",
-        { class: "hand" },
-        h("summary", {}, "Hand: jog and target"),
-        this.state,
-        h("div", { class: "line" }, this.startJog, this.startTarget),
-        this.buildSpeeds(),
-        h("div", { class: "line" }, h("label", {}, "axes of ", this.axes), h("label", {}, "step ", this.step)),
-        h("div", { class: "jog" }, ...this.handButtons),
-        h("div", { class: "line" }, ...named(this.targets, AXES), " m"),
-        h("div", { class: "line" }, ...named(this.angles, ANGLES), this.angleUnit, here, this.reach, ...this.trials),
-        this.forecast.element,
-      ),
+    const details = h("details", { class: "hand" });
+    details.append(
+      h("summary", {}, "Hand: jog and target"),
+      this.state,
+      line(this.startJog, this.startTarget),
+      this.buildSpeeds(),
+      line(h("label", {}, "axes of ", this.axes), h("label", {}, "step ", this.step)),
+      h("div", { class: "jog" }, ...this.handButtons),
+      line(...named(this.targets, AXES), " m"),
+      line(...named(this.angles, ANGLES), this.angleUnit, here, this.reach, ...this.trials),
+      this.forecast.element,
     );
+    this.append(details);
   }
 
   buildSpeeds() {
@@ -81,15 +69,13 @@ class Hand extends Panel {
         show(text, `${number(Number(input.value) * scale, digits)}${sign}`);
         input.ariaValueText = text.textContent;
       };
-      input.addEventListener("input", () => {
-        tell();
-        kept.set("hand-speed", this.chosenSpeeds);
-      });
+      input.addEventListener("input", tell);
+      input.addEventListener("input", () => kept.set("hand-speed", this.chosenSpeeds));
       tell();
       return { input, tell, row: h("label", { class: "speed" }, `${label} `, input, text) };
     };
     this.speeds = { along: slider("along", "Top speed of the hand", () => ({ scale: 1, sign: " m/s", digits: 2 }), 0.01), about: slider("about", "Top turning speed of the hand", () => ({ scale: units.scale, sign: `${units.sign}/s`, digits: units.angle === "deg" ? 0 : 2 }), 0.05) };
-    return h("div", { class: "line" }, this.speeds.along.row, this.speeds.about.row);
+    return line(this.speeds.along.row, this.speeds.about.row);
   }
 
   /** The arm whose hand this is. */
@@ -229,10 +215,9 @@ class Hand extends Panel {
     this.framed = name;
     const gains = await api("GET", `/controllers/${name}/gains`).catch(() => null);
     if (name !== this.framed) return;
-    if (gains) {
-      this.frame = gains.values.frame;
-      this.axes.value = String(this.frame);
-    } else this.framed = ""; // asked again
+    if (!gains) return void (this.framed = ""); // asked again
+    this.frame = gains.values.frame;
+    this.axes.value = String(this.frame);
   }
 
   /** Let a running jog controller move the hand in other axes. */
@@ -267,14 +252,10 @@ class Hand extends Panel {
       input.max = most;
       tell();
     });
-    const text = message
-      ? `⚠ ${message}`
-      : isOf(jog)
-        ? `Hold a button: ${jog.controller} moves the hand in the axes of ${FRAMES[this.frame] ?? FRAMES[0]}.`
-        : isOf(target)
-          ? `${target.controller} moves the hand to a pose that you type here, by one step for each press of a button, or to where you drag the arrows at the hand in the 3D view.`
-          : "Start one of the two: a jog while a button is held, or targets that the hand goes to. What moves single joints stops then.";
-    show(this.state, text);
+    if (message) show(this.state, `⚠ ${message}`);
+    else if (isOf(jog)) show(this.state, `Hold a button: ${jog.controller} moves the hand in the axes of ${FRAMES[this.frame] ?? FRAMES[0]}.`);
+    else if (isOf(target)) show(this.state, `${target.controller} moves the hand to a pose that you type here, by one step for each press of a button, or to where you drag the arrows at the hand in the 3D view.`);
+    else show(this.state, "Start one of the two: a jog while a button is held, or targets that the hand goes to. What moves single joints stops then.");
   }
 }
 

@@ -1,14 +1,8 @@
 // Joints: where each is, what it is told, exact typed values, and hold-to-run buttons.
-import { button, h, holdButton, kept, line as lineOf, offer, show, valueField } from "../lib/dom.js";
 import { Forecast } from "../lib/forecast.js";
 import { hideGhost, showGhost } from "../lib/ghost.js";
 import { JointSlider } from "../lib/joint_slider.js";
-import { Panel } from "../lib/panel.js";
-import { refusals } from "../lib/refusals.js";
-import { act, api, follow, teleoperation } from "../lib/station.js";
-import { store } from "../lib/store.js";
-import { number, shortNames, typed } from "../lib/text.js";
-import { DEGREES, units } from "../lib/units.js";
+import { act, api, button, choice, DEGREES, follow, h, holdButton, kept, line as lineOf, nameField, number, offer, Panel, refusals, shortNames, show, store, teleoperation, typed, units, valueField } from "../lib/panel.js";
 
 const NEAR_LIMIT = 0.05; // part of the range at each end
 const POSITIONS = ["rad", "m"]; // units of what a held button can move
@@ -47,10 +41,8 @@ class Joints extends Panel {
 
   /** The poses are the waypoints of a path at the station. */
   poses() {
-    this.poseName = h("input", { class: "name", placeholder: "name", title: "Name under which the station keeps the present joints.", ariaLabel: "Name of the pose", oninput: () => this.showPoses() });
-    this.poseName.addEventListener("keydown", (event) => event.key === "Enter" && this.savePose());
-    this.poseList = h("select", { title: "Poses that the station keeps, as the waypoints of the path “poses”.", ariaLabel: "Pose" });
-    this.poseList.addEventListener("pointerdown", () => this.readPoses());
+    this.poseName = nameField("Name of the pose", "name", () => this.savePose(), { title: "Name under which the station keeps the present joints.", oninput: () => this.showPoses() });
+    this.poseList = choice("Pose", [], undefined, { title: "Poses that the station keeps, as the waypoints of the path “poses”.", onpointerdown: () => this.readPoses() });
     this.goButton = button("Go", "Move all joints to the pose, at the top speed above.", () => this.isAgreed(this.pose) && this.move(this.pose));
     this.trialButtons = this.trials(() => this.pose);
     this.saveButton = button("Save pose", "Keep where the joints are under this name.", () => this.savePose());
@@ -121,18 +113,15 @@ class Joints extends Panel {
     this.asked = key;
     const names = shortNames([...this.rows.keys()]);
     const ways = far.map(([joint, { text }]) => `${names.get(joint)} by ${text}`);
-    const decide = (label, run, look = "s") =>
-      button(label, undefined, () => {
-        this.forgetFar();
-        run();
-      }, { class: look });
-    const go = decide("Move there", () => this.move(targets), "s primary");
-    const leave = decide("Leave it", () => this.contains(document.activeElement) && document.activeElement.select?.()); // to be typed over
-    const trials = this.trials(() => targets);
-    for (const each of trials) each.addEventListener("click", () => this.forgetFar(), true);
-    // The field keeps the focus, and with it Enter, while one of the two is clicked.
-    for (const each of [go, leave, ...trials]) each.addEventListener("mousedown", (event) => event.preventDefault());
-    this.far.replaceChildren(h("span", {}, `This moves ${ways.join(", ")}. The ghost shows where; the same again moves the robot.`), go, ...trials, leave);
+    const go = button("Move there", undefined, () => this.move(targets), { class: "s primary" });
+    const leave = button("Leave it", undefined, () => this.contains(document.activeElement) && document.activeElement.select?.()); // to be typed over
+    const buttons = [go, ...this.trials(() => targets), leave];
+    for (const each of buttons) {
+      each.addEventListener("click", () => this.forgetFar(), true);
+      // The field keeps the focus, and with it Enter, while one of them is clicked.
+      each.addEventListener("mousedown", (event) => event.preventDefault());
+    }
+    this.far.replaceChildren(h("span", {}, `This moves ${ways.join(", ")}. The ghost shows where; the same again moves the robot.`), ...buttons);
     this.far.hidden = false;
     this.far.scrollIntoView({ block: "nearest" });
     showGhost(targets, "not sent yet");
@@ -170,7 +159,7 @@ class Joints extends Panel {
 
   showUnit() {
     const unit = units.angle;
-    for (const button of this.units) button.setAttribute("aria-pressed", String(button.dataset.unit === unit));
+    for (const button of this.units) button.ariaPressed = button.dataset.unit === unit;
     const angle = unit === "deg" ? "°" : "rad";
     const heads = ["joint", `q [${angle}]`, "command", `dq [${angle}/s]`, "τ [Nm]", "τext", "hold"];
     const titles = ["", "Measured position", "Type a value and press Enter", "Measured speed", "Measured torque", "External torque as a Franka arm estimates it [Nm]; – for other joints", "Moves while it is held"];
@@ -266,22 +255,17 @@ class Joints extends Panel {
     });
     const ends = [h("small", {}), h("small", {})];
     const row = { slider, ends, cells, input, limits, unit, sent: null, position: 0, hold: [] };
-    row.hold = [-1, 1].map((sign) =>
-      holdButton(
-        sign < 0 ? "−" : "+",
-        `Move ${label} ${sign < 0 ? "down" : "up"} while held`,
-        () => {
-          if (!row.told_speed) teleoperation.say(this.wantedSpeed);
-          row.told_speed = true;
-          row.sent = null;
-          teleoperation.say({ do: "jog", joint, sign });
-        },
-        () => {
-          row.told_speed = false;
-          teleoperation.say({ do: "release" });
-        },
-      ),
-    );
+    const jog = (sign) => () => {
+      if (!row.told_speed) teleoperation.say(this.wantedSpeed);
+      row.told_speed = true;
+      row.sent = null;
+      teleoperation.say({ do: "jog", joint, sign });
+    };
+    const letGo = () => {
+      row.told_speed = false;
+      teleoperation.say({ do: "release" });
+    };
+    row.hold = [holdButton("−", `Move ${label} down while held`, jog(-1), letGo), holdButton("+", `Move ${label} up while held`, jog(1), letGo)];
     this.rows.set(joint, row);
     const [q, dq, tau, ext] = cells;
     this.showLimits(row);
@@ -298,16 +282,13 @@ class Joints extends Panel {
 
   send(joint, row) {
     const value = typed(row.input.value);
-    if (value === null) {
-      refusals.add({ code: "not_a_number", detail: `“${row.input.value}” is not a number.`, remedy: "Type a number such as 0.3217 or 18.43." }, {});
-      return;
-    }
+    if (value === null) return refusals.add({ code: "not_a_number", detail: `“${row.input.value}” is not a number.`, remedy: "Type a number such as 0.3217 or 18.43." });
     const target = value / this.scaleOf(row.element);
-    if (!this.isAgreed({ [joint]: target })) return;
+    if (!this.isAgreed({ [joint]: target })) return undefined;
     row.sent = { text: row.input.value.trim(), target, at: performance.now() };
     row.input.edited = false;
     this.move({ [joint]: target });
-    row.input.select();
+    return row.input.select();
   }
 
   scaleOf(element) {
@@ -348,11 +329,8 @@ class Joints extends Panel {
 
   drawCommand(joint, row, digits) {
     const value = this.desired.get(joint);
-    if (value == null) {
-      if (!row.input.edited) row.input.value = "";
-      return;
-    }
     if (row.input.edited) return;
+    if (value == null) return void (row.input.value = "");
     // What a person typed stays as typed while it is what the robot is told.
     const isOnItsWay = teleoperation.state.remaining > 1e-6 || performance.now() - row.sent?.at < SHOW_SENT_MS;
     if (row.sent && !isOnItsWay && Math.abs(row.sent.target - value) >= 1e-9) row.sent = null;

@@ -1,10 +1,5 @@
 // Lessons: the task, answers, and what the station says of the student's own run.
-import { drawn, h, kept } from "../lib/dom.js";
-import { Panel } from "../lib/panel.js";
-import { act, api } from "../lib/station.js";
-import { store } from "../lib/store.js";
-import { typed } from "../lib/text.js";
-import { html, nothing } from "../vendor/lit/lit-html.js";
+import { act, api, drawn, h, html, kept, nothing, Panel, store, typed } from "../lib/panel.js";
 
 /** Return a line of Markdown as a template: bold, emphasis and code. */
 function inline(text) {

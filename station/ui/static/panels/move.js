@@ -3,9 +3,7 @@ import "./arm_settings.js";
 import "./gamepad.js";
 import "./hand.js";
 import "./path.js";
-import { h, kept, offer } from "../lib/dom.js";
-import { Panel } from "../lib/panel.js";
-import { store } from "../lib/store.js";
+import { h, kept, offer, Panel, store } from "../lib/panel.js";
 
 class Move extends Panel {
   build() {

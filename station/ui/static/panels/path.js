@@ -1,15 +1,7 @@
 // Waypoint paths: captured, edited and played at the station, so they outlive this page.
 import { Forecast } from "../lib/forecast.js";
 import { hideGhost, showGhost } from "../lib/ghost.js";
-import { button, h, line, offer, show } from "../lib/dom.js";
-import { Panel } from "../lib/panel.js";
-import { refusals } from "../lib/refusals.js";
-import { act, api, Refusal } from "../lib/station.js";
-import { store, switchTo } from "../lib/store.js";
-import { number, sharedPrefix, typed } from "../lib/text.js";
-import { html, render } from "../vendor/lit/lit-html.js";
-import { live } from "../vendor/lit/directives/live.js";
-import { repeat } from "../vendor/lit/directives/repeat.js";
+import { act, api, choice, drawn, h, html, live, nameField, number, offer, Panel, press, Refusal, refusals, render, repeat, sharedPrefix, store, switchTo, typed } from "../lib/panel.js";
 
 const LOOK_MS = 250;
 const LIST_MS = 2000;
@@ -19,44 +11,46 @@ const FIRST_NAME = "path-1";
 class Path extends Panel {
   build() {
     this.path = { name: "", waypoints: [] };
+    this.says = "Capture where the arm is, move it, capture again, then Play.";
     this.list = h("ol", { class: "waypoints" });
-    this.choice = h("select", { title: "Paths kept by the station.", ariaLabel: "Waypoint path", onchange: () => this.open(this.choice.value) });
-    this.newName = h("input", { class: "name", placeholder: "new path", ariaLabel: "Name of a new path" });
-    this.newName.addEventListener("keydown", (event) => event.key === "Enter" && this.make());
-    this.newName.addEventListener("input", () => this.showPlayback(this.playback));
-    this.newButton = button("New", "Begin a path of this name", () => this.make());
-    this.deleteButton = button("Delete", "Delete the chosen path from the station", () => this.remove());
-    this.captureButton = button("+ Capture", "Keep the present joints as the next waypoint", () => this.capture());
-    this.playButton = button("▶ Play", "Move through all waypoints in order", () => this.play(), { class: "s primary" });
-    this.previewButton = button("Preview", "Let a translucent robot pass the waypoints; the robot does not move", () => this.preview());
-    this.previewButton.setAttribute("aria-pressed", "false");
+    this.choice = choice("Waypoint path", [], () => this.open(this.choice.value), { title: "Paths kept by the station." });
+    this.newName = nameField("Name of a new path", "new path", () => this.make(), { oninput: () => this.drawTools() });
+    this.speed = h("input", { type: "range", min: 10, max: 200, step: 5, value: 100, title: "Factor of all speeds of the path; also while it plays.", ariaLabel: "Speed of the path in percent", oninput: () => this.drawTools(), onchange: () => this.isActive && this.change({ speed: this.factor }) });
     this.forecast = new Forecast();
-    this.rehearseButton = button("Rehearse", "Try one round in a copy of the station: how it would end, and a ghost of it. Nothing moves.", () => this.forecast.rehearsePath(this.path, { speed: this.speed.value / 100 }));
-    this.pauseButton = button("Pause", "Hold where the arm is; Resume goes on", () => this.change({ paused: this.playback.state === "playing" }));
-    this.cancelButton = button("Cancel", "End the motion; the joints hold where they are", () => this.cancel());
-    this.loop = button("Loop", "Begin again at the end, until it is switched off", () => this.setLoop());
-    this.loop.setAttribute("aria-pressed", "false");
-    this.speed = h("input", { type: "range", min: 10, max: 200, step: 5, value: 100, title: "Factor of all speeds of the path; also while it plays.", ariaLabel: "Speed of the path in percent" });
-    this.speedText = h("output", {}, "100 %");
-    this.speed.addEventListener("input", () => show(this.speedText, `${this.speed.value} %`));
-    this.speed.addEventListener("change", () => this.isActive && this.change({ speed: this.speed.value / 100 }));
-    this.progress = h("progress", { max: 1, value: 0, hidden: true, ariaLabel: "Progress of the path" });
-    this.state = h("p", { class: "hint state", role: "status" }, "Capture where the arm is, move it, capture again, then Play.");
-    this.append(
-      line(this.choice, this.newName, this.newButton, this.deleteButton),
-      line(this.captureButton, this.previewButton, this.rehearseButton, this.playButton, this.pauseButton, this.cancelButton),
-      line(h("label", { class: "speed" }, "speed ", this.speed, this.speedText), this.loop, this.progress),
-      this.forecast.element,
-      this.list,
-      this.state,
-    );
-    this.showPlayback(null);
+    this.drawTools();
     this.every(LOOK_MS, () => this.look());
     // Both hands are at the arm while it is guided: one key, wherever the focus is.
     addEventListener("keydown", ({ key, target, repeat }) => {
       const isFree = !repeat && !target.matches?.("input:not([type=range]), textarea, select");
       if (key === "c" && isFree && this.guided && store.isOperator) this.capture();
     });
+  }
+
+  /** Draw everything but the waypoints. */
+  drawTools() {
+    const { playback, isActive } = this;
+    const may = store.isOperator;
+    const isEmpty = !this.path.waypoints.length;
+    const [isPaused, isPreview] = [playback?.state === "paused", Boolean(this.previewTimer)];
+    drawn(this, html`<div class="line">${this.choice}${this.newName}
+        ${press("New", "Begin a path of this name", () => this.make(), { off: !may || !this.newName.value.trim() })}
+        ${press("Delete", "Delete the chosen path from the station", () => this.remove(), { off: !may || !this.choice.value })}</div>
+      <div class="line">
+        ${press("+ Capture", "Keep the present joints as the next waypoint", () => this.capture(), { off: !may })}
+        ${press("Preview", "Let a translucent robot pass the waypoints; the robot does not move", () => this.preview(), { pressed: isPreview, off: isEmpty })}
+        ${press("Rehearse", "Try one round in a copy of the station: how it would end, and a ghost of it. Nothing moves.", () => this.forecast.rehearsePath(this.path, { speed: this.factor }), { off: !may || isEmpty })}
+        ${press("▶ Play", "Move through all waypoints in order", () => this.play(), { look: "primary", off: !may || isEmpty })}
+        ${press(isPaused ? "Resume" : "Pause", "Hold where the arm is; Resume goes on", () => this.change({ paused: !isPaused }), { off: !isActive || !may })}
+        ${press("Cancel", "End the motion; the joints hold where they are", () => this.cancel(), { off: !isActive || !may })}</div>
+      <div class="line"><label class="speed">speed ${this.speed}<output>${this.speed.value} %</output></label>
+        ${press("Loop", "Begin again at the end, until it is switched off", () => this.setLoop(), { pressed: Boolean(this.isLoop) })}
+        <progress max="1" value=${playback?.progress ?? 0} ?hidden=${!isActive} aria-label="Progress of the path"></progress></div>
+      ${this.forecast.element}${this.list}<p class="hint state" role="status">${this.says}</p>`);
+  }
+
+  /** The factor of all speeds that was chosen. */
+  get factor() {
+    return this.speed.value / 100;
   }
 
   /** Whether somebody guides an arm by hand. */
@@ -103,8 +97,10 @@ class Path extends Panel {
 
   async capture() {
     const told = await act("POST", `${this.url}/capture`, {});
-    if (told) this.draw(told);
-    if (told) show(this.state, `Captured ${told.waypoints.at(-1).name} of ${told.name}.`);
+    if (told) {
+      this.says = `Captured ${told.waypoints.at(-1).name} of ${told.name}.`;
+      this.draw(told);
+    }
     this.read().catch(() => {});
   }
 
@@ -133,14 +129,14 @@ class Path extends Panel {
     render(repeat(path.waypoints, key, (point, i) => this.row(point, i)), this.list);
     // A row that has changed its place has lost the focus.
     if (this.list.contains(focused)) focused.focus();
-    this.showPlayback(this.playback);
+    this.drawTools();
   }
 
   row(point, i) {
     const { waypoints } = this.path;
     const prefix = sharedPrefix(Object.keys(point.positions));
     const changed = (change) => waypoints.map((other, j) => (j === i ? { ...other, ...change } : other));
-    const tool = (label, title, run, disabled = false) => html`<button class="s" type="button" title=${title} aria-label="${title}: ${point.name}" ?disabled=${disabled || !store.isOperator} @click=${run}>${label}</button>`;
+    const tool = (label, title, run, disabled = false) => press(label, title, run, { name: `${title}: ${point.name}`, off: disabled || !store.isOperator });
     // What was typed and refused is put back, so the field itself is compared.
     const field = (look, value, label, change) => html`<input class=${look} .value=${live(value)} aria-label=${label}
       @change=${({ target }) => { target.blur(); change(target); }} @keydown=${({ key, target }) => key === "Enter" && target.blur()}>`;
@@ -157,10 +153,7 @@ class Path extends Panel {
       [moved[i], moved[j]] = [moved[j], moved[i]];
       this.save(moved);
     };
-    const set = () => {
-      const positions = Object.fromEntries(Object.keys(point.positions).map((joint) => [joint, store.joints.position[store.joints.name.indexOf(joint)]]));
-      this.save(changed({ positions }));
-    };
+    const set = () => this.save(changed({ positions: here(point) }));
     const title = Object.entries(point.positions).map(([joint, q]) => `${joint.slice(prefix.length)}: ${number(q, 4)}`).join("\n");
     // A waypoint is shown as a ghost while the pointer or the focus is on its button.
     const isFree = () => !this.previewTimer;
@@ -175,12 +168,11 @@ class Path extends Panel {
   preview() {
     if (this.previewTimer) return this.endPreview();
     const { waypoints } = this.path;
-    const here = Object.fromEntries(Object.keys(waypoints[0].positions).map((joint) => [joint, store.joints.position[store.joints.name.indexOf(joint)]]));
+    const start = here(waypoints[0]);
     const began = performance.now();
-    this.previewButton.setAttribute("aria-pressed", "true");
     this.previewTimer = setInterval(() => {
-      let time = ((performance.now() - began) / 1000) * (this.speed.value / 100);
-      let from = here;
+      let time = ((performance.now() - began) / 1000) * this.factor;
+      let from = start;
       for (const { name, duration, positions } of waypoints) {
         if (time < duration) return showGhost(blend(from, positions, time / duration), `preview, to ${name}`);
         time -= duration;
@@ -188,18 +180,19 @@ class Path extends Panel {
       }
       this.endPreview();
     }, PREVIEW_MS);
+    this.drawTools();
   }
 
   endPreview() {
     clearInterval(this.previewTimer);
     this.previewTimer = null;
-    this.previewButton.setAttribute("aria-pressed", "false");
+    this.drawTools();
     hideGhost();
   }
 
   /** Play the path, or with `only` go to one waypoint; starts a controller if none runs. */
   async play(only) {
-    const body = { speed: this.speed.value / 100, loop: only === undefined && this.loop.getAttribute("aria-pressed") === "true" };
+    const body = { speed: this.factor, loop: only === undefined && Boolean(this.isLoop) };
     if (only !== undefined) Object.assign(body, { first: only, last: only });
     const path = `${this.url}/play`;
     try {
@@ -216,9 +209,9 @@ class Path extends Panel {
   }
 
   setLoop() {
-    const loop = this.loop.getAttribute("aria-pressed") !== "true";
-    this.loop.setAttribute("aria-pressed", String(loop));
-    if (this.isActive) this.change({ loop });
+    this.isLoop = !this.isLoop;
+    this.drawTools();
+    if (this.isActive) this.change({ loop: this.isLoop });
   }
 
   async change(change) {
@@ -240,19 +233,13 @@ class Path extends Panel {
 
   showPlayback(playback) {
     this.playback = playback;
-    const active = this.isActive;
-    this.pauseButton.disabled = this.cancelButton.disabled = !active || !store.isOperator;
-    this.captureButton.disabled = !store.isOperator;
-    this.newButton.disabled = !store.isOperator || !this.newName.value.trim();
-    this.deleteButton.disabled = !store.isOperator || !this.choice.value;
-    this.playButton.disabled = !store.isOperator || !this.path.waypoints.length;
-    this.rehearseButton.disabled = this.playButton.disabled;
-    this.previewButton.disabled = !this.path.waypoints.length;
-    show(this.pauseButton, playback?.state === "paused" ? "Resume" : "Pause");
-    this.progress.hidden = !active;
-    if (!playback) return;
-    this.progress.value = playback.progress;
-    if (active) this.loop.setAttribute("aria-pressed", String(playback.loop));
+    if (playback) this.describe(playback);
+    this.drawTools();
+  }
+
+  /** Say how far a path has come. */
+  describe(playback) {
+    if (this.isActive) this.isLoop = playback.loop;
     const rounds = playback.loop || playback.rounds > 1 ? ` · round ${playback.rounds + 1}` : "";
     const where = `waypoint ${playback.waypoint + 1} of ${playback.waypoints}${rounds}`;
     const texts = {
@@ -262,10 +249,13 @@ class Path extends Panel {
       cancelled: "The motion was cancelled; the joints hold.",
       aborted: `The motion was aborted: ${playback.message}`,
     };
-    if (playback.state !== this.shownState || active) show(this.state, texts[playback.state]);
+    if (playback.state !== this.shownState || this.isActive) this.says = texts[playback.state];
     this.shownState = playback.state;
   }
 }
+
+/** Return where the joints of a waypoint are now. */
+const here = ({ positions }) => Object.fromEntries(Object.keys(positions).map((joint) => [joint, store.joints.position[store.joints.name.indexOf(joint)]]));
 
 /** Return positions between two others, at a part from 0 to 1 of the way. */
 function blend(from, to, part) {

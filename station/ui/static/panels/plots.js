@@ -2,17 +2,12 @@
 import "./replay_bar.js";
 import { described, numbersIn } from "../lib/channel_maths.js";
 import { Channels, sample, sources } from "../lib/channels.js";
-import { button, h, kept, show } from "../lib/dom.js";
-import { Panel } from "../lib/panel.js";
 import { History } from "../lib/history.js";
+import { button, choice, follow, h, kept, line, number, Panel, shortNames, show, store } from "../lib/panel.js";
 import { layoutMenu, layoutOf } from "../lib/plot_layouts.js";
-import { Plot, download } from "../lib/plot.js";
+import { Plot, download, swatch } from "../lib/plot.js";
 import { Run, ofLink } from "../lib/recorded.js";
 import { replay } from "../lib/replay.js";
-import { follow } from "../lib/station.js";
-import { store } from "../lib/store.js";
-import { number, shortNames } from "../lib/text.js";
-import { swatch } from "../lib/traces.js";
 import { SPECTRUM, TRANSFORMS, transformed } from "../lib/transforms.js";
 
 const DRAW_HZ = 15;
@@ -96,7 +91,7 @@ class Plots extends Panel {
     this.paused = paused;
     this.isZoomed = false;
     show(this.pause, paused ? "Resume" : "Pause");
-    this.pause.setAttribute("aria-pressed", String(paused));
+    this.pause.ariaPressed = paused;
     this.frozen.clear();
     for (const entry of this.plots) {
       Object.assign(entry.plot, this.held(paused));
@@ -202,11 +197,8 @@ class Plots extends Panel {
   }
 
   addPlot(keys, xy = false, span = 10, how = "") {
-    const canvas = h("div", { class: "chart", tabIndex: 0, title: "Drag: zoom all plots to a range of time. Click, or Enter: a second cursor. Arrow keys: the first. Wheel, + and −: zoom. Double click: back." });
-    canvas.setAttribute("role", "img");
-    const legend = h("div", { class: "legend", tabIndex: 0 }); // long names are scrolled to
-    legend.setAttribute("role", "group");
-    legend.setAttribute("aria-label", "Channels of the plot");
+    const canvas = h("div", { class: "chart", tabIndex: 0, title: "Drag: zoom all plots to a range of time. Click, or Enter: a second cursor. Arrow keys: the first. Wheel, + and −: zoom. Double click: back.", role: "img" });
+    const legend = h("div", { class: "legend", tabIndex: 0, role: "group", ariaLabel: "Channels of the plot" }); // long names are scrolled to
     const entry = { keys, legend, values: [], how };
     entry.plot = new Plot(canvas, { group: "plots", moved: () => this.tell(entry), chosen: (begin, end) => this.zoomTo(begin, end), zoomed: () => this.paused && this.zoomTo(entry.plot.end - entry.plot.span, entry.plot.end) });
     Object.assign(entry.plot, { xy, span });
@@ -215,20 +207,17 @@ class Plots extends Panel {
     const across = button("XY", "Draw the other channels over the first one instead of over time", () => {
       entry.plot.xy = !entry.plot.xy;
       this.apply(entry);
-      across.setAttribute("aria-pressed", String(entry.plot.xy));
+      across.ariaPressed = entry.plot.xy;
       this.keep();
-    });
-    across.setAttribute("aria-pressed", String(xy));
-    const transform = h("select", { title: "What is shown of the channels.", ariaLabel: "Show" }, ...Object.entries(TRANSFORMS).map(([value, text]) => h("option", { value }, text)));
-    transform.value = how;
-    transform.addEventListener("change", () => {
+    }, { ariaPressed: xy });
+    const choose = () => {
       entry.how = transform.value;
       this.apply(entry);
       this.keep();
-    });
-    const tools = h(
-      "div",
-      { class: "line" },
+    };
+    const transform = choice("Show", Object.entries(TRANSFORMS), choose, { title: "What is shown of the channels." });
+    transform.value = how;
+    const tools = line(
       button("−", "Show more time (or turn the wheel)", () => this.zoom(entry, 1.5)),
       button("+", "Show less time (or turn the wheel)", () => this.zoom(entry, 1 / 1.5)),
       across,
@@ -309,15 +298,14 @@ class Plots extends Panel {
   /** Return the row of a channel: a button for it, and one for its rate of change. */
   choice(entry, key, label, unit) {
     const choose = (wanted, name, look) => {
-      const choice = h("button", { class: look, type: "button", ariaLabel: wanted === key ? name : `rate of change of ${label}` }, name);
-      choice.setAttribute("aria-pressed", String(entry.keys.includes(wanted)));
-      choice.addEventListener("click", () => {
-        entry.keys = entry.keys.includes(wanted) ? entry.keys.filter((other) => other !== wanted) : [...entry.keys, wanted];
-        choice.setAttribute("aria-pressed", String(entry.keys.includes(wanted)));
+      const isChosen = () => entry.keys.includes(wanted);
+      const made = button(name, undefined, () => {
+        entry.keys = isChosen() ? entry.keys.filter((other) => other !== wanted) : [...entry.keys, wanted];
+        made.ariaPressed = isChosen();
         this.apply(entry);
         this.keep();
-      });
-      return choice;
+      }, { class: look, ariaLabel: wanted === key ? name : `rate of change of ${label}`, ariaPressed: isChosen() });
+      return made;
     };
     return h("div", { class: "channel" }, choose(key, unit ? `${label} [${unit}]` : label, "choice"), choose(DERIVATIVE + key, "d/dt", "choice rate"));
   }
@@ -384,7 +372,7 @@ class Plots extends Panel {
         h("span", { class: `trace t${i % 7}`, title: keys[i] ? `${label}; drag it to another plot` : label, draggable: Boolean(keys[i]), ondragstart: () => (this.dragged = { entry, key: keys[i] }), ondragend: () => (this.dragged = null) }, swatch(i), label.slice(shared.length), entry.values[i]),
       ),
     );
-    entry.plot.place.setAttribute("aria-label", `Plot of ${entry.plot.traces.map((t) => t.label).join(", ")}`);
+    entry.plot.place.ariaLabel = `Plot of ${labels.join(", ")}`;
     this.note();
   }
 

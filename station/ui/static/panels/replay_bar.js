@@ -1,10 +1,7 @@
 // The bar of an open recording over the plots: time, play, speed, comparison, notes, link.
 // Its `tools` belong beside the title of the dock.
-import { button, h, line, show } from "../lib/dom.js";
+import { button, choice, h, html, line, nameField, nothing, number, press, render, show, store } from "../lib/panel.js";
 import { replay } from "../lib/replay.js";
-import { store } from "../lib/store.js";
-import { number } from "../lib/text.js";
-import { html, nothing, render } from "../vendor/lit/lit-html.js";
 
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10];
 const BEGIN = "begin";
@@ -16,19 +13,20 @@ class ReplayBar extends HTMLElement {
     this.play = button("Play", "Let the ghost in the 3D view move as recorded; the robot does not move.", () => (replay.isPlaying ? replay.pause() : replay.play()));
     this.slider = h("input", { type: "range", min: 0, max: 1, step: 0.001, value: 0, ariaLabel: "Time of the replay", oninput: () => replay.seek(Number(this.slider.value)) });
     this.time = h("output", {});
-    this.speed = h("select", { title: "Speed of the replay.", ariaLabel: "Speed of the replay", onchange: () => (replay.speed = Number(this.speed.value)) }, ...SPEEDS.map((speed) => h("option", { value: speed }, `× ${speed}`)));
+    this.speed = choice("Speed of the replay", SPEEDS.map((speed) => [speed, `× ${speed}`]), () => (replay.speed = Number(this.speed.value)), { title: "Speed of the replay." });
     this.speed.value = "1";
     this.runs = h("div", { class: "runs" });
     this.noteButton = button("Note", "Write a note into the recording, on this moment or on the range that the plots show.", () => this.openNote());
     const link = button("Copy link", "Copy a link that opens this recording at this moment, with these plots.", () => this.copyLink(link));
     const end = button("End replay", "Close the recording; the plots go on with the robot.", () => replay.close());
-    this.text = h("input", { type: "text", maxLength: 500, placeholder: "What happened?", ariaLabel: "Text of the note", onkeydown: (event) => event.key === "Enter" && this.addNote() });
+    this.text = nameField("Text of the note", "What happened?", () => this.addNote(), { class: "", type: "text", maxLength: 500 });
     this.place = h("select", { ariaLabel: "What the note is on" });
-    this.form = h("div", { class: "line", hidden: true }, this.text, this.place, button("Add note", "It stays in the file.", () => this.addNote()));
+    this.form = line(this.text, this.place, button("Add note", "It stays in the file.", () => this.addNote()));
     this.tools = h("span", { class: "replay-tools", hidden: true }, this.noteButton, link, end);
-    this.append(h("div", { class: "line" }, this.play, this.slider, this.time, this.speed), this.runs, this.form);
+    this.append(line(this.play, this.slider, this.time, this.speed), this.runs, this.form);
     replay.addEventListener("change", () => this.draw());
     replay.addEventListener("runs", () => this.drawRuns());
+    this.drawRuns();
   }
 
   draw() {
@@ -54,8 +52,9 @@ class ReplayBar extends HTMLElement {
     const other = (run) => html`<span class="run"><b>B</b><span title=${run.id}>${run.name}</span>
       <label>its <select aria-label="Moment of B" @change=${(event) => align(event, run)}>${events(run)}</select></label>
       <label>at A’s <select aria-label="Moment of A" @change=${(event) => align(event, run)}>${events(first)}</select></label>
-      <button class="s" type="button" aria-label="Compare no longer" @click=${() => replay.drop(run)}>✕</button></span>`;
-    const live = first && !others.length ? html`<button class="s" type="button" title="Lay what the robot has done in the last minute over the recording." @click=${() => this.dispatchEvent(new Event("compare-live"))}>Compare with the last minute</button>` : nothing;
+      ${press("✕", "", () => replay.drop(run), { name: "Compare no longer" })}</span>`;
+    const compare = () => this.dispatchEvent(new Event("compare-live"));
+    const live = first && !others.length ? press("Compare with the last minute", "Lay what the robot has done in the last minute over the recording.", compare) : nothing;
     render(first ? html`<span class="run">${others.length ? html`<b>A</b>` : nothing}<span title=${first.id}>${first.name}</span></span>${others.map(other)}${live}` : nothing, this.runs);
     this.draw();
   }
@@ -75,8 +74,7 @@ class ReplayBar extends HTMLElement {
     const text = this.text.value.trim();
     if (!text) return this.text.focus();
     const [begin, end] = this.place.value === "range" ? this.range : [replay.time, null];
-    if (!(await replay.addNote(text, begin, end))) return undefined;
-    this.text.value = "";
+    if (await replay.addNote(text, begin, end)) this.text.value = "";
     return undefined;
   }
 

@@ -1,14 +1,6 @@
 // The objects of the scene: where they are, moved by arrows in the 3D view or by typing, added, duplicated, removed.
-import { button, field, h, line } from "../lib/dom.js";
-import { Panel } from "../lib/panel.js";
+import { act, api, button, field, h, html, line, live, number, Panel, refusals, render, repeat, send, store, typed } from "../lib/panel.js";
 import { toAngles } from "../lib/pose_maths.js";
-import { refusals } from "../lib/refusals.js";
-import { act, api, send } from "../lib/station.js";
-import { store } from "../lib/store.js";
-import { number, typed } from "../lib/text.js";
-import { html, render } from "../vendor/lit/lit-html.js";
-import { live } from "../vendor/lit/directives/live.js";
-import { repeat } from "../vendor/lit/directives/repeat.js";
 
 const LOOK_MS = 500;
 /** The kinds that can be added, with their size at first and what it is [m]. */

@@ -1,45 +1,27 @@
 // Simulation: pause, step, speed, reset, pushes and faults, and where the objects of the
 // scene are (their own panel); absent on a real robot.
 import "./scene_objects.js";
-import { button, h, line, offer, show } from "../lib/dom.js";
-import { Panel } from "../lib/panel.js";
-import { refusals } from "../lib/refusals.js";
-import { act } from "../lib/station.js";
-import { store } from "../lib/store.js";
-import { number, typed } from "../lib/text.js";
+import { act, choice, drawn, h, html, nameField, number, offer, Panel, press, refusals, store, typed } from "../lib/panel.js";
 
 const FAULTS = ["collision", "lost_packets", "delayed_cycle", "nan_sensor", "stuck_joint"];
 
 class Simulation extends Panel {
   build() {
-    this.state = h("p", { class: "hint state" });
-    this.done = h("p", { class: "hint", role: "status" });
-    this.pause = button("Pause", "Simulated time stands still; stops and switches still work.", () => this.changePause());
-    this.steps = h("input", { class: "value", value: "100", inputMode: "numeric", ariaLabel: "Cycles to step" });
-    this.step = button("Step", "Run so many cycles while paused.", () => this.stepOn());
-    this.factor = h("input", { class: "value", value: "1", inputMode: "decimal", ariaLabel: "Speed of simulated time" });
-    this.factor.addEventListener("keydown", (event) => event.key === "Enter" && this.setFactor());
-    this.keyframe = h("select", { ariaLabel: "Where the reset goes to" });
-    this.arm = h("select", { ariaLabel: "Arm of the fault or push" });
-    this.fault = h("select", { ariaLabel: "Fault" }, ...FAULTS.map((name) => h("option", { value: name }, name.replaceAll("_", " "))));
+    this.done = "";
+    const value = { class: "value", inputMode: "decimal" };
+    this.steps = h("input", { ...value, value: "100", inputMode: "numeric", ariaLabel: "Cycles to step" });
+    this.factor = nameField("Speed of simulated time", "", () => this.setFactor(), { ...value, value: "1" });
+    this.keyframe = choice("Where the reset goes to", []);
+    this.arm = choice("Arm of the fault or push", []);
+    this.fault = choice("Fault", FAULTS.map((name) => [name, name.replaceAll("_", " ")]));
     this.force = h("input", { class: "value force", value: "0, 0, 20", ariaLabel: "Force of the push, x, y, z [N]" });
-    this.controls = h(
-      "div",
-      {},
-      this.state,
-      this.done,
-      h("div", { class: "line" }, this.pause, this.step, this.steps, "cycles"),
-      h("div", { class: "line" }, h("label", {}, "speed × ", this.factor), button("Set", "Simulated seconds per second.", () => this.setFactor())),
-      h("div", { class: "line" }, button("Reset", "Put the world back; earlier set-points and goals are void.", () => this.act("/simulation/reset", { keyframe: this.keyframe.value || null }, "Simulation reset.")), " to ", this.keyframe),
-      h("div", { class: "line arms" }, this.arm, button("Push hand", "Push the hand for 0.3 s.", () => this.push()), this.force, " N"),
-      h("div", { class: "line arms" }, button("Inject fault", "For exercises: the arm reacts as to a real one.", () => this.inject()), this.fault, button("End faults", "End all faults and pushes.", () => act("DELETE", `/robots/${this.arm.value}/faults`)), button("User stop", "Press the user stop of the arm.", () => act("POST", `/robots/${this.arm.value}/user_stop`, { pressed: true }))),
-    );
-    this.append(this.controls, h("st-scene-objects"));
+    this.place = this.appendChild(h("div"));
+    this.append(h("st-scene-objects"));
   }
 
   /** Say what was done; nothing when it was refused, which the log says. */
   say(told, text) {
-    show(this.done, told ? text : "");
+    this.done = told ? text : "";
     store.refresh();
   }
 
@@ -82,16 +64,19 @@ class Simulation extends Panel {
   refresh() {
     const { simulation, arms } = store.docks;
     if (!simulation) return; // the dock goes, too
-    show(this.state, `${simulation.paused ? "‖ paused" : "▶ running"} at × ${number(simulation.real_time_factor, 2)} · ${number(simulation.time, 1)} s`);
-    show(this.pause, simulation.paused ? "Resume" : "Pause");
-    this.step.disabled = !simulation.paused || !store.isOperator;
-    const key = [...simulation.keyframes, ...arms.map((arm) => arm.arm_id)].join();
-    if (key === this.listed) return;
-    this.listed = key;
+    const { paused } = simulation;
     offer(this.keyframe, [["", "start"], ...simulation.keyframes]);
     offer(this.arm, arms.map((arm) => arm.arm_id), "no arm");
     this.arm.hidden = arms.length < 2;
-    for (const line of this.querySelectorAll(".arms")) line.hidden = !arms.length;
+    drawn(this.place, html`<p class="hint state">${paused ? "‖ paused" : "▶ running"} at × ${number(simulation.real_time_factor, 2)} · ${number(simulation.time, 1)} s</p>
+      <p class="hint" role="status">${this.done}</p>
+      <div class="line">${press(paused ? "Resume" : "Pause", "Simulated time stands still; stops and switches still work.", () => this.changePause())}
+        ${press("Step", "Run so many cycles while paused.", () => this.stepOn(), { off: !paused || !store.isOperator })}${this.steps}cycles</div>
+      <div class="line"><label>speed × ${this.factor}</label>${press("Set", "Simulated seconds per second.", () => this.setFactor())}</div>
+      <div class="line">${press("Reset", "Put the world back; earlier set-points and goals are void.", () => this.act("/simulation/reset", { keyframe: this.keyframe.value || null }, "Simulation reset."))} to ${this.keyframe}</div>
+      <div class="line" ?hidden=${!arms.length}>${this.arm}${press("Push hand", "Push the hand for 0.3 s.", () => this.push())}${this.force} N</div>
+      <div class="line" ?hidden=${!arms.length}>${press("Inject fault", "For exercises: the arm reacts as to a real one.", () => this.inject())}${this.fault}
+        ${press("End faults", "End all faults and pushes.", () => act("DELETE", `/robots/${this.arm.value}/faults`))}${press("User stop", "Press the user stop of the arm.", () => act("POST", `/robots/${this.arm.value}/user_stop`, { pressed: true }))}</div>`);
   }
 }
 

@@ -1,31 +1,19 @@
 // Timeline: what happened, recordings and incidents, as far as the station offers them.
 import { alarmRows, alarms } from "../lib/alarms.js";
-import { button, h, show } from "../lib/dom.js";
 import { deedOf } from "../lib/deeds.js";
-import { Panel } from "../lib/panel.js";
+import { act, api, button, follow, h, html, nothing, Panel, press, refusals, render, repeat, show, store } from "../lib/panel.js";
 import { replay } from "../lib/replay.js";
-import { refusals } from "../lib/refusals.js";
-import { act, api, follow } from "../lib/station.js";
-import { store } from "../lib/store.js";
-import { html, nothing, render } from "../vendor/lit/lit-html.js";
-import { repeat } from "../vendor/lit/directives/repeat.js";
 
 const LOOK_MS = 2000;
 const SHOWN = 60;
 const KEPT = 500;
 const MOST_UPLOADED = 500e6; // as the station takes [bytes]
-const SOURCES = [
-  { id: "events", title: "Events" },
-  { id: "alarms", title: "Alarms" },
-  { id: "recordings", title: "Recordings" },
-  { id: "incidents", title: "Incidents" },
-  { id: "experiments", title: "Experiments" },
-];
+const SOURCES = { events: "Events", alarms: "Alarms", recordings: "Recordings", incidents: "Incidents", experiments: "Experiments" };
 
 class Timeline extends Panel {
   build() {
     this.chosen = "events";
-    this.buttons = SOURCES.map(({ id, title }) => button(title, undefined, () => this.choose(id), { data: { id } }));
+    this.buttons = Object.entries(SOURCES).map(([id, title]) => button(title, undefined, () => this.choose(id), { data: { id } }));
     this.record = button("Record", "Record every cycle, until it is clicked again.", () => this.toggleRecording());
     this.file = h("input", { type: "file", accept: ".mcap", hidden: true, onchange: () => this.upload(this.file.files[0]) });
     this.uploadButton = button("Upload …", "Keep the .mcap file of this station or another one among the recordings.", () => this.file.click());
@@ -40,20 +28,16 @@ class Timeline extends Panel {
     follow("events", "rate=10", (frame) => this.hear([frame.data]));
   }
 
-  /** Keep events that have come, from the list or the stream, and show them. */
+  /** Keep events that have come, from the list or the stream, and show them in their order. */
   hear(events) {
     for (const event of events) this.events.set(event.id, event);
-    for (const id of [...this.events.keys()].sort((a, b) => a - b).slice(0, -KEPT)) this.events.delete(id);
-    if (this.chosen === "events" && this.isShown) this.draw(this.inOrder());
-  }
-
-  inOrder() {
-    return [...this.events.values()].sort((a, b) => a.id - b.id);
+    this.events = new Map([...this.events].sort(([a], [b]) => a - b).slice(-KEPT));
+    if (this.chosen === "events" && this.isShown) this.draw([...this.events.values()]);
   }
 
   choose(id) {
     this.chosen = id;
-    for (const button of this.buttons) button.setAttribute("aria-pressed", String(button.dataset.id === id));
+    for (const button of this.buttons) button.ariaPressed = button.dataset.id === id;
     this.tell("Asking the station …");
     this.ask();
   }
@@ -121,8 +105,9 @@ class Timeline extends Panel {
 
   /** The buttons that open a recording or a trial in the plots. */
   openers(name, title) {
-    return html`<button class="s" type="button" title=${title} aria-label="Replay ${name}" @click=${() => this.open(name, false)}>Replay</button>
-      ${replay.isOpen && replay.runs[0].id.split(":")[0] !== name ? html`<button class="s" type="button" title="Lay it over the recording that is open." aria-label="Compare with ${name}" @click=${() => this.open(name, true)}>Compare</button>` : nothing}`;
+    const isOther = replay.isOpen && replay.runs[0].id.split(":")[0] !== name;
+    return html`${press("Replay", title, () => this.open(name, false), { name: `Replay ${name}` })}
+      ${isOther ? press("Compare", "Lay it over the recording that is open.", () => this.open(name, true), { name: `Compare with ${name}` }) : nothing}`;
   }
 
   async open(name, isOther) {
@@ -150,8 +135,7 @@ class Timeline extends Panel {
   }
 
   async toggleRecording() {
-    if (this.running) await act("POST", `/recordings/${this.running}/stop`);
-    else await act("POST", "/recordings", {});
+    await (this.running ? act("POST", `/recordings/${this.running}/stop`) : act("POST", "/recordings", {}));
     this.ask();
   }
 }

@@ -1,13 +1,7 @@
 // "Tune for me": a search for better gains in a simulated copy of the station, its
 // progress and its best so far; nothing is applied before a person has seen the change.
-import { button, field, h, line, show } from "../lib/dom.js";
-import { Panel } from "../lib/panel.js";
-import { History } from "../lib/history.js";
-import { Plot } from "../lib/plot.js";
-import { refusals } from "../lib/refusals.js";
-import { act, api } from "../lib/station.js";
-import { store } from "../lib/store.js";
-import { number, typed } from "../lib/text.js";
+import { act, api, drawn, field, h, html, number, Panel, press, refusals, store, typed } from "../lib/panel.js";
+import { Plot, responseTraces } from "../lib/plot.js";
 
 const LOOK_MS = 1000;
 const SHOWN = [
@@ -21,29 +15,11 @@ const SHOWN = [
 class TuneSearch extends Panel {
   build() {
     this.fields = { trials: field("trials", "40", "", "Number of trials of the search"), size: field("step", "0.1", "rad", "step of the search [rad]"), seconds: field("for", "1", "s", "for of the search [s]") };
-    this.startButton = button("Tune for me", "Search better gains of the chosen joint in a simulated copy of this station; the robot does not move", () => this.start(), { class: "s primary" });
-    this.cancelButton = button("Cancel search", "End the search; the best so far stays", () => this.act("cancel"));
-    this.previewButton = button("Preview gains …", "Show which gains would change", () => this.preview());
-    this.applyButton = button("Apply these", "Put the shown gains into force in one cycle; Undo takes them back", () => this.apply(), { class: "s primary" });
-    this.progress = h("progress", { max: 1, value: 0, ariaLabel: "Progress of the search" });
-    this.state = h("p", { class: "hint state", role: "status" }, "");
-    this.diff = h("p", { class: "hint" });
-    const chart = h("div", { class: "chart response", role: "img", ariaLabel: "Responses at the start of the search and of the best trial" });
-    this.plot = new Plot(chart);
-    this.rows = h("tbody", {});
-    const heads = ["", "at the start", "best so far"].map((text) => h("th", {}, text));
-    this.results = h("div", { hidden: true }, chart, h("table", { class: "metrics" }, h("thead", {}, h("tr", {}, ...heads)), this.rows));
-    this.append(
-      line(h("b", {}, "Search"), ...Object.values(this.fields).map(({ label }) => label), this.startButton, this.cancelButton),
-      this.progress,
-      this.state,
-      this.results,
-      line(this.previewButton, this.applyButton),
-      this.diff,
-    );
-    this.name = "";
-    this.show(null);
-    setInterval(() => this.isShown && !this.results.hidden && this.plot.draw(this.plot.end), 250);
+    this.chart = h("div", { class: "chart response", role: "img", ariaLabel: "Responses at the start of the search and of the best trial" });
+    this.plot = new Plot(this.chart);
+    this.name = this.differs = "";
+    this.draw();
+    setInterval(() => this.isShown && this.shown?.best && this.plot.draw(this.plot.end), 250);
     this.every(LOOK_MS, () => this.look());
   }
 
@@ -51,8 +27,8 @@ class TuneSearch extends Panel {
     const { controller, joint } = this.tuning.chosen;
     const [trials, size, seconds] = ["trials", "size", "seconds"].map((key) => typed(this.fields[key].input.value));
     if ([trials, size, seconds].includes(null)) return refusals.add({ code: "not_a_number", detail: "Type trials, step and seconds as numbers." });
-    this.startButton.disabled = true;
-    show(this.state, "Starting a process for the trials …");
+    this.isStarting = true;
+    this.draw();
     const told = await act("POST", "/experiments", {
       kind: "tune",
       controller,
@@ -61,7 +37,8 @@ class TuneSearch extends Panel {
       duration: seconds,
       commands: [{ kind: "step", joint, amplitude: size }],
     });
-    if (!told) return this.refresh();
+    this.isStarting = false;
+    if (!told) return this.draw();
     this.joint = joint;
     this.name = told.name;
     this.drawnBest = null;
@@ -87,73 +64,75 @@ class TuneSearch extends Panel {
   }
 
   refresh() {
-    this.show(this.shown ?? null);
+    this.draw();
   }
 
   show(told) {
     this.shown = told;
-    const running = told?.state === "running";
-    this.startButton.disabled = running || !store.isOperator;
-    this.cancelButton.hidden = !running;
-    this.progress.hidden = !running;
-    this.previewButton.hidden = !told?.best;
-    this.results.hidden = !told?.best;
-    if (!told?.best) this.applyButton.hidden = true;
-    if (!told) return show(this.state, "Tries gains in a simulated copy of this station, in a process of its own; the robot stays as it is. You see the change before it is applied.");
-    this.progress.value = told.trials ? told.ended / told.trials : 0;
-    const better = told.cost == null ? "" : ` · cost ${number(told.cost, 3)} of the start's`;
-    const left = running && told.left != null ? ` · ${number(told.left, 0)} s left` : "";
-    const why = told.reason ? `: ${told.reason}` : "";
-    show(this.state, `${told.name}, ${told.controller}: ${told.state}${why} · ${told.ended} of ${told.trials} trials${told.failed ? `, ${told.failed} failed` : ""}${better}${left}`);
-    if (told.best && told.best.hash !== this.drawnBest) this.drawBest(told);
+    if (told.best && told.best.hash !== this.drawnBest) this.readBest(told);
+    this.draw();
   }
 
-  async drawBest(told) {
-    this.drawnBest = told.best.hash;
-    this.applyButton.hidden = true;
-    show(this.diff, "");
+  /** Return how far the search is, in words. */
+  progressOf({ name, controller, state, ended, trials, failed, cost, left, reason }) {
+    const better = cost == null ? "" : ` · cost ${number(cost, 3)} of the start's`;
+    const ahead = state === "running" && left != null ? ` · ${number(left, 0)} s left` : "";
+    return `${name}, ${controller}: ${state}${reason ? `: ${reason}` : ""} · ${ended} of ${trials} trials${failed ? `, ${failed} failed` : ""}${better}${ahead}`;
+  }
+
+  draw() {
+    const told = this.shown;
+    const running = told?.state === "running";
     const cell = (trial, [key, , scale, unit]) => (trial?.metrics[key] == null ? "–" : `${number(trial.metrics[key] * scale, 2)} ${unit}`);
-    this.rows.replaceChildren(...SHOWN.map((row) => h("tr", {}, ...[row[1], cell(told.first, row), cell(told.best, row)].map((text) => h("td", {}, text)))));
-    let responses;
-    try {
-      ({ responses } = await api("GET", `${this.url}/responses`));
-    } catch {
-      return; // The table says it; the next best trial is drawn again.
-    }
-    const traces = [];
-    for (const { role, joints, time, desired, position } of responses) {
-      const i = Math.max(joints.indexOf(this.joint ?? this.tuning.chosen.joint), 0);
-      const add = (label, rows) => {
-        const history = new History(1e6);
-        time.forEach((at, k) => history.add(at, rows[k]?.[i]));
-        traces.push({ label, unit: "rad", history });
-      };
-      if (!traces.length) add("command", desired);
-      add(role === "first" ? "at the start" : role, position);
-    }
+    const row = (one) => html`<tr><td>${one[1]}</td><td>${cell(told.first, one)}</td><td>${cell(told.best, one)}</td></tr>`;
+    const says = told ? this.progressOf(told) : "Tries gains in a simulated copy of this station, in a process of its own; the robot stays as it is. You see the change before it is applied.";
+    drawn(this, html`<div class="line"><b>Search</b>${Object.values(this.fields).map(({ label }) => label)}
+        ${press("Tune for me", "Search better gains of the chosen joint in a simulated copy of this station; the robot does not move", () => this.start(), { look: "primary", off: this.isStarting || running || !store.isOperator })}
+        ${running ? press("Cancel search", "End the search; the best so far stays", () => this.act("cancel")) : ""}</div>
+      <progress max="1" value=${told?.trials ? told.ended / told.trials : 0} ?hidden=${!running} aria-label="Progress of the search"></progress>
+      <p class="hint state" role="status">${this.isStarting ? "Starting a process for the trials …" : says}</p>
+      <div ?hidden=${!told?.best}>${this.chart}<table class="metrics"><thead><tr><th></th><th>at the start</th><th>best so far</th></tr></thead><tbody>${told?.best ? SHOWN.map(row) : ""}</tbody></table></div>
+      <div class="line">${told?.best ? press("Preview gains …", "Show which gains would change", () => this.preview()) : ""}
+        ${told?.best && this.previewed ? press("Apply these", "Put the shown gains into force in one cycle; Undo takes them back", () => this.apply(), { look: "primary", off: !store.isOperator }) : ""}</div>
+      <p class="hint">${this.differs}</p>`);
+  }
+
+  /** Read what the best trial has done; what was previewed was another one's. */
+  async readBest(told) {
+    this.drawnBest = told.best.hash;
+    this.previewed = null;
+    this.differs = "";
+    // Without an answer the table says it; the next best trial is drawn again.
+    const { responses = [] } = await api("GET", `${this.url}/responses`).catch(() => ({}));
     if (!responses.length) return;
-    this.plot.traces = traces;
-    this.plot.end = responses[0].time.at(-1);
-    this.plot.span = this.plot.end - responses[0].time[0] || 1;
+    const rows = responses.map(({ role, joints, time, desired, position }, run) => {
+      const i = Math.max(joints.indexOf(this.joint ?? this.tuning.chosen.joint), 0);
+      const of = (label, values) => ({ label, time, values: values.map((row) => row?.[i]) });
+      const own = of(role === "first" ? "at the start" : role, position);
+      return run ? [own] : [of("command", desired), own];
+    });
+    this.plot.traces = responseTraces(rows.flat());
+    const { time } = responses[0];
+    this.plot.end = time.at(-1);
+    this.plot.span = this.plot.end - time[0] || 1;
   }
 
   async preview() {
     const told = await act("GET", `${this.url}/preview`);
     if (!told) return;
-    this.previewed = told;
     const lines = told.differences.map((d) => `${d.controller} ${d.name}: ${number(d.present, 3)} → ${number(d.saved, 3)}`);
-    show(this.diff, lines.length ? `Would change ${lines.join("; ")}.` : "Nothing would change: these gains are in force.");
-    this.applyButton.hidden = !lines.length;
-    this.applyButton.disabled = !store.isOperator;
+    this.previewed = lines.length ? told : null;
+    this.differs = lines.length ? `Would change ${lines.join("; ")}.` : "Nothing would change: these gains are in force.";
+    this.draw();
   }
 
   async apply() {
     const { trial, revisions } = this.previewed;
     const told = await act("POST", `${this.url}/apply`, { trial, revisions });
-    this.applyButton.hidden = true;
-    if (!told) return;
-    show(this.diff, `Applied, and saved as the set “${this.name}”. Undo, above, takes them back.`);
-    this.tuning.reread();
+    this.previewed = null;
+    if (told) this.differs = `Applied, and saved as the set “${this.name}”. Undo, above, takes them back.`;
+    this.draw();
+    if (told) this.tuning.reread();
   }
 }
 

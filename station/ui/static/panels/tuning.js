@@ -2,22 +2,17 @@
 import "./bench.js";
 import "./gain_sets.js";
 import "./tune_search.js";
-import { button, h, line, offer, show } from "../lib/dom.js";
-import { Panel } from "../lib/panel.js";
-import { refusals } from "../lib/refusals.js";
-import { act, api, Refusal } from "../lib/station.js";
-import { store } from "../lib/store.js";
-import { sharedPrefix, typed } from "../lib/text.js";
+import { act, api, button, choice, h, line, offer, Panel, Refusal, refusals, sharedPrefix, show, store, typed } from "../lib/panel.js";
 
 class Tuning extends Panel {
   build() {
-    this.choice = h("select", { title: "Controller whose gains are shown.", ariaLabel: "Controller to tune", onchange: () => this.read() });
-    this.joint = h("select", { title: "Joint of tests and of the search.", ariaLabel: "Joint to tune" });
-    this.joint.addEventListener("change", () => {
+    const another = () => {
       this.markJoint();
       this.bench.choose();
       this.bench.drawProposals();
-    });
+    };
+    this.choice = choice("Controller to tune", [], () => this.read(), { title: "Controller whose gains are shown." });
+    this.joint = choice("Joint to tune", [], another, { title: "Joint of tests and of the search." });
     this.undo = button("Undo", "Take the last change of gains back.", () => act("POST", "/gain-sets/undo").then(() => this.reread()));
     this.apply = button("Apply", "All changed values take effect in the same cycle.", () => this.patch(), { class: "s primary" });
     this.fields = h("div", { class: "gains", oninput: () => this.showApply() });
@@ -159,14 +154,12 @@ class Tuning extends Panel {
 
   input(key) {
     const choices = choicesOf(this.gains.schema[key]);
-    const input = choices
-      ? h("select", {}, ...choices.map(([number, text]) => h("option", { value: number }, text)))
-      : h("input", { class: "value", inputMode: "decimal", autocomplete: "off" });
-    input.value = input.dataset.was = String(this.gains.values[key]);
     const parts = key.split("/");
-    input.setAttribute("aria-label", `${parts.at(-1)} of ${parts.length > 1 ? parts[0] : this.choice.value}`);
-    input.title = this.titleOf(key);
-    input.addEventListener("keydown", (event) => event.key === "Enter" && this.patch());
+    const label = `${parts.at(-1)} of ${parts.length > 1 ? parts[0] : this.choice.value}`;
+    const enter = (event) => event.key === "Enter" && this.patch();
+    const props = { title: this.titleOf(key), onkeydown: enter };
+    const input = choices ? choice(label, choices, undefined, props) : h("input", { class: "value", inputMode: "decimal", autocomplete: "off", ariaLabel: label, ...props });
+    input.value = input.dataset.was = String(this.gains.values[key]);
     this.inputs.set(key, input);
     return input;
   }
@@ -175,10 +168,7 @@ class Tuning extends Panel {
     const values = {};
     for (const [key, input] of this.inputs) {
       const value = typed(input.value);
-      if (value === null) {
-        refusals.add({ code: "not_a_number", detail: `${key}: “${input.value}” is not a number.` }, {});
-        return;
-      }
+      if (value === null) return refusals.add({ code: "not_a_number", detail: `${key}: “${input.value}” is not a number.` });
       if (value !== this.gains.values[key]) values[key] = value;
     }
     if (!Object.keys(values).length) return show(this.state, "Nothing was changed.");
