@@ -22,6 +22,15 @@ def test_nothing_is_loaded_before_the_strip_and_its_stop():
     assert page.index('src="/static/page.js"') < page.index("modulepreload")
 
 
+def test_nothing_on_the_page_moves_by_itself():
+    sheet = (STATIC / "page.css").read_text()
+    # Who asked for less motion needs no rules of their own then; what the page moves is
+    # the ghost, which `forecast.js` shows at its end alone for them.
+    assert not re.search(r"animation|transition|@keyframes|scroll-behavior", sheet)
+    forecast = (STATIC / "lib" / "forecast.js").read_text()
+    assert "(prefers-reduced-motion: reduce)" in forecast
+
+
 def _code(file):
     """Return the lines of code: without comments and blank lines."""
     lines = (line.strip() for line in file.read_text().splitlines())
