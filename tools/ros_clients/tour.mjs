@@ -20,6 +20,11 @@ const call = (name, serviceType, request = {}) =>
     new ROSLIB.Service({ ros, name, serviceType }).callService(request, done, failed));
 
 console.log(await new Promise((done, failed) => ros.getTopics((t) => done(t.topics.length), failed)), "topics");
+const toured = { type: "position_controllers/JointGroupPositionController", joints: JOINTS };
+await new Promise((done) => new ROSLIB.Param({ ros, name: "/toured" }).set(toured, done));
+for (const verb of ["load", "unload"])
+  console.log(verb, await call(`/controller_manager/${verb}_controller`, `controller_manager_msgs/${verb === "load" ? "Load" : "Unload"}Controller`, { name: "toured" }));
+console.log((await call("/controller_manager/list_controllers", "controller_manager_msgs/ListControllers")).controller.length, "controllers");
 console.log("switch", await call("/controller_manager/switch_controller", "controller_manager_msgs/SwitchController",
   { start_controllers: [ARM], stop_controllers: [], strictness: 2 }));
 let last;

@@ -240,8 +240,9 @@ class Hand extends Panel {
       button.title = button.ariaLabel = way;
     });
     this.step.disabled = !this.isStepping;
-    this.reach.disabled = !isOf(target);
-    for (const each of this.trials) each.disabled = !store.isOperator || !store.docks?.simulation;
+    const isEmpty = this.targets.some((input) => !input.value.trim());
+    this.reach.disabled = !isOf(target) || isEmpty;
+    for (const each of this.trials) each.disabled = !store.isOperator || !store.docks?.simulation || isEmpty;
     this.axes.disabled = (!isOf(jog) && !this.isStepping) || !store.isOperator;
     this.startJog.hidden = Boolean(jog.controller) || !store.isOperator;
     this.startTarget.hidden = Boolean(target.controller) || !store.isOperator;
