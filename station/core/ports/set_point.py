@@ -251,11 +251,12 @@ class SetPointPort:
         was_void, values, has_expired = news
         if was_void:
             self.clear()
+        # The other port says when it expires.
+        deadline = -inf if has_expired else inf
         if values is not None:
-            # The other port says when it expires.
-            self._slot.append((values, inf, self.generation, None))
-        if has_expired and self.last is not None:
-            self.deadline = -inf
+            self._slot.append((values, deadline, self.generation, None))
+        elif self.last is not None:
+            self.deadline = deadline
 
     def clear(self) -> None:
         """Make every set-point void, picked up or not. Control thread only."""
