@@ -11,6 +11,7 @@ trajectory_blender_transition_window.cpp, for the weight of a blend; differs: th
 is one of paths, which keeps its speed.
 """
 
+import threading
 from bisect import bisect_left
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -171,6 +172,8 @@ class MotionSequences:
         self.joint_names = [joint.name for joint in joints]
         self._joints = joints
         self._chain_in = chain_in
+        # A chain is memory for one thread.
+        self._planning = threading.Lock()
         velocity = np.array([_SHARE * joint.velocity for joint in joints])
         self._velocity, self._acceleration = velocity, velocity / _TIME_TO_SPEED
 
@@ -192,11 +195,14 @@ class MotionSequences:
             InvalidTrajectoryError: A primitive cannot be followed;
                 `details["primitive"]` is its index, `details["reason"]` why.
         """
-        try:
-            self._chain = self._chain_in(frame)
-        except StationError as error:
-            raise InvalidTrajectoryError(error.message, remedy=error.remedy) from error
-        pieces, blends = self._pieces(sequence, np.array(start))
+        with self._planning:
+            try:
+                self._chain = self._chain_in(frame)
+            except StationError as error:
+                raise InvalidTrajectoryError(
+                    error.message, remedy=error.remedy
+                ) from error
+            pieces, blends = self._pieces(sequence, np.array(start))
         points: list[JointTrajectoryPoint] = []
         ends, now = [0.0 for _ in sequence], 0.0
         for piece, law in self._timed(sequence, pieces, blends):
@@ -218,11 +224,8 @@ class MotionSequences:
         for index, primitive in enumerate(sequence):
             cut = self._cut(path, primitive.blend_radius, is_end=True)
             if cut < begin:
-                _refuse(
-                    index,
-                    "blend",
-                    "its blend radius and that of the primitive before it overlap",
-                )
+                problem = "its blend radius and that of the primitive before it overlap"
+                _refuse(index, "blend", problem)
             inner.append(self._piece(path, begin, cut, q))
             q, begin = inner[-1].q[-1], 0.0
             if index + 1 == len(sequence):
@@ -231,14 +234,12 @@ class MotionSequences:
             grid = np.linspace(cut, path.length, _BLEND_SAMPLES)
             tail = self._rows(path, grid, q)
             following = self._path(index + 1, sequence[index + 1], tail[-1])
+            blend, q = None, tail[-1]
             if primitive.blend_radius > 0.0:
                 begin = self._cut(following, primitive.blend_radius, is_end=False)
                 blend = self._blend(path, cut, tail, following, begin)
-                blends.append(blend)
                 q = blend.q[-1]
-            else:
-                blends.append(None)
-                q = tail[-1]
+            blends.append(blend)
             path = following
         return inner, blends
 
@@ -296,22 +297,22 @@ class MotionSequences:
         if radius == 0.0:
             return end
         corner = path.pose(end)[12:15]
+
+        def is_beyond(s: float) -> bool:
+            return hypot(*np.subtract(path.pose(s)[12:15], corner)) >= radius
+
         near, far = end, end
         for k in range(65):
             far = abs(end - k / 64 * path.length)
-            if np.linalg.norm(np.subtract(path.pose(far)[12:15], corner)) >= radius:
+            if is_beyond(far):
                 break
             near = far
         else:
-            _refuse(
-                path.index,
-                "blend",
-                f"a blend radius of {radius:g} m reaches beyond its other end",
-            )
+            problem = f"a blend radius of {radius:g} m reaches beyond its other end"
+            _refuse(path.index, "blend", problem)
         for _ in range(60):
             middle = 0.5 * (near + far)
-            away = np.linalg.norm(np.subtract(path.pose(middle)[12:15], corner))
-            near, far = (near, middle) if away >= radius else (middle, far)
+            near, far = (near, middle) if is_beyond(middle) else (middle, far)
         return far
 
     def _piece(self, path: _Path, begin: float, end: float, q: Array) -> _Piece:
