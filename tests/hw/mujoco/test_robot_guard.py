@@ -137,6 +137,12 @@ def test_efforts_are_refused_by_the_names_of_the_joints(bench):
     bench.switch("position")
 
 
+@pytest.mark.parametrize("name", ["double_pendulum", "simple_humanoid"])
+def test_a_robot_without_motors_or_collision_geometry_has_no_guard(name):
+    bench = Bench(f"example-robot-data:{name}")
+    assert bench.hw.unguarded()
+
+
 # A gripper with joints that follow another one; a branching robot that slides, too.
 @pytest.mark.parametrize(
     "name",
