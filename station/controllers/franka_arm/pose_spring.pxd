@@ -10,8 +10,7 @@ cdef class PoseSpring:
     cdef readonly Py_ssize_t size
     cdef bint is_angle
     cdef double largest_step
-    cdef double[::1] q, dq, last_torques, damping, stray, twist, wrench
-    cdef double[::1] quaternion
+    cdef double[::1] q, dq, last_torques, damping, stray, twist, wrench, quaternion
     cdef readonly double[::1] pose, jacobian, coriolis, torques, equilibrium, target
     cdef readonly double[::1] stiffness, wanted, error, rest
     cdef WrenchEquation equation

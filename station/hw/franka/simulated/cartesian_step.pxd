@@ -27,7 +27,6 @@ cdef class CartesianStep:
     cpdef Py_ssize_t extrapolate(self)
     cdef bint repeats(self) noexcept
     cdef bint is_still(self) noexcept
-    @cython.locals(state=EndEffectorState, check=MotionCheck)
     cpdef Py_ssize_t plan(self, bint is_first)
     @cython.locals(most=double)
     cdef Py_ssize_t check_start(self)

@@ -1,4 +1,3 @@
-cimport cython
 from station.core.franka.joint_memory cimport JointMemory
 from station.hw.mujoco.simulator_memory cimport SimulatorMemory
 from station.hw.mujoco.world_step cimport Preparation
@@ -33,11 +32,9 @@ cdef class FrictionAndObserver(Preparation):
     cpdef rest(self)
     cpdef bint renew_jacobian(self)
     cpdef bint factorise_jacobian(self)
-    @cython.locals(result=int)
     cpdef int sense(self)
     cpdef disturb(self)
     cpdef observe(self)
-    @cython.locals(axis=Py_ssize_t)
     cpdef compute_wrench(self)
     cpdef doubt_wrench(self)
     cpdef bint is_touched(self)

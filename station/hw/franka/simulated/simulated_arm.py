@@ -85,7 +85,6 @@ class SimulatedArm(RobotArm):
             state=self.state,
             period=world.timestep,
             contact=self.contact,
-            supervisor=self.supervisor,
             read_disturbed=self._sensors.read,
             observer=self.contact.observer,
             expect_load=self.contact.expect_load,
