@@ -433,8 +433,8 @@ class StationScene:
             names = " and ".join(f"'{name}'" for name in free if name)
             raise ParameterError(
                 f"'{one.name}' has the role {one.role}, and {names or 'this robot'} "
-                "has no guard: only Franka arms and simulated robots with a fixed base "
-                "have one.",
+                "has no guard: only Franka arms and simulated robots with a fixed "
+                "base, motors and collision geometry have one.",
                 remedy="Give it the role 'object'"
                 + (", or the links that it is for." if self._guards else "."),
                 details={"parameter": "scene/objects", "robots": [*free]},

@@ -386,8 +386,8 @@ class MujocoRobotHW(RobotHW):
             ),
         }
 
-    def _make_guard(self, hw_params: Parameters, urdf: Urdf) -> RobotGuard:
-        return RobotGuard(
+    def _make_guard(self, hw_params: Parameters, urdf: Urdf) -> RobotGuard | None:
+        guard = RobotGuard(
             hw_params.path.rpartition("/")[2] or urdf.name,
             self.world.model,
             self.world.data,
@@ -397,6 +397,8 @@ class MujocoRobotHW(RobotHW):
             modes=self._modes,
             limits={one.joint: one.limits for one in self._limits.reports},
         )
+        # It would keep nothing clear without a motor or collision geometry.
+        return guard if self._names and guard.links() else None
 
     def _add_devices(
         self, parameters: MujocoRobotParameters, gpios: Sequence[ComponentTag]

@@ -98,7 +98,9 @@ class RobotGuard(LinkGuard):
 
     @override
     def watch(self, *, is_active: bool) -> None:
-        self.restart()
+        # Where the commands have a watched robot is known, whatever it watches.
+        if not self.is_active:
+            self.restart()
         self.is_active = is_active
 
     def restart(self) -> None:
@@ -147,7 +149,7 @@ class RobotGuard(LinkGuard):
         q = self._data.qpos[self._qpos].tolist()
         dq = self._data.qvel[self._dofs].tolist()
         kinds = [*self._modes.commanded, *([None] * (len(q) - len(joints.names)))]
-        self._follow(kinds, q, dq)
+        beginning = self._follow(kinds, q, dq)
         goals, rates = self._wanted(kinds, q, dq, period)
         guard.period = period
         put(guard.v, rates)
@@ -166,6 +168,10 @@ class RobotGuard(LinkGuard):
                     joints.position_command[i] = goals[i]
                 elif kind == "velocity":
                     joints.velocity_command[i] = rates[i]
+        else:
+            # The step from where a joint is to its command is its lag, and no speed.
+            for i in beginning:
+                rates[i] = dq[i]
         put(
             guard.ddq_d,
             [(v - old) / period for v, old in zip(rates, guard.dq_d, strict=True)],
@@ -175,16 +181,23 @@ class RobotGuard(LinkGuard):
 
     def _follow(
         self, kinds: Sequence[str | None], q: Sequence[float], dq: Sequence[float]
-    ) -> None:
-        """Begin where a joint is that is not commanded by positions as before."""
-        guard = self.guard
+    ) -> list[int]:
+        """Begin where a joint is that is not commanded by positions as before.
+
+        Returns:
+            The joints that begin to be commanded by positions.
+        """
+        guard, beginning = self.guard, []
         for i, kind in enumerate(kinds):
             is_new = not self._last or kind != self._last[i]
             if is_new or kind != "position":
                 guard.q_d[i] = q[i]
             if is_new:
                 guard.dq_d[i] = dq[i]
+                if kind == "position":
+                    beginning.append(i)
         self._last = [*kinds]
+        return beginning
 
     def _wanted(
         self,

@@ -137,6 +137,27 @@ def test_efforts_are_refused_by_the_names_of_the_joints(bench):
     bench.switch("position")
 
 
+@pytest.mark.parametrize(("before", "speed"), [([], 0.03), ([FAR], 0.5)])
+def test_a_lag_is_no_speed_when_an_object_appears(bench, before, speed):
+    bench.hw.simulated_world().reset(dict(zip(bench.names, START, strict=True)))
+    handles, guard = bench.begin("position", before), bench.hw.guards()[0]
+    for cycle in range(200):
+        if cycle == 190:
+            guard.prepare([replace(FAR, name="other")], None)()
+        for handle, begin in zip(handles, START, strict=True):
+            handle.set_command(begin + speed * PERIOD * cycle)
+        bench.hw.write(0.0, PERIOD)
+        if cycle >= 190:
+            assert np.array(guard.guard.dq_d) == pytest.approx(speed, rel=0.2)
+        bench.hw.read(0.0, PERIOD)
+
+
+@pytest.mark.parametrize("name", ["double_pendulum", "simple_humanoid"])
+def test_a_robot_without_motors_or_collision_geometry_has_no_guard(name):
+    bench = Bench(f"example-robot-data:{name}")
+    assert bench.hw.unguarded()
+
+
 # A gripper with joints that follow another one; a branching robot that slides, too.
 @pytest.mark.parametrize(
     "name",
