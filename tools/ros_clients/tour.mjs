@@ -4,18 +4,27 @@
 // against `station run --rosbridge`:
 //
 //   node tour.mjs ws://127.0.0.1:9090/?token=TOKEN
+//
+// In a browser: npx esbuild tour.mjs --bundle --format=esm --outfile=tour.js, then serve a
+// page with <script type="module" src="tour.js"> from an origin that the station allows
+// (`rosbridge.allowed_origins`), and open it at `?url=ws://…` with the token in it encoded.
 import * as ROSLIB from "roslib";
 
 const JOINTS = [1, 2, 3, 4, 5, 6, 7].map((number) => `panda_joint${number}`);
 const ARM = "effort_joint_trajectory_controller";
 const sleep = (ms) => new Promise((done) => setTimeout(done, ms));
 const ros = new ROSLIB.Ros({});
-await ros.connect(process.argv[2]);
+await ros.connect(globalThis.process?.argv[2] ?? new URLSearchParams(location.search).get("url"));
 const call = (name, serviceType, request = {}) =>
   new Promise((done, failed) =>
     new ROSLIB.Service({ ros, name, serviceType }).callService(request, done, failed));
 
 console.log(await new Promise((done, failed) => ros.getTopics((t) => done(t.topics.length), failed)), "topics");
+const toured = { type: "position_controllers/JointGroupPositionController", joints: JOINTS };
+await new Promise((done) => new ROSLIB.Param({ ros, name: "/toured" }).set(toured, done));
+for (const verb of ["load", "unload"])
+  console.log(verb, await call(`/controller_manager/${verb}_controller`, `controller_manager_msgs/${verb === "load" ? "Load" : "Unload"}Controller`, { name: "toured" }));
+console.log((await call("/controller_manager/list_controllers", "controller_manager_msgs/ListControllers")).controller.length, "controllers");
 console.log("switch", await call("/controller_manager/switch_controller", "controller_manager_msgs/SwitchController",
   { start_controllers: [ARM], stop_controllers: [], strictness: 2 }));
 let last;
@@ -47,4 +56,5 @@ console.log("ROS 2", await new Promise((done, failed) => action.sendGoal({ traje
 console.log(JSON.stringify(await call(`/${ARM}/gains/panda_joint2/set_parameters`, "dynamic_reconfigure/Reconfigure",
   { config: { doubles: [{ name: "p", value: 550 }] } })));
 console.log(await call("/stop", "std_srvs/Trigger"), await call("/stop/release", "std_srvs/Trigger"), await call("/stop/arm", "std_srvs/Trigger"));
-process.exit(0);
+console.log("done");
+globalThis.process?.exit(0);

@@ -1,6 +1,6 @@
 from station.core.numerics.arm_chain cimport torques_of, twist_of
 from station.memory.functions cimport arctangent, sine, square_root
-from station.core.franka.command_rates cimport limit_steps
+from station.core.numerics.command_rates cimport limit_steps
 from station.core.numerics.rigid_motion cimport quaternion_of
 from station.core.numerics.wrench_equation cimport WrenchEquation
 

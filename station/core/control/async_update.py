@@ -90,6 +90,9 @@ class AsyncUpdate(AsyncFunction):
         controller.stopping = self.stopping  # type: ignore[method-assign]
         controller.aborting = self.aborting  # type: ignore[method-assign]
 
+    def close(self) -> None:
+        """Release what it holds besides memory; when the controller is unloaded."""
+
     def starting(self, time: float) -> None:
         """Start the controller, on the states of this cycle.
 

@@ -536,3 +536,5 @@ class ControllerManager:
         self.lifecycle.loaded = tuple(
             one for one in self.lifecycle.loaded if one is not loaded
         )
+        if loaded.beside is not None:
+            loaded.beside.close()

@@ -52,6 +52,12 @@ TIME_LIMIT = DeclaredParameter(
     excludes_minimum=True,
     description="an asynchronous update that takes longer is a fault",
 )
+PROCESS = DeclaredParameter(
+    name="async_parameters/process",
+    type=ParameterType.BOOLEAN,
+    default=False,
+    description="update it in a process of its own, with an interpreter of it",
+)
 _WITHOUT_EFFECT = (
     "thread_priority",
     "cpu_affinity",
@@ -70,11 +76,13 @@ class AsyncParams:
         is_detached: Whether a result counts as soon as it is there.
         cycles: After how many cycles the result of a call counts, >= 1.
         time_limit: How long a call may take [s station time], > 0.
+        has_process: Whether calls are carried out in a process of their own.
     """
 
     is_detached: bool
     cycles: int
     time_limit: float
+    has_process: bool = False
 
     @classmethod
     def read(cls, params: Parameters, reads: set[str]) -> "AsyncParams | None":
@@ -89,13 +97,16 @@ class AsyncParams:
         """
         # All are read, so that an impossible value is refused before it has an effect.
         policy, cycles = POLICY.read_str(params), CYCLES.read_float(params)
-        time_limit = TIME_LIMIT.read_float(params)
+        time_limit, has_process = (
+            TIME_LIMIT.read_float(params),
+            PROCESS.read_bool(params),
+        )
         if not IS_ASYNC.read_bool(params):
             return None
         reads |= {
             params.resolve(f"async_parameters/{each}") for each in _WITHOUT_EFFECT
         }
-        return cls(policy == "detached", int(cycles), time_limit)
+        return cls(policy == "detached", int(cycles), time_limit, has_process)
 
 
 class AsyncFunction:

@@ -237,6 +237,26 @@ class SetPointPort:
             self._in_force.end()
         return True
 
+    def take_news(self) -> tuple[bool, list[float] | None, bool]:
+        """Take what has changed, for a port that follows this one. In an update only.
+
+        Returns:
+            Whether set-points became void, the set-point that was picked up or None,
+            and whether the one in force has expired.
+        """
+        return self.take_void(), self.take(), self.take_expiry()
+
+    def follow_news(self, news: tuple[bool, list[float] | None, bool]) -> None:
+        """Take what has changed of the port that this one follows."""
+        was_void, values, has_expired = news
+        if was_void:
+            self.clear()
+        if values is not None:
+            # The other port says when it expires.
+            self._slot.append((values, inf, self.generation, None))
+        if has_expired and self.last is not None:
+            self.deadline = -inf
+
     def clear(self) -> None:
         """Make every set-point void, picked up or not. Control thread only."""
         self._slot.clear()

@@ -5,7 +5,14 @@ from pathlib import Path
 import axe_core_python
 import pytest
 
-from tests.browser.workspace_page import CONTROLLER, position, wait_until
+from tests.browser.workspace_page import (
+    CONTROLLER,
+    allow_motion,
+    position,
+    run_alone,
+    wait_until,
+    without_scene,
+)
 
 pytestmark = pytest.mark.slow
 
@@ -126,3 +133,46 @@ def test_keys_move_the_robot_only_while_a_focused_button_is_held(all_open, enabl
     rest = enabled.last_command(CONTROLLER).last
     page.wait_for_timeout(300)
     assert enabled.last_command(CONTROLLER).last == rest
+
+
+@pytest.fixture
+def login(browser, running_station):
+    """The form of the login, in a browser of its own."""
+    context = browser.new_context()
+    without_scene(context)
+    page = context.new_page()
+    page.goto(f"{running_station.ui}/login")
+    yield page
+    context.close()
+
+
+def test_the_keyboard_alone_leads_from_the_login_to_stop(
+    login, running_station, client
+):
+    run_alone(client)  # so that the sliders are offered
+    keyboard = login.keyboard
+    for text in ("ada", running_station.token):
+        keyboard.type(text)
+        keyboard.press("Tab")
+    keyboard.press("Enter")
+    login.wait_for_selector('#bar[data-link="live"]')
+
+    def tab_to(where):
+        for _ in range(60):
+            keyboard.press("Tab")
+            if where.evaluate("(e) => e === document.activeElement"):
+                return
+        raise AssertionError(where)
+
+    tab_to(login.locator("#stop"))
+    tab_to(login.locator("#enable"))
+    keyboard.press("Enter")
+    assert wait_until(lambda: client.controller(CONTROLLER).state == "running")
+    here = position(client, "panda_joint1")
+    tab_to(login.get_by_role("button", name="Move joint1 up while held"))
+    keyboard.down("Enter")
+    assert wait_until(lambda: position(client, "panda_joint1") > here + 0.03)
+    keyboard.press("Escape")
+    assert wait_until(lambda: client.status().stop_state == "stopped")
+    keyboard.up("Enter")
+    allow_motion(client)

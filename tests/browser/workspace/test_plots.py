@@ -11,6 +11,14 @@ from tests.browser.workspace_page import CONTROLLER, WorkspacePage, wait_until
 pytestmark = pytest.mark.slow
 
 
+@pytest.fixture
+def in_radians(workspace):
+    """The page shows angles as the station has them."""
+    workspace.button("joints", "rad").click()
+    yield
+    workspace.button("joints", "deg").click()
+
+
 def test_a_plot_is_paused_zoomed_measured_and_saved(workspace, enabled):
     page, dock = workspace.page, workspace.dock("plots")
     box = dock.locator(".plot").first
@@ -42,8 +50,9 @@ def test_a_plot_is_paused_zoomed_measured_and_saved(workspace, enabled):
     with page.expect_download() as download:
         box.get_by_role("button", name="CSV", exact=True).click()
     rows = Path(download.value.path()).read_text().splitlines()
-    assert rows[0].startswith("time [s],q joint1 [rad]")
+    assert rows[0].startswith("time [s],q joint1 [°],q joint2 [°]")
     assert len(rows) > 10
+    assert float(rows[9].split(",")[2]) == pytest.approx(-45.0, abs=1.0)
     box.locator(".picker > summary").click()
     workspace.button("plots", "Resume").click()
     page.wait_for_function(f"() => {plot}.end === null")
@@ -96,7 +105,7 @@ def test_plots_and_their_channels_survive_a_reload(workspace):
     boxes = workspace.dock("plots").locator(".plot")
     added = boxes.nth(2)
     added.locator(".picker > summary").click()
-    for name in ("dq joint2 [rad/s]", "rate of change of τ joint3"):
+    for name in ("dq joint2 [°/s]", "rate of change of τ joint3"):
         added.get_by_role("button", name=name, exact=True).click()
     added.get_by_role("button", name="XY", exact=True).click()
     shown = (
@@ -115,6 +124,7 @@ def test_plots_and_their_channels_survive_a_reload(workspace):
     assert boxes.count() == 2
 
 
+@pytest.mark.usefixtures("in_radians")
 def test_cursors_and_zoom_are_those_of_all_plots_and_the_legend_tells_values(
     workspace, enabled
 ):
@@ -159,6 +169,7 @@ def test_cursors_and_zoom_are_those_of_all_plots_and_the_legend_tells_values(
     workspace.button("plots", "Resume").click()
 
 
+@pytest.mark.usefixtures("in_radians")
 def test_a_channel_is_dragged_from_one_plot_to_another(workspace, client):
     page, dock = workspace.page, workspace.dock("plots")
     boxes = dock.locator(".plot")
@@ -178,6 +189,7 @@ def test_a_channel_is_dragged_from_one_plot_to_another(workspace, client):
     assert page.evaluate(named)[1] == before[1]
 
 
+@pytest.mark.usefixtures("in_radians")
 def test_differences_and_the_norm_of_channels_are_kept_with_the_plot(workspace, client):
     page = workspace.page
     box = workspace.dock("plots").locator(".plot").first

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import math
 import re
 from pathlib import Path
 
@@ -91,7 +92,7 @@ def test_the_legend_has_the_numbers_of_both_recordings_at_the_cursor(
         rows = _rows(client, recording, tmp_path)
         _, wanted = min(rows, key=lambda row: abs(row[0] - cursor))
         value = float(re.match(r"-?[\d.]+", text)[0])
-        assert value == pytest.approx(wanted, abs=6e-5)
+        assert value == pytest.approx(math.degrees(wanted), abs=6e-5)
 
 
 def test_a_click_goes_to_a_time_and_a_note_on_what_is_shown_stays_in_the_file(

@@ -1,5 +1,5 @@
-from station.core.franka.command_rates cimport limited, low_pass
-from station.core.franka.guard cimport Guard
+from station.core.numerics.command_rates cimport limited, low_pass
+from station.core.geometry.guard cimport Guard
 from station.core.numerics.rigid_motion cimport displace, rotation_between, twist_between
 from station.hw.franka.arm.receiver cimport Receiver
 from station.hw.franka.commands.pose_bridge cimport PoseBridge

@@ -1,6 +1,6 @@
 cimport cython
-from station.core.franka.command_rates cimport CommandRates
-from station.core.franka.guard cimport Guard
+from station.core.numerics.command_rates cimport CommandRates
+from station.core.geometry.guard cimport Guard
 from station.core.hardware.limits.limited_joints cimport EnforcedLimits
 from station.hw.franka.arm.receiver cimport Receiver
 from station.hw.franka.arm.velocity_curves cimport VelocityCurves

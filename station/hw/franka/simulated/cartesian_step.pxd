@@ -1,6 +1,6 @@
 cimport cython
 from station.memory.vectors cimport copy_into
-from station.core.franka.command_rates cimport limited
+from station.core.numerics.command_rates cimport limited
 from station.core.franka.joint_memory cimport JointMemory
 from station.core.numerics.rigid_motion cimport displace, twist_between
 from station.hw.franka.simulated.end_effector_state cimport EndEffectorState

@@ -18,6 +18,7 @@ cdef class FrictionAndObserver(Preparation):
     cdef double[::1] wrench, turned, offset, velocity, change, momentum
     cdef double period, rate, following
     cdef readonly double[::1] level, slope, shift, static_friction, compliance, bristle
+    cdef readonly double[::1] viscous
     cdef readonly double[::1] torque_noise, torque_bias, velocity_noise, model_error
     cdef readonly double[::1] expected, lower, jacobian, pose, place, directions, shares
     cdef readonly double[::1] doubt, lasting

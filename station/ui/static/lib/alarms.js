@@ -4,6 +4,7 @@ import { html, nothing, repeat, show } from "./dom.js";
 import { forPerson } from "./refusals.js";
 import { act, api, follow } from "./station.js";
 import { store } from "./store.js";
+import { units } from "./units.js";
 
 const LOOK_MS = 2000;
 
@@ -59,7 +60,7 @@ function row(alarm) {
   const state = `${gone}, ${seen ? `seen by ${alarm.acknowledged_by} at ${clock(alarm.acknowledged_at)}` : "not acknowledged"}`;
   return html`<div class="row ${alarm.severity}">
     <time title=${new Date(alarm.raised_at * 1e3).toISOString()}>${clock(alarm.raised_at)}</time>
-    <b>${alarm.severity === "error" ? "✖" : "▲"} ${alarm.text} </b>
+    <b>${alarm.severity === "error" ? "✖" : "▲"} ${units.words(alarm.text)} </b>
     <span class="remedy">${forPerson(alarm.remedy ?? "")}</span>
     <small> ${state} </small>
     ${seen ? nothing : html`<button class="s" type="button" title="Confirm that you have seen the alarm; nothing moves, and nothing is cleared." aria-label="Acknowledge ${alarm.text}" ?disabled=${!store.isOperator} @click=${() => alarms.acknowledge([alarm])}>Acknowledge</button>`}

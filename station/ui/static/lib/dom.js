@@ -2,6 +2,7 @@
 import { html, nothing, render } from "../vendor/lit/lit-html.js";
 import { live } from "../vendor/lit/directives/live.js";
 import { repeat } from "../vendor/lit/directives/repeat.js";
+import { typed } from "./text.js";
 
 export { html, live, nothing, render, repeat };
 
@@ -12,7 +13,9 @@ export function h(tag, props = {}, ...children) {
     if (value === undefined) continue;
     if (key === "class") made.className = value;
     else if (key === "data") Object.assign(made.dataset, value);
-    else if (key.startsWith("on") || key in made) made[key] = value;
+    // As a listener: a property's handler that returns false would bar what the key or click does.
+    else if (key.startsWith("on")) made.addEventListener(key.slice(2), value);
+    else if (key in made) made[key] = value;
     else if (value !== false && value != null) made.setAttribute(key, value);
   }
   made.append(...children.filter((child) => child != null));
@@ -22,10 +25,10 @@ export function h(tag, props = {}, ...children) {
 /** Return a button; `props` are more of its properties. */
 export const button = (label, title, run, props = {}) => h("button", { class: "s", type: "button", title, onclick: run, ...props }, label);
 
-/** Return a field for a number, `input`, and a label around it with its name and unit. */
+/** Return a field for a number, `input`, and a label around it with its name and unit; `read()` is the number or null. */
 export function field(name, value, unit, label = `${name} [${unit}]`) {
   const input = h("input", { class: "value", value, inputMode: "decimal", autocomplete: "off", ariaLabel: label });
-  return { input, label: h("label", {}, `${name} `, input, ` ${unit}`) };
+  return { input, label: h("label", {}, `${name} `, input, ` ${unit}`), read: () => typed(input.value), put: (number) => (input.value = number) };
 }
 
 /** Return a field for a name that Enter sends. */

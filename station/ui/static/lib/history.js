@@ -67,7 +67,8 @@ export function csvOf(traces, begin, end, over = "time [s]") {
   const first = traces[0]?.history;
   for (let i = first?.indexAt(begin) ?? 0; first && i < first.times.length && first.times[i] <= end; i += 1) {
     const time = first.times[i];
-    lines.push([time, ...traces.map(({ history }) => history.valueAt(time) ?? "")].join(","));
+    const at = ({ history, scale = 1 }) => history.valueAt(time) * scale;
+    lines.push([time, ...traces.map((trace) => (trace.history.times.length ? at(trace) : ""))].join(","));
   }
   return `${lines.join("\n")}\n`;
 }

@@ -1,6 +1,7 @@
 // Charts drawn by uPlot: traces over time, over frequency or over one of them, with cursors, marks and zoom.
 import { History, csvOf } from "./history.js";
 import { number } from "./text.js";
+import { units } from "./units.js";
 import uPlot from "../vendor/uplot/uPlot.esm.js";
 
 const NEAR = 8; // pixels from a mark within which its text is shown
@@ -34,17 +35,17 @@ export function responseTraces(responses) {
   return responses.map(({ label, time, values, colour }) => {
     const history = new History(Infinity);
     time.forEach((at, i) => history.add(at, values[i]));
-    return { label, unit: "rad", history, colour };
+    return { label, history, colour, ...units.shown("rad") };
   });
 }
 
 /** Return the samples of all traces from `begin` to `end` over the same times. */
 function aligned(traces, begin, end) {
-  const parts = traces.map(({ history: { times, values }, history }) => {
+  const parts = traces.map(({ history: { times, values }, history, scale = 1 }) => {
     // A sample more on each side, so that the lines reach the edges.
     const from = Math.max(history.indexAt(begin) - 1, 0);
     const to = history.indexAt(end) + 1;
-    return [times.slice(from, to), values.slice(from, to)];
+    return [times.slice(from, to), values.slice(from, to).map((value) => value * scale)];
   });
   if (!parts.length) return [[]];
   const [[first]] = parts;
@@ -126,7 +127,7 @@ export class BodePlot extends Chart {
   }
 }
 
-/** Traces {label, history, unit, colour} over time or frequency, or all but the first over the first. */
+/** Traces {label, history, unit, scale to it, colour} over time or frequency, or all but the first over the first. */
 export class Plot extends Chart {
   /**
    * `place` is the element to draw into. Plots of one `group` share their cursor. `moved()` is
@@ -278,11 +279,11 @@ export class Plot extends Chart {
 
   /** Lay all traces but the first over the first, from `begin` to `end` [s]. */
   layAcross(begin, end) {
-    const [{ history: abscissa }, ...others] = this.traces;
-    this.curves = others.map(({ history: { times, values }, history }) => {
+    const [{ history: abscissa, scale: scaleX = 1 }, ...others] = this.traces;
+    this.curves = others.map(({ history: { times, values }, history, scale = 1 }) => {
       const [from, to] = [history.indexAt(begin), history.indexAt(end)];
-      const points = times.slice(from, to).map((time, i) => [abscissa.valueAt(time), values[from + i]]);
-      return points.filter(([x]) => x !== undefined);
+      const points = times.slice(from, to).map((time, i) => [abscissa.valueAt(time) * scaleX, values[from + i] * scale]);
+      return points.filter(([x]) => !Number.isNaN(x));
     });
     const range = (axis) => {
       const all = this.curves.flat().map((point) => point[axis]);
@@ -361,12 +362,13 @@ export class Plot extends Chart {
   }
 
   /** Return the value of a trace at the cursor, else its newest, and its difference to the second cursor. */
-  valueOf({ history }) {
+  valueOf({ history, scale = 1 }) {
     const at = this.cursor ?? (this.seek ? this.fixed : null);
     // A spectrum has no newest value.
     if (this.isSpectrum && this.cursor === null) return { value: undefined, change: null };
     const value = at === null ? history.values.at(-1) : history.nearest(at);
-    return { value, change: this.cursor === null || this.fixed === null || this.isSpectrum ? null : value - history.nearest(this.fixed) };
+    const isCompared = this.cursor !== null && this.fixed !== null && !this.isSpectrum;
+    return { value: value === undefined ? undefined : value * scale, change: isCompared ? (value - history.nearest(this.fixed)) * scale : null };
   }
 
   /** Return what the plot shows as CSV. */

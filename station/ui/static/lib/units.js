@@ -1,6 +1,6 @@
 // The unit of angles that a person chose for this browser.
-import { kept } from "./dom.js";
-import { inDegrees } from "./text.js";
+import { field, kept, show } from "./dom.js";
+import { inDegrees, number } from "./text.js";
 
 export const DEGREES = 180 / Math.PI;
 
@@ -22,6 +22,12 @@ class Units extends EventTarget {
     return this.angle === "deg" ? DEGREES : 1;
   }
 
+  /** Return the chosen unit for values in `unit`, such as rad/s, and the factor to it; other units stay. */
+  shown(unit) {
+    const isAngle = this.angle === "deg" && /^m?rad\b/.test(unit);
+    return isAngle ? { unit: unit.replace(/m?rad/, "°"), scale: unit.startsWith("m") ? DEGREES / 1e3 : DEGREES } : { unit, scale: 1 };
+  }
+
   /** Return a sentence of the station with its angles in the chosen unit. */
   words(text) {
     return this.angle === "deg" ? inDegrees(text) : text;
@@ -34,3 +40,28 @@ class Units extends EventTarget {
 }
 
 export const units = new Units();
+
+/** Return a value with its unit, in the chosen one if it is an angle; a degree is more than a mrad, so it has more digits. */
+export function figure(value, unit, digits) {
+  const shown = units.shown(unit);
+  return `${number(value * shown.scale, shown.scale < 1 ? digits + 1 : digits)} ${shown.unit}`;
+}
+
+/** Return a field for an angle [rad] in the chosen unit; what nobody has typed stays exact. */
+export function angleField(name, radians = null, label = name) {
+  const { input, label: row, read } = field(name, "", "", label);
+  const unit = row.appendChild(document.createElement("span"));
+  let exact = radians;
+  const put = (value) => {
+    exact = value;
+    input.value = value === null ? "" : Number(number(value * units.scale, 4));
+  };
+  const draw = () => {
+    show(unit, units.sign);
+    put(exact);
+  };
+  input.addEventListener("input", () => (exact = read() === null ? null : read() / units.scale));
+  units.addEventListener("change", draw);
+  draw();
+  return { input, label: row, read: () => exact, put };
+}

@@ -100,7 +100,7 @@ class ArmSettings extends Panel {
   }
 
   refresh() {
-    this.guide.hidden = !store.docks.simulation;
+    this.guide.hidden = !store.docks?.simulation;
     this.guide.disabled = !store.isOperator;
     this.guide.ariaPressed = this.isGuided;
     show(this.guide, this.isGuided ? "Guiding off" : "Guiding on");

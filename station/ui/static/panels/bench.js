@@ -1,5 +1,5 @@
 // The bench: tests of one joint, gains that a relay test proposes, and the kept runs.
-import { act, api, button, choice, drawn, field, h, html, kept, line, nameField, nothing, number, Panel, repeat, show, store, typed } from "../lib/panel.js";
+import { act, angleField, api, button, choice, drawn, field, figure, h, html, kept, line, nameField, nothing, number, Panel, repeat, show, store, typed, units } from "../lib/panel.js";
 import { BodePlot, COLOURS, Plot, responseTraces } from "../lib/plot.js";
 
 /** What each kind of test asks for besides its size and duration. */
@@ -23,13 +23,13 @@ class Bench extends Panel {
   build() {
     this.kind = choice("Kind of test", Object.keys(EXCITATIONS), () => this.choose());
     this.fields = {
-      amplitude: field("size", "", "rad"),
+      amplitude: angleField("size"),
       duration: field("for", "", "s"),
       frequency: field("at", "0.5", "Hz"),
       first: field("from", "0.5", "Hz"),
       last: field("to", "8", "Hz"),
       frequencies: field("at these", "0.5 0.9 1.5 2.3 3.7 5.9", "Hz"),
-      hysteresis: field("hysteresis", "0.0005", "rad"),
+      hysteresis: angleField("hysteresis", 0.0005),
       relay_gain: field("p alone", "", "Nm/rad"),
     };
     this.fields.frequencies.input.classList.add("wide");
@@ -41,7 +41,7 @@ class Bench extends Panel {
       for (const [name, { label }] of Object.entries(this.fields)) label.hidden = !used.includes(name);
       const p = this.tuning.gainsOfJoint().p;
       const usual = { amplitude: SIZES[kind], duration: TIMES[kind], relay_gain: p ? p / 4 : "" };
-      for (const [name, value] of Object.entries(usual)) if (!isTyped.has(name)) this.fields[name].input.value = String(value);
+      for (const [name, value] of Object.entries(usual)) if (!isTyped.has(name)) this.fields[name].put(value);
     };
     this.runName = nameField("Name of the run", "name of the run", () => {});
     this.runButton = button("Run test", "Moves the chosen joint through the running controller, at most 0.3 rad, and leads it back.", () => this.run(), { class: "s primary", disabled: true });
@@ -62,6 +62,7 @@ class Bench extends Panel {
     this.colours = kept.get("bench-colours", {});
     this.choose();
     this.draw();
+    units.addEventListener("change", () => this.draw());
     setInterval(() => this.isShown && this.shown.size && this.drawShown(), 200);
   }
 
@@ -71,8 +72,8 @@ class Bench extends Panel {
     const kind = choice("Read as", Object.keys(EXCITATIONS));
     const [begin, end, low, high] = [field("from time", "", "s"), field("to time", "", "s"), field("lowest", "0.5", "Hz"), field("highest", "8", "Hz")];
     const read = button("Read", "Reads the chosen part as a test of the joint above; the robot does not move.", async () => {
-      const [b, e, l, u] = [begin, end, low, high].map(({ input }) => typed(input.value));
-      const body = { ...this.tuning.chosen, kind: kind.value, begin: begin.input.value ? b : null, end: end.input.value ? e : null, low: l, high: u };
+      const [b, e, l, u] = [begin, end, low, high].map((one) => one.read());
+      const body = { ...this.tuning.chosen, kind: kind.value, begin: b, end: e, low: l, high: u };
       if (this.runName.value.trim()) body.name = this.runName.value.trim();
       this.add(await act("POST", `${this.source.value}/bench`, body));
     });
@@ -106,7 +107,7 @@ class Bench extends Panel {
       this.kind.value = kind;
       this.choose();
     }
-    const value = (name) => typed(this.fields[name].input.value);
+    const value = (name) => this.fields[name].read();
     const { controller, joint } = this.tuning.chosen;
     const excitation = { kind, joint, amplitude: value("amplitude") };
     for (const name of EXCITATIONS[kind]) if (name !== "relay_gain") excitation[name] = name === "frequencies" ? this.fields[name].input.value.trim().split(/[\s;]+/).map(typed) : value(name);
@@ -162,7 +163,7 @@ class Bench extends Panel {
   draw() {
     const shown = this.runs.filter(({ name }) => this.shown.has(name));
     const columns = FIGURES.filter(([key]) => shown.some(({ metrics }) => key in metrics));
-    const cell = (run, [key, , factor, unit, digits]) => (key in run.metrics ? `${number(run.metrics[key] * factor, digits)} ${unit}` : "–");
+    const cell = (run, [key, , factor, unit, digits]) => (key in run.metrics ? figure(run.metrics[key] * factor, unit, digits) : "–");
     const row = (run) => html`<tr>
       <td><label class="trace t${this.colourOf(run.name) % COLOURS}"><input type="checkbox" .checked=${this.shown.has(run.name)} aria-label="Show ${run.name}" @change=${() => this.toggle(run.name)} /><svg viewBox="0 0 12 8" aria-hidden="true"><path d="M0 4h12" /></svg>${run.name}</label></td>
       <td>${run.kind} ${run.joint.replace(/^.*_/, "")}: ${Object.entries(run.gains).map(([key, value]) => `${key} ${number(value, Number.isInteger(value) ? 0 : 2)}`).join(", ") || "–"}</td>

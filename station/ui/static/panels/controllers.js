@@ -1,6 +1,6 @@
 // Controllers: a row for each, what a switch would do before the click, chains, and loading.
 import "./load_form.js";
-import { act, api, breakable, button, h, html, nothing, number, Panel, render, repeat, restartController, shortNames, show, stopController, store, switchTo } from "../lib/panel.js";
+import { act, api, breakable, button, figure, h, html, nothing, number, Panel, render, repeat, restartController, shortNames, show, stopController, store, switchTo } from "../lib/panel.js";
 
 const SYMBOLS = { running: "●", initialized: "○", stopped: "○", loading: "…", aborted: "✖", waiting: "…" };
 
@@ -127,14 +127,14 @@ function levelsOf(head, all) {
 }
 
 /** Return how far each joint steps, e.g. `joint1 0.0012 rad, joint2 −0.5 rad; 5 others not`. */
-function stepsOf(jump, units) {
+function stepsOf(jump, unitOf) {
   const names = shortNames(store.docks.joints);
   const known = Object.entries(jump).filter(([, size]) => size != null);
   if (!known.length) return "";
   const steps = known.filter(([, size]) => Math.abs(size) >= STEP);
   if (!steps.length) return "no joint steps";
   const still = known.length - steps.length;
-  const texts = steps.map(([joint, size]) => `${names.get(joint) ?? joint} ${Number(size.toFixed(4))} ${units[joint] ?? ""}`.trim());
+  const texts = steps.map(([joint, size]) => `${names.get(joint) ?? joint} ${figure(size, unitOf[joint] ?? "", 4)}`.trim());
   return `steps ${texts.join(", ")}${still ? `; ${still} others none` : ""}`;
 }
 

@@ -1,5 +1,5 @@
 // Gripper: how wide it is, and open, close, grasp with a force, home.
-import { act, api, button, field, h, line, number, Panel, show, store, typed } from "../lib/panel.js";
+import { act, api, button, field, h, line, number, Panel, show, store } from "../lib/panel.js";
 
 const LOOK_MS = 400;
 
@@ -29,7 +29,7 @@ class Gripper extends Panel {
     const force = field("force", "20", "N");
     const tolerance = field("±", "10", "mm");
     const go = (action, body) => () => act("POST", `/robots/${arm}/gripper/${action}`, body?.());
-    const millimetres = (input) => (typed(input.value) ?? NaN) / 1e3;
+    const millimetres = (one) => (one.read() ?? NaN) / 1e3;
     const actions = [
       ["Open", "Open all the way", go("move", () => ({ width: told.max_width }))],
       ["Close", "Close all the way, without pressing", go("move", () => ({ width: 0 }))],
@@ -37,9 +37,9 @@ class Gripper extends Panel {
         "Grasp",
         "Close until an object stops the fingers, then press it; succeeds when its width is within the tolerance",
         go("grasp", () => ({
-          width: millimetres(width.input),
-          force: typed(force.input.value),
-          epsilon: { inner: millimetres(tolerance.input), outer: millimetres(tolerance.input) },
+          width: millimetres(width),
+          force: force.read(),
+          epsilon: { inner: millimetres(tolerance), outer: millimetres(tolerance) },
         })),
       ],
       ["Home", "Close and open all the way, to learn the width", go("homing")],

@@ -240,8 +240,9 @@ class Hand extends Panel {
       button.title = button.ariaLabel = way;
     });
     this.step.disabled = !this.isStepping;
-    this.reach.disabled = !isOf(target);
-    for (const each of this.trials) each.disabled = !store.isOperator;
+    const isEmpty = this.targets.some((input) => !input.value.trim());
+    this.reach.disabled = !isOf(target) || isEmpty;
+    for (const each of this.trials) each.disabled = !store.isOperator || isEmpty;
     this.axes.disabled = (!isOf(jog) && !this.isStepping) || !store.isOperator;
     this.startJog.hidden = Boolean(jog.controller) || !store.isOperator;
     this.startTarget.hidden = Boolean(target.controller) || !store.isOperator;
@@ -252,7 +253,7 @@ class Hand extends Panel {
       input.max = most;
       tell();
     });
-    if (message) show(this.state, `⚠ ${message}`);
+    if (message) show(this.state, units.words(`⚠ ${message}`));
     else if (isOf(jog)) show(this.state, `Hold a button: ${jog.controller} moves the hand in the axes of ${FRAMES[this.frame] ?? FRAMES[0]}.`);
     else if (isOf(target)) show(this.state, `${target.controller} moves the hand to a pose that you type here, by one step for each press of a button, or to where you drag the arrows at the hand in the 3D view.`);
     else show(this.state, "Start one of the two: a jog while a button is held, or targets that the hand goes to. What moves single joints stops then.");

@@ -220,7 +220,7 @@ class Joints extends Panel {
     if (!store.isOperator) return "This session only watches. An operator's session moves joints.";
     if (operated.reason) {
       const offered = enabling?.name && !enabling.reason;
-      return offered ? "Nothing that runs takes joint values. Click “Enable sliders” over the 3D view." : operated.reason;
+      return offered ? "Nothing that runs takes joint values. Click “Enable sliders” over the 3D view." : units.words(operated.reason);
     }
     const going = teleoperation.state.remaining ?? 0;
     // The distances of several joints have one number, which has a unit if all turn.

@@ -3,7 +3,7 @@ import "./replay_bar.js";
 import { described, numbersIn } from "../lib/channel_maths.js";
 import { Channels, sample, sources } from "../lib/channels.js";
 import { History } from "../lib/history.js";
-import { button, choice, follow, h, kept, line, number, Panel, shortNames, show, store } from "../lib/panel.js";
+import { button, choice, follow, h, html, kept, line, number, Panel, render, shortNames, show, store, units } from "../lib/panel.js";
 import { layoutMenu, layoutOf } from "../lib/plot_layouts.js";
 import { Plot, download, swatch } from "../lib/plot.js";
 import { Run, ofLink } from "../lib/recorded.js";
@@ -47,6 +47,7 @@ class Plots extends Panel {
       for (const history of this.histories.values()) history.clear();
     });
     store.addEventListener("joints", () => this.hear());
+    units.addEventListener("change", () => this.plots.forEach((entry) => this.apply(entry)));
     setInterval(() => this.draw(), 1000 / DRAW_HZ);
   }
 
@@ -236,7 +237,7 @@ class Plots extends Panel {
     const box = h("div", { class: "plot" }, h("div", { class: "plot-head" }, legend, menu), canvas);
     box.addEventListener("dragover", (event) => this.dragged && event.preventDefault());
     box.addEventListener("drop", (event) => this.drop(event, entry));
-    menu.addEventListener("toggle", () => menu.open && this.fillMenu(entry));
+    menu.addEventListener("toggle", () => menu.open && this.openMenu(entry));
     canvas.addEventListener("dblclick", () => {
       if (replay.isOpen) return this.zoomTo(0, replay.duration);
       if (this.isZoomed) this.setPaused(false);
@@ -248,66 +249,61 @@ class Plots extends Panel {
     this.apply(entry);
   }
 
-  /** Fill a plot's menu: the usual channels, then every number of every stream. */
-  fillMenu(entry) {
-    const list = entry.menu.querySelector(".choices");
-    const search = h("input", { type: "search", placeholder: "search, e.g. tau_J_d or p99", ariaLabel: "Search channels" });
-    const usual = h("div", {}, ...[...this.channels].map(([key, { label, unit }]) => this.choice(entry, key, label, unit)));
+  /** Offer the usual channels, and every number of every source, which is asked for when it is opened. */
+  openMenu(entry) {
     const recorded = replay.runs.slice(0, 1).map(({ name, columns }) => ({ id: "recorded", title: `recorded in ${name}`, columns: columns.slice(4) }));
-    const groups = [...recorded, ...sources()].map((source) => this.sourceGroup(entry, source));
-    const sift = (rows) => {
-      const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
-      for (const row of rows) row.hidden = !words.every((word) => row.textContent.toLowerCase().includes(word));
-      return words.length > 0;
-    };
-    const siftGroup = ({ details }) => {
-      const rows = [...details.querySelectorAll(".channel")];
-      const isSearched = sift(rows);
-      details.hidden = isSearched && rows.every((row) => row.hidden);
-      if (isSearched) details.open = !details.hidden;
-    };
+    entry.groups = [...recorded, ...sources()].map((source) => ({ source, keys: null, isOpen: false }));
     const find = () => {
-      const isSearched = sift(usual.children);
-      for (const group of groups) {
-        siftGroup(group);
-        // What a quick source has is shown before a slow one has answered.
-        if (isSearched) group.load().then(() => siftGroup(group));
-      }
+      this.drawMenu(entry);
+      // What a quick source has is shown before a slow one has answered.
+      if (entry.search.value.trim()) for (const group of entry.groups) this.load(group, entry);
     };
-    search.addEventListener("input", find);
-    list.replaceChildren(search, usual, h("p", { class: "hint" }, "Everything that is streamed:"), ...groups.map(({ details }) => details));
+    entry.search = h("input", { type: "search", placeholder: "search, e.g. tau_J_d or p99", ariaLabel: "Search channels", oninput: find });
+    this.drawMenu(entry);
   }
 
-  /** Return a foldable list of all numbers of a source, asked for when it is opened. */
-  sourceGroup(entry, source) {
-    const rows = h("div", {}, h("p", { class: "hint" }, "Asking the station … What says nothing at the moment has no numbers here."));
-    const details = h("details", { class: "source" }, h("summary", {}, source.title), rows);
-    let asked = null;
-    const load = () =>
-      (asked ??= Promise.resolve(source.columns ?? sample(source).then((data) => (data ? numbersIn(data) : []))).then((paths) => {
-        const keys = paths.map((path) => `${source.id}|${path}`);
-        rows.replaceChildren(...keys.map((key) => this.choice(entry, key, described(key).label, described(key).unit)));
-        if (keys.length) return;
-        rows.append(h("p", { class: "hint" }, "No numbers at the moment: a controller that does not run has none."));
-        asked = null; // asked again when it is opened again
-      }));
-    details.addEventListener("toggle", () => details.open && load());
-    return { details, load };
+  drawMenu(entry) {
+    const words = entry.search.value.toLowerCase().split(/\s+/).filter(Boolean);
+    const channels = (keys) => keys.map((key) => [key, this.channel(key)]).map(([key, { label, unit }]) => [key, label, units.shown(unit).unit]);
+    const isFound = ([, label, unit]) => words.every((word) => `${label} [${unit}] d/dt`.toLowerCase().includes(word));
+    const rows = (keys) => channels(keys).filter(isFound).map((channel) => this.choice(entry, ...channel));
+    const group = (one) => {
+      const found = rows(one.keys ?? []);
+      const none = one.keys ? "No numbers at the moment: a controller that does not run has none." : "Asking the station … What says nothing at the moment has no numbers here.";
+      const toggle = ({ target }) => {
+        one.isOpen = target.open;
+        if (one.isOpen) this.load(one, entry);
+      };
+      return html`<details class="source" ?hidden=${words.length && !found.length} .open=${words.length ? found.length > 0 : one.isOpen} @toggle=${toggle}><summary>${one.source.title}</summary><div>${found.length ? found : html`<p class="hint">${none}</p>`}</div></details>`;
+    };
+    render(html`${entry.search}<div>${rows([...this.channels.keys()])}</div><p class="hint">Everything that is streamed:</p>${entry.groups.map(group)}`, entry.menu.querySelector(".choices"));
+  }
+
+  /** Ask a source for its numbers, once; again if it has had none. */
+  async load(group, entry) {
+    const { source } = group;
+    if (group.isAsked) return;
+    group.isAsked = true;
+    const paths = source.columns ?? numbersIn((await sample(source)) ?? {});
+    group.keys = paths.map((path) => `${source.id}|${path}`);
+    group.isAsked = paths.length > 0;
+    this.drawMenu(entry);
   }
 
   /** Return the row of a channel: a button for it, and one for its rate of change. */
   choice(entry, key, label, unit) {
-    const choose = (wanted, name, look) => {
-      const isChosen = () => entry.keys.includes(wanted);
-      const made = button(name, undefined, () => {
-        entry.keys = isChosen() ? entry.keys.filter((other) => other !== wanted) : [...entry.keys, wanted];
-        made.ariaPressed = isChosen();
+    const choose = (wanted, name, text, look) => {
+      const isChosen = entry.keys.includes(wanted);
+      const change = () => {
+        entry.keys = isChosen ? entry.keys.filter((other) => other !== wanted) : [...entry.keys, wanted];
         this.apply(entry);
         this.keep();
-      }, { class: look, ariaLabel: wanted === key ? name : `rate of change of ${label}`, ariaPressed: isChosen() });
-      return made;
+        this.drawMenu(entry);
+      };
+      return html`<button class=${look} type="button" aria-label=${name} aria-pressed=${isChosen} @click=${change}>${text}</button>`;
     };
-    return h("div", { class: "channel" }, choose(key, unit ? `${label} [${unit}]` : label, "choice"), choose(DERIVATIVE + key, "d/dt", "choice rate"));
+    const text = unit ? `${label} [${unit}]` : label;
+    return html`<div class="channel">${choose(key, text, text, "choice")}${choose(DERIVATIVE + key, `rate of change of ${label}`, "d/dt", "choice rate")}</div>`;
   }
 
   zoom(entry, factor) {
@@ -392,7 +388,8 @@ class Plots extends Panel {
     entry.made = made;
     plot.isSpectrum = how === SPECTRUM && !plot.xy;
     const channels = sources.map((source) => (source.key.startsWith(DERIVATIVE) ? { ...source, history: source.history.slopes() } : source));
-    plot.traces = plot.xy ? channels : transformed(channels, how, end - plot.span, end);
+    const traces = plot.xy ? channels : transformed(channels, how, end - plot.span, end);
+    plot.traces = traces.map((trace) => ({ ...trace, ...units.shown(trace.unit) }));
   }
 
   keep() {

@@ -1,6 +1,6 @@
 // "Tune for me": a search for better gains in a simulated copy of the station, its
 // progress and its best so far; nothing is applied before a person has seen the change.
-import { act, api, drawn, field, h, html, number, Panel, press, refusals, store, typed } from "../lib/panel.js";
+import { act, angleField, api, drawn, field, figure, h, html, number, Panel, press, refusals, store } from "../lib/panel.js";
 import { Plot, responseTraces } from "../lib/plot.js";
 
 const LOOK_MS = 1000;
@@ -14,7 +14,7 @@ const SHOWN = [
 
 class TuneSearch extends Panel {
   build() {
-    this.fields = { trials: field("trials", "40", "", "Number of trials of the search"), size: field("step", "0.1", "rad", "step of the search [rad]"), seconds: field("for", "1", "s", "for of the search [s]") };
+    this.fields = { trials: field("trials", "40", "", "Number of trials of the search"), size: angleField("step", 0.1, "step of the search"), seconds: field("for", "1", "s", "for of the search [s]") };
     this.chart = h("div", { class: "chart response", role: "img", ariaLabel: "Responses at the start of the search and of the best trial" });
     this.plot = new Plot(this.chart);
     this.name = this.differs = "";
@@ -25,7 +25,7 @@ class TuneSearch extends Panel {
 
   async start() {
     const { controller, joint } = this.tuning.chosen;
-    const [trials, size, seconds] = ["trials", "size", "seconds"].map((key) => typed(this.fields[key].input.value));
+    const [trials, size, seconds] = ["trials", "size", "seconds"].map((key) => this.fields[key].read());
     if ([trials, size, seconds].includes(null)) return refusals.add({ code: "not_a_number", detail: "Type trials, step and seconds as numbers." });
     this.isStarting = true;
     this.draw();
@@ -83,7 +83,7 @@ class TuneSearch extends Panel {
   draw() {
     const told = this.shown;
     const running = told?.state === "running";
-    const cell = (trial, [key, , scale, unit]) => (trial?.metrics[key] == null ? "–" : `${number(trial.metrics[key] * scale, 2)} ${unit}`);
+    const cell = (trial, [key, , scale, unit]) => (trial?.metrics[key] == null ? "–" : figure(trial.metrics[key] * scale, unit, 2));
     const row = (one) => html`<tr><td>${one[1]}</td><td>${cell(told.first, one)}</td><td>${cell(told.best, one)}</td></tr>`;
     const says = told ? this.progressOf(told) : "Tries gains in a simulated copy of this station, in a process of its own; the robot stays as it is. You see the change before it is applied.";
     drawn(this, html`<div class="line"><b>Search</b>${Object.values(this.fields).map(({ label }) => label)}
