@@ -1,8 +1,8 @@
 from station.controllers.cartesian_motion.cartesian_motion_generator cimport (
     CartesianMotionGenerator)
-from station.controllers.cartesian_motion.linear_kinematics cimport LinearKinematics
+from station.controllers.cartesian_motion.linear_kinematics cimport (
+    LinearKinematics, StopPrediction)
 from station.controllers.cartesian_motion.pose_motion cimport PoseMotion
-from station.controllers.cartesian_motion.stop_prediction cimport StopPrediction
 from station.core.franka.model_sources cimport ModelSource
 from station.memory.vectors cimport copy_into
 

@@ -15,9 +15,11 @@ import numpy as np
 from station.controllers.cartesian_motion.cartesian_motion_generator import (
     CartesianMotionGenerator,
 )
-from station.controllers.cartesian_motion.linear_kinematics import LinearKinematics
+from station.controllers.cartesian_motion.linear_kinematics import (
+    LinearKinematics,
+    StopPrediction,
+)
 from station.controllers.cartesian_motion.pose_motion import PoseMotion
-from station.controllers.cartesian_motion.stop_prediction import StopPrediction
 from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.description.robot_description import JointDescription
 from station.core.franka import Frame, FrankaModelHandle

@@ -1,8 +1,10 @@
 from station.memory.vectors cimport copy_into
 from station.memory.functions cimport square_root
+from station.controllers.cartesian_motion.pose_motion cimport PoseMotion
+from station.core.numerics.rigid_motion cimport twist_between
 from station.core.numerics.wrench_equation cimport WrenchEquation
 
-cdef double _ROUNDING, _DAMPING
+cdef double _ROUNDING, _DAMPING, _NEAR
 
 cdef class LinearKinematics:
     cdef Py_ssize_t size
@@ -28,3 +30,20 @@ cpdef double way_between(double[::1] first, double[::1] second) noexcept
 cpdef long limited_joint(
     double[::1] q, double[::1] last, double[::1] lower, double[::1] upper) noexcept
 cpdef double moved(double[::1] q, double[::1] step, double[::1] result) noexcept
+
+cdef class StopPrediction:
+    cdef double[::1] pose, new, lower, upper, velocity, acceleration, q_d, rest, clear
+    cdef double[::1] way, step
+    cdef double elbow, room
+    cdef public LinearKinematics present, resting
+    cdef Py_ssize_t size
+    cpdef bint passes(self, PoseMotion motion) noexcept
+    cpdef bint has_left(self) noexcept
+    cpdef bint leads_away(self, PoseMotion motion) noexcept
+    cpdef long limited_joint(self) noexcept
+    cpdef bint may_collide(self) noexcept
+    cpdef bint are_slow(self, PoseMotion motion) noexcept
+    cpdef long fastest_joint(
+        self, LinearKinematics kinematics, PoseMotion motion) noexcept
+    cpdef void accept(self) noexcept
+    cpdef void note_clearance(self, double room) noexcept

@@ -19,7 +19,6 @@ cdef class JointTracking:
     cdef list _bounds
     cdef JointErrors _position, _velocity
     cdef double[::1] _states, _splines
-    cpdef void load_spline(self, Py_ssize_t k, double[::1] spline) noexcept
     cpdef bint follow_splines(self, double time, double factor, double rate) noexcept
     cpdef void compare_states(self) noexcept
     cpdef bint exceeds_bounds(self) noexcept

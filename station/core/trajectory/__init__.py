@@ -2,6 +2,8 @@
 
 from station.core.trajectory.init_joint_trajectory import (
     JointSegments as JointSegments,
+    JointTrajectory as JointTrajectory,
+    JointTrajectoryPoint as JointTrajectoryPoint,
     JointTrajectorySegment as JointTrajectorySegment,
     SegmentTrajectory as SegmentTrajectory,
     TrajectoryOptions as TrajectoryOptions,
@@ -12,10 +14,6 @@ from station.core.trajectory.init_joint_trajectory import (
     sample_segments as sample_segments,
     stop_trajectory as stop_trajectory,
     wraparound_offset as wraparound_offset,
-)
-from station.core.trajectory.joint_trajectory import (
-    JointTrajectory as JointTrajectory,
-    JointTrajectoryPoint as JointTrajectoryPoint,
 )
 from station.core.trajectory.quintic_spline_segment import (
     PosVelAccState as PosVelAccState,

@@ -3,7 +3,7 @@
 import pytest
 
 from station.core.clock import ManualClock
-from station.core.loop.loop_report import LoopMeter
+from station.core.loop.control_loop import LoopMeter
 from station.reports import LoopReport, LoopState
 
 

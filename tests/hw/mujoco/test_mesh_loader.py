@@ -7,8 +7,7 @@ import trimesh
 
 from station.core.description.urdf import Pose, Shape
 from station.core.errors import RobotDescriptionError
-from station.hw.mujoco.mesh_loader import add_mesh
-from station.hw.mujoco.model_builder import new_world
+from station.hw.mujoco.model_builder import add_mesh, new_world
 from tests.hw.mujoco.test_description_repair import make
 
 # A tetrahedron.

@@ -24,8 +24,6 @@ cdef class CommandSender:
     cdef bint has_positions, has_velocities, has_efforts, has_pose, has_twist
     cdef public object refusal
     cdef readonly Guard guard
-    cpdef bint is_interrupted(self)
-    cpdef mode_name(self)
     cpdef write(self, double time, double period)
     @cython.locals(check=FiniteCheck, limits=EnforcedLimits)
     cpdef send_commands(self, double period)

@@ -12,7 +12,10 @@ from station.hw.franka.simulated.arm_motors import ArmMotors
 from station.hw.franka.simulated.arm_step import ArmStep
 from station.hw.franka.simulated.arm_supervisor import ArmSupervisor
 from station.hw.franka.simulated.cartesian_step import CartesianStep
-from station.hw.franka.simulated.contact_estimate import ContactEstimate
+from station.hw.franka.simulated.contact_estimate import (
+    ContactEstimate,
+    MomentumObserver,
+)
 from station.hw.franka.simulated.cycle_log import CycleLog
 from station.hw.franka.simulated.desired_motion import DesiredMotion
 from station.hw.franka.simulated.end_effector_state import EndEffectorState
@@ -20,7 +23,6 @@ from station.hw.franka.simulated.franka_dynamics import ArmLoad
 from station.hw.franka.simulated.inverse_kinematics import InverseKinematics
 from station.hw.franka.simulated.joint_motors import JointMotors
 from station.hw.franka.simulated.joint_watch import JointWatch
-from station.hw.franka.simulated.momentum_observer import MomentumObserver
 from station.hw.franka.simulated.motion_check import MotionCheck
 from station.hw.franka.simulated.realism import Realism
 from station.hw.franka.simulated.sensor_faults import SensorFaults

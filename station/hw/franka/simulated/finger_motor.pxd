@@ -9,4 +9,3 @@ cdef class FingerSensor:
     cdef SimulatorMemory simulator
     cdef double[::1] positions, velocities, efforts
     cdef readonly Py_ssize_t size
-    cpdef read(self)

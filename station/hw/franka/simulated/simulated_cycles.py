@@ -87,10 +87,11 @@ class SimulatedCycles:
         else:
             found = step.read_joints(time)
             self.state.time = time
-        if self.observer is not None:
+        observer = self.observer
+        if observer is not None:
             if step.has_load:
                 self.expect_load()
-            observed = self.observer.sense()
+            observed = observer.sense()
             if observed & _TOUCHED:
                 self.contact.is_quiet = False
             if observed & _ASKS:

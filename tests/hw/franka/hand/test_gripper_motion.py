@@ -3,7 +3,7 @@
 import pytest
 
 from station.core.franka import GraspRequest, GripperActivity
-from station.hw.franka.hand.gripper_motion import REST_DURATION, GripperMotion
+from station.hw.franka.hand.hand_services import REST_DURATION, GripperMotion
 
 STEP = 0.001
 

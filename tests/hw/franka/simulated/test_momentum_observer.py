@@ -29,6 +29,7 @@ PERFECT = Realism(
     friction_level=NONE,
     friction_slope=NONE,
     friction_shift=NONE,
+    viscous=NONE,
     static_friction=NONE,
     stribeck_velocity=1.0,
     presliding=1.0,
