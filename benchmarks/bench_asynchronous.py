@@ -6,6 +6,7 @@ each other in the order A B B A; each update computes for 5 ms, or sleeps for 5 
 """
 
 import argparse
+import importlib
 import statistics
 import sys
 from time import perf_counter, sleep
@@ -20,8 +21,8 @@ from station.core.control.controller_loader import TableLoader
 from station.core.control.switching import Strictness, SwitchRequest
 from station.core.facade.station import Station
 from station.core.hardware.interfaces import JointStateInterface
-from station.core.loop.scheduling import realtime_interpreter
 from station.core.parameters import Parameters
+from station.core.scheduling import realtime_interpreter
 from station.reports import Percentiles
 
 CONTROLLER = "effort_group_position_controller"
@@ -32,7 +33,7 @@ SETTLING = 0.2
 
 
 class Beside(Controller[JointStateInterface]):
-    """Computes, or sleeps, for 5 ms."""
+    """Computes, or sleeps, for 5 ms. Its process imports this file as a module."""
 
     hardware_interface = JointStateInterface
     computes = True
@@ -51,9 +52,11 @@ class Beside(Controller[JointStateInterface]):
             self.loops += 1
 
 
-def measure(station: Station, seconds: float, *, beside: bool) -> Percentiles:
+def measure(
+    station: Station, name: str, seconds: float, *, beside: bool
+) -> Percentiles:
     """Return the lateness of the loop in a turn."""
-    names = ("beside",)
+    names = (name,)
     start, stop = (names, ()) if beside else ((), names)
     station.switch_controllers(SwitchRequest(start, stop, Strictness.BEST_EFFORT))
     sleep(SETTLING)
@@ -62,12 +65,12 @@ def measure(station: Station, seconds: float, *, beside: bool) -> Percentiles:
     return station.loop.report().lateness
 
 
-def compare(station: Station, seconds: float, turns: int) -> list[object]:
+def compare(station: Station, name: str, seconds: float, turns: int) -> list[object]:
     """Return medians of both kinds of turns [us] and their ratio."""
     found: dict[bool, list[float]] = {False: [], True: []}
     for turn in range(turns):
         for beside in (False, True) if turn % 2 == 0 else (True, False):
-            report = measure(station, seconds, beside=beside)
+            report = measure(station, name, seconds, beside=beside)
             found[beside].append(report.p99 * 1e6)
     without, beside_it = (statistics.median(found[one]) for one in (False, True))
     return [without, beside_it, beside_it / without]
@@ -80,17 +83,24 @@ def main() -> None:
     parser.add_argument("--turns", type=int, default=10)
     options = parser.parse_args()
     station = compose(load_config()).station
-    station.manager.register_loader(TableLoader({"bench/Beside": Beside}))
-    station.parameters.set("beside", {"type": "bench/Beside", "is_async": True})
-    station.load_controller("beside")
+    # Not the class of `__main__`, which a process could not import.
+    kind = importlib.import_module("bench_asynchronous").Beside
+    station.manager.register_loader(TableLoader({"bench/Beside": kind}))
+    for name in ("thread", "process"):
+        how = {"process": name == "process", "time_limit": 5.0}
+        shared = {"type": "bench/Beside", "is_async": True}
+        station.parameters.set(name, {**shared, "async_parameters": how})
+        station.load_controller(name)
     rows = []
     with realtime_interpreter():
         station.loop.start()
         try:
             station.switch_controllers(SwitchRequest(start=(CONTROLLER,)))
-            for Beside.computes in (True, False):
-                name = "computes" if Beside.computes else "sleeps"
-                rows.append([name, *compare(station, options.seconds, options.turns)])
+            for name in ("process", "thread", "sleeps"):
+                kind.computes = name != "sleeps"
+                controller = "process" if name == "process" else "thread"
+                found = compare(station, controller, options.seconds, options.turns)
+                rows.append([name, *found])
         finally:
             station.loop.stop()
     print_title(f"Lateness of the loop, p99 [us], Python {sys.version.split()[0]}")

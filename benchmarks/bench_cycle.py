@@ -22,7 +22,7 @@ from turns import Effort, Turns, ask_for_processor, measure_cold, measure_hot
 
 from station.compiled import SWITCH, status
 from station.core.control.switching import SwitchRequest
-from station.core.loop.scheduling import realtime_interpreter
+from station.core.scheduling import realtime_interpreter
 
 MODES = {"interpreted": "0", "compiled": "1"}
 SETTLING = 1000

@@ -22,7 +22,7 @@ from measuring import REPEATS, print_table, print_title, simulated_world
 
 from station.app.composition import compose
 from station.config import load_config
-from station.core.loop.scheduling import SWITCH_INTERVAL
+from station.core.scheduling import SWITCH_INTERVAL
 from station.hw.mujoco.stepper import direct_function
 
 CALLS = 400

@@ -39,7 +39,7 @@ from station.client import StationClient
 from station.compiled import SWITCH
 from station.core.control.switching import SwitchRequest
 from station.core.facade.station import Station
-from station.core.loop.scheduling import realtime_interpreter, request_realtime_priority
+from station.core.scheduling import realtime_interpreter, request_realtime_priority
 from station.reports import LoopReport
 
 CONTROLLER = "effort_group_position_controller"

@@ -23,7 +23,7 @@ from station.app.composition import compose
 from station.config import load_config
 from station.core.control.switching import SwitchRequest
 from station.core.facade.station import Station
-from station.core.loop.scheduling import SWITCH_INTERVAL, realtime_interpreter
+from station.core.scheduling import SWITCH_INTERVAL, realtime_interpreter
 from station.reports import LoopReport
 
 CONTROLLER = "effort_group_position_controller"

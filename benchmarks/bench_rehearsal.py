@@ -15,7 +15,7 @@ from station.app.composition import compose
 from station.config import load_config
 from station.core.control.switching import SwitchRequest
 from station.core.facade.station import Station
-from station.core.loop.scheduling import realtime_interpreter
+from station.core.scheduling import realtime_interpreter
 from station.rehearsal.rehearsals import Rehearsals
 
 CONTROLLER = "effort_group_position_controller"

@@ -27,8 +27,8 @@ from station.core.errors import StationError
 from station.core.facade.station import Station
 from station.core.franka.arms import Arms
 from station.core.hardware.interfaces import EffortJointInterface
-from station.core.loop.scheduling import realtime_interpreter
 from station.core.parameters import Parameters
+from station.core.scheduling import realtime_interpreter
 
 ARM = "effort_group_position_controller"
 CARTESIAN = "cartesian_streaming_controller"

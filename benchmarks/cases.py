@@ -118,6 +118,29 @@ def make_typical_panda() -> Station:
     return compose(load_config()).station
 
 
+def make_guarded_panda() -> Station:
+    """Return the ideal arm with ten objects around it that it keeps clear of."""
+    objects: list[dict[str, object]] = [
+        {
+            "name": "table",
+            "type": "box",
+            "size": [0.5, 1.4, 0.2],
+            "position": [0.75, 0, 0],
+        },
+        {"name": "ground", "type": "half_space", "position": [0, 0, -0.1]},
+    ]
+    for number in range(8):
+        kind = ("box", "capsule", "sphere", "cylinder")[number % 4]
+        size = {"box": [0.2, 0.2, 0.5], "sphere": [0.12]}.get(kind, [0.05, 0.8])
+        angle = pi * (number + 0.5) / 4.0
+        position = [0.75 * cos(angle), 0.75 * sin(angle), 0.6]
+        objects.append({
+            "name": f"{kind}{number}", "type": kind, "size": size, "position": position
+        })  # fmt: skip
+    scene = {"objects": [{**one, "role": "keep_out"} for one in objects]}
+    return station_of({"robot": {"realism": "ideal"}, "scene": scene})
+
+
 def make_dual_panda() -> Station:
     """Return two arms under the controllers of their example."""
     return compose(load_config(EXAMPLES / "dual_panda.yaml")).station
@@ -206,6 +229,9 @@ CASES: dict[str, Case] = {
         },
     ),
     "moving": Case("Panda that moves", make_panda, _MOVED, steer_anything),
+    "guarded": Case(
+        "Panda that moves among 10 roles", make_guarded_panda, _MOVED, steer_anything
+    ),
     "typical-moving": Case(
         "Panda that errs, moves", make_typical_panda, _MOVED, steer_anything
     ),

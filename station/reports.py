@@ -766,6 +766,8 @@ class Plan(Report):
         planning_time: How long the planning took [s].
         joints: The joints.
         positions: Positions along the path [rad or m], shape (k, n), the start first.
+        twin: Where it was found: in a `copy` of this simulated station, or with a
+            `model` of a real robot, which knows no more than the station.
     """
 
     controller: str
@@ -775,6 +777,7 @@ class Plan(Report):
     planning_time: float
     joints: Sequence[str]
     positions: Sequence[Sequence[float]]
+    twin: str = "copy"
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,7 @@ import anyio.to_thread
 
 from station.config.models import CameraSection
 from station.core.errors import StationError, suggest
-from station.core.loop.scheduling import ordinary_priority
+from station.core.scheduling import ordinary_priority
 from station.reports import CameraReport
 
 RENDERER = (sys.executable, "-m", "station.app.camera_renderer")

@@ -10,11 +10,11 @@ from station.app.composition import ROBOT_NAMESPACE, SCENE_NAMESPACE
 from station.app.shutdown_signals import ShutdownSignals
 from station.config import StationConfig
 from station.core.errors import StationError
-from station.core.loop.scheduling import (
+from station.core.parameters import Parameters, ParameterTree
+from station.core.scheduling import (
     realtime_interpreter,
     request_realtime_priority,
 )
-from station.core.parameters import Parameters, ParameterTree
 from station.hw.franka.arm.arm_description import load_arm_description
 from station.hw.franka.fci.server.fci_server import FciCounts, FciServer, FciSettings
 from station.hw.franka.fci.server.model_library import (

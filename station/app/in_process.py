@@ -22,9 +22,9 @@ from station.core.control.controller import ControllerState
 from station.core.control.controller_manager import ControllerStatus
 from station.core.control.switching import SwitchRequest
 from station.core.errors import RecordingFileError
-from station.core.loop.scheduling import realtime_interpreter
 from station.core.loop.snapshot import Snapshot
 from station.core.loop.stop_latch import StopState
+from station.core.scheduling import realtime_interpreter
 from station.hw.robot_loader import find_robot
 from station.rehearsal.rehearsals import Rehearsals
 from station.reports import Rehearsal

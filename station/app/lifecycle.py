@@ -39,8 +39,8 @@ from station.config import StationConfig
 from station.core.control.switching import SwitchRequest
 from station.core.errors import StationError
 from station.core.facade.station import Station
-from station.core.loop.scheduling import ordinary_priority, realtime_interpreter
 from station.core.loop.stop_latch import StopState
+from station.core.scheduling import ordinary_priority, realtime_interpreter
 from station.local.descriptors import open_more_files, shortage
 from station.local.private_files import process_start
 from station.local.station_locator import RunningStation, write_runtime_file

@@ -10,9 +10,10 @@ import os
 import pickle
 import subprocess
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from typing import TypeVar
 
 from station.app.composition import ROBOT_NAMESPACE, compose
 from station.config import StationConfig
@@ -26,7 +27,8 @@ from station.core.franka import CollisionBehavior
 from station.core.loop.stop_latch import StopState
 from station.hw.franka.arm.load import Load
 from station.hw.franka.franka_hw import FrankaHW
-from station.rehearsal.run_ahead import Forecast, Script, run_ahead
+
+ResultT = TypeVar("ResultT")
 
 _READY = frozenset({"idle", "move"})
 """Modes in which an arm moves, or may be started."""
@@ -150,18 +152,21 @@ class Likeness:
         return twin
 
 
-def run_model(config: StationConfig, station: Station, script: Script) -> Forecast:
-    """Return the findings of a model of a real arm that carries out a script.
+def run_model(
+    config: StationConfig, station: Station, work: Callable[[Station], ResultT]
+) -> ResultT:
+    """Return the result of some work with a model of a real arm.
 
     Args:
         config: The configuration of the station.
         station: The station.
-        script: What is carried out.
+        work: Called with the model, in a process of its own.
 
     Raises:
         RehearsalError: There is no model, or it came to no result.
+        StationError: The work ended with it.
     """
-    question = pickle.dumps((Likeness.of(config, station), script))
+    question = pickle.dumps((Likeness.of(config, station), work))
     # Without `close_fds` the process is spawned: nothing of this one is copied.
     with subprocess.Popen(
         [sys.executable, "-m", "station.app.twin"],
@@ -176,7 +181,7 @@ def run_model(config: StationConfig, station: Station, script: Script) -> Foreca
             process.kill()
             raise RehearsalError(
                 f"The model came to no result in {_LONGEST:g} s.",
-                remedy="Rehearse a shorter motion.",
+                remedy="Rehearse a shorter motion, or plan with less time.",
             ) from late
     if process.returncode != 0:
         raise RehearsalError(
@@ -184,19 +189,19 @@ def run_model(config: StationConfig, station: Station, script: Script) -> Foreca
             remedy="Report it: the details have the traceback.",
             details={"traceback": trace.decode(errors="replace")},
         )
-    found: Forecast | tuple[str, str] = pickle.loads(answer)
-    if isinstance(found, tuple):
-        raise RehearsalError(found[0], remedy=found[1])
+    found: ResultT | StationError = pickle.loads(answer)
+    if isinstance(found, StationError):
+        raise found
     return found
 
 
-def _answer(question: bytes) -> Forecast | tuple[str, str] | None:
-    """Carry out a script; return why and what to do if there is no model."""
-    likeness, script = pickle.loads(question)
+def _answer(question: bytes) -> object:
+    """Do the work; return its result, or the error with which it ended."""
+    likeness, work = pickle.loads(question)
     try:
-        return run_ahead(likeness.build(), script, {}, lambda: None)
+        return work(likeness.build())
     except StationError as error:
-        return str(error), error.remedy
+        return error
 
 
 if __name__ == "__main__":

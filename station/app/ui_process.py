@@ -14,7 +14,7 @@ from typing import Protocol
 import station
 from station.app.dashboard_file import DashboardRecord, claim_orphan, dashboard_path
 from station.core.errors import StationError
-from station.core.loop.scheduling import ordinary_priority
+from station.core.scheduling import ordinary_priority
 from station.local.private_files import process_start
 
 ORPHAN_TIME = 1.0

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from station.compiled import present_status
 from station.core.installation import install_command
-from station.core.loop.scheduling import realtime_interpreter, request_realtime_priority
+from station.core.scheduling import realtime_interpreter, request_realtime_priority
 from station.local.descriptors import most_files, shortage
 
 PERIOD = 0.001

@@ -554,6 +554,9 @@ class StationClient(_Client[AsyncStationClient]):
     follow_trajectory = _waited_for(AsyncStationClient.follow_trajectory)
     query_state = _waited_for(AsyncStationClient.query_state)
     start_goal = _made(AsyncStationClient.start_goal, _goal_handle)
+    start_motion_sequence = _made(
+        AsyncStationClient.start_motion_sequence, _goal_handle
+    )
     start_move = _made(AsyncStationClient.start_move, _goal_handle)
     move_to = _waited_for(AsyncStationClient.move_to)
     collect = _made(AsyncStationClient.collect, PORTAL.run_alone)

@@ -399,6 +399,24 @@ class AsyncControllersClient(ClientPart):
         answer = await self.submit_goal(name, goal, epoch, certificate)
         return AsyncGoalHandle(self, name, answer, self._connection.sleep)
 
+    async def start_motion_sequence(
+        self,
+        name: str,
+        motions: Sequence[Mapping[str, JsonValue]],
+        epoch: int | None = None,
+        certificate: str | None = None,
+    ) -> AsyncGoalHandle:
+        """Let a trajectory controller follow PTP, LIN and CIRC motions.
+
+        Args:
+            name: The controller.
+            motions: Messages shaped like control_msgs/MotionPrimitive.
+            epoch: Refuse when a stop or reset came since that epoch.
+            certificate: That of a rehearsal of this goal; None without one.
+        """
+        goal: dict[str, JsonValue] = {"motions": [dict(one) for one in motions]}
+        return await self.start_goal(name, {"trajectory": goal}, epoch, certificate)
+
     async def rehearse(
         self,
         steps: Sequence[Mapping[str, JsonValue]],

@@ -19,7 +19,6 @@ from station.core.hardware.interfaces import EffortJointInterface
 class JointEffortController(ForwardCommandController[EffortJointInterface]):
     """Forwards efforts to one joint; starts with zero effort."""
 
-    hardware_interface: ClassVar[type] = EffortJointInterface
     quantity: ClassVar[JointQuantity] = JointQuantity.EFFORT
 
 
@@ -28,14 +27,12 @@ class JointGroupEffortController(
 ):
     """Forwards efforts to a group of joints; starts with zero effort."""
 
-    hardware_interface: ClassVar[type] = EffortJointInterface
     quantity: ClassVar[JointQuantity] = JointQuantity.EFFORT
 
 
 class JointGroupPositionController(JointPidController[EffortJointInterface]):
     """Controls the positions of a group of joints by efforts."""
 
-    hardware_interface: ClassVar[type] = EffortJointInterface
     quantity: ClassVar[JointQuantity] = JointQuantity.POSITION
     command_quantity: ClassVar[JointQuantity] = JointQuantity.EFFORT
     needs_description: ClassVar[bool] = True
@@ -50,7 +47,6 @@ class JointPositionController(JointGroupPositionController):
 class JointVelocityController(JointPidController[EffortJointInterface]):
     """Controls the velocity of one joint by efforts; starts with zero velocity."""
 
-    hardware_interface: ClassVar[type] = EffortJointInterface
     quantity: ClassVar[JointQuantity] = JointQuantity.VELOCITY
     command_quantity: ClassVar[JointQuantity] = JointQuantity.EFFORT
     is_group: ClassVar[bool] = False

@@ -52,7 +52,6 @@ class ForceTorqueSensorController(Controller[ForceTorqueSensorInterface]):
         up for in a burst, and a restart keeps the times of publication.
     """
 
-    hardware_interface: ClassVar[type] = ForceTorqueSensorInterface
     own_parameters = (PUBLISH_RATE,)
 
     @override
@@ -127,7 +126,6 @@ class ForceTorqueSensorBroadcaster(Controller[ForceTorqueSensorInterface]):
         `interface_names` has no effect.
     """
 
-    hardware_interface: ClassVar[type] = ForceTorqueSensorInterface
     accepted_parameters: ClassVar[tuple[str, ...]] = (
         "interface_names",
         "state_publish_rate",

@@ -6,7 +6,6 @@ last publication is kept as one object for any thread, instead of being sent to 
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from typing import ClassVar
 
 from typing_extensions import override
 
@@ -59,7 +58,6 @@ class FrankaStateController(Controller[FrankaStateInterface]):
     Parameters: `arm_id`; `joint_names`, 7 names; `publish_rate` [Hz], 30 by default.
     """
 
-    hardware_interface: ClassVar[type] = FrankaStateInterface
     own_parameters = (ARM_ID, JOINT_NAMES, _PUBLISH_RATE)
 
     @override

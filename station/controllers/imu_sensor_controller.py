@@ -5,7 +5,7 @@ sensor_msgs/Imu.msg.
 """
 
 from collections.abc import Mapping
-from typing import ClassVar, NamedTuple
+from typing import NamedTuple
 
 from typing_extensions import override
 
@@ -59,7 +59,6 @@ class ImuSensorController(Controller[ImuSensorInterface]):
         burst, and a restart keeps the times of publication.
     """
 
-    hardware_interface: ClassVar[type] = ImuSensorInterface
     own_parameters = (PUBLISH_RATE,)
 
     @override

@@ -5,7 +5,6 @@ Source: ros_controllers@678b92a joint_state_controller/src/joint_state_controlle
 
 import logging
 from collections.abc import Mapping
-from typing import ClassVar
 
 from typing_extensions import override
 
@@ -50,7 +49,6 @@ class JointStateController(Controller[JointStateInterface]):
         and missed publications are not made up for in a burst.
     """
 
-    hardware_interface: ClassVar[type] = JointStateInterface
     own_parameters = (PUBLISH_RATE, _JOINTS, _EXTRA_JOINTS)
 
     @override

@@ -17,7 +17,6 @@ from station.core.hardware.interfaces import PositionJointInterface
 class JointPositionController(ForwardCommandController[PositionJointInterface]):
     """Forwards positions to one joint; starts at its present position."""
 
-    hardware_interface: ClassVar[type] = PositionJointInterface
     quantity: ClassVar[JointQuantity] = JointQuantity.POSITION
 
 
@@ -26,5 +25,4 @@ class JointGroupPositionController(
 ):
     """Forwards positions to a group of joints; starts at their present positions."""
 
-    hardware_interface: ClassVar[type] = PositionJointInterface
     quantity: ClassVar[JointQuantity] = JointQuantity.POSITION

@@ -193,7 +193,6 @@ class BatteryStateBroadcaster(Controller[BatterySensorInterface]):
         and the values of `interfaces` must be values that the battery has.
     """
 
-    hardware_interface: ClassVar[type] = BatterySensorInterface
     own_parameters = (_BATTERIES,)
 
     @override

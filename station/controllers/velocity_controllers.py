@@ -18,7 +18,6 @@ from station.core.hardware.interfaces import VelocityJointInterface
 class JointVelocityController(ForwardCommandController[VelocityJointInterface]):
     """Forwards velocities to one joint; starts with zero velocity."""
 
-    hardware_interface: ClassVar[type] = VelocityJointInterface
     quantity: ClassVar[JointQuantity] = JointQuantity.VELOCITY
 
 
@@ -27,14 +26,12 @@ class JointGroupVelocityController(
 ):
     """Forwards velocities to a group of joints; starts with zero velocity."""
 
-    hardware_interface: ClassVar[type] = VelocityJointInterface
     quantity: ClassVar[JointQuantity] = JointQuantity.VELOCITY
 
 
 class JointPositionController(JointPidController[VelocityJointInterface]):
     """Controls the position of one joint by velocities."""
 
-    hardware_interface: ClassVar[type] = VelocityJointInterface
     quantity: ClassVar[JointQuantity] = JointQuantity.POSITION
     command_quantity: ClassVar[JointQuantity] = JointQuantity.VELOCITY
     is_group: ClassVar[bool] = False

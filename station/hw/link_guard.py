@@ -7,7 +7,7 @@ from typing_extensions import override
 
 from station.core.description.urdf import Pose
 from station.core.errors import SceneRefusedError
-from station.core.franka.guard import Guard
+from station.core.geometry.guard import Guard
 from station.core.geometry.scene import SceneObject, solid_of
 from station.core.hardware.robot_hw import SceneGuard
 from station.memory.doubles import doubles

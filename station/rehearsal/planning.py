@@ -57,6 +57,7 @@ class Wish:
             present orientation; in place of `positions`.
         timeout: How long to search [s], > 0.
         seed: Of the random numbers.
+        name: Name of a pose of the robot, in place of a target above; empty for none.
     """
 
     controller: str
@@ -64,6 +65,7 @@ class Wish:
     place: tuple[Sequence[float], Sequence[float] | None] | None = None
     timeout: float = 2.0
     seed: int = 0
+    name: str = ""
 
 
 def plan(station: "Station", wish: Wish) -> Plan:
@@ -71,7 +73,7 @@ def plan(station: "Station", wish: Wish) -> Plan:
 
     Args:
         station: The station; its robot must be simulated.
-        wish: What is wanted.
+        wish: What is wanted; its name does not count.
 
     Raises:
         ControllerNotFoundError: No such controller is loaded.

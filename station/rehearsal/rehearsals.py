@@ -9,7 +9,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,9 +49,28 @@ BURST = 5
 INTERVAL = 1.0
 """Time after which a client may have one more made [s]. A copy delays the loop by 2 to
 6 ms, so that a client costs a live loop less than 1 % of its cycles."""
-RunModel = Callable[["Station", Script], Forecast]
-"""Carries out a script with a model of a station whose robot is real, without delaying
-it; raises a `RehearsalError` when there is no model."""
+
+ResultT = TypeVar("ResultT")
+
+
+class RunModel(Protocol):
+    """Works with a model of a station whose robot is real, without delaying it."""
+
+    def __call__(
+        self, station: "Station", work: Callable[["Station"], ResultT], /
+    ) -> ResultT:
+        """Return the result of `work`.
+
+        Args:
+            station: The station.
+            work: Called with the model, which is of no use afterwards; can be pickled.
+
+        Raises:
+            RehearsalError: There is no model.
+        """
+        ...
+
+
 _redeemed: ContextVar[bool] = ContextVar("redeemed", default=False)
 """Whether the command that is being given has the certificate of a rehearsal."""
 
@@ -125,8 +144,8 @@ class RehearsalRate:
         wait = since - (BURST - 1) * INTERVAL
         if wait > 0.0:
             raise TooManyRehearsalsError(
-                f"{who} has rehearsed {BURST} times in a row; each time holds the loop "
-                "of a live station up.",
+                f"{who} has rehearsed {BURST} times in a row; each time takes the "
+                "processor from a live station.",
                 remedy=f"The next one is possible in {wait:.1f} s.",
                 details={"retry_after": wait},
             )
@@ -210,23 +229,12 @@ class Rehearsals:
                 rehearsal is under way, or this machine cannot copy the station.
             TooManyRehearsalsError: The client has made too many in a row.
         """
-        is_real = self._station.loop.hw.simulated_world() is None
-        if is_real and self._run_model is not None:
-            self._refuse_moving_robot()
-        else:
-            self._refuse_real_robot()
+        run_model = self._model_of_standing_robot()
         self.rate.check(who)
         self._pay(who)
-        if not self._busy.acquire(timeout=1.0):
-            raise RehearsalError(
-                "Another rehearsal is under way.", remedy="Try again in a moment."
-            )
         begun = time.perf_counter()
-        script = Script(steps, seconds)
-        try:
-            found = self._foresee(script)
-        finally:
-            self._busy.release()
+        with self._alone():
+            found = self._foresee(Script(steps, seconds), run_model)
         told = replace(found.rehearsal, wall_time=time.perf_counter() - begun)
         if is_agent and told.outcome is RehearsalOutcome.COMPLETED:
             names, tube = self._station.joint_names, self.rules.tolerances.tube
@@ -242,7 +250,8 @@ class Rehearsals:
     def plan(self, wish: Wish, who: str | None = None) -> Plan:
         """Return a path to a pose that touches nothing; nothing moves.
 
-        Each path is rehearsed, and another one is searched for if it would fail.
+        Each path is rehearsed, and another one is searched for if it would fail. For a
+        real robot a model of it does both.
 
         Args:
             wish: What is wanted.
@@ -252,17 +261,26 @@ class Rehearsals:
             ControllerNotFoundError: No such controller is loaded.
             ControllerStateError: The controller is not running.
             InvalidCommandError: The controller takes no trajectories, has no such
-                joint, or moves no end effector.
+                joint, or moves no end effector, or the robot has no such pose.
             InvalidTrajectoryError: A joint would leave its range.
             NoPathError: The pose touches something or is out of reach, or no path was
                 found in time.
-            RehearsalError: The robot is no simulated one, or this machine cannot copy
-                the station.
+            RehearsalError: The robot is a real one that moves or has no model, another
+                rehearsal is under way, or this machine cannot copy the station.
             TooManyRehearsalsError: The client has made too many in a row.
         """
-        self._refuse_real_robot()
+        run_model = self._model_of_standing_robot()
         self.rate.check(who)
         begun, error = time.perf_counter(), ""
+        if run_model is not None:
+            self._pay(who)
+            with self._alone():
+                found = run_model(self._station, partial(_plan_with, wish))
+            taken = time.perf_counter() - begun
+            return replace(found, planning_time=taken, twin="model")
+        if wish.name:
+            named = self._named_pose(wish.controller, wish.name)
+            wish = replace(wish, positions=named)
         for attempt in range(_ATTEMPTS):
             found = plan(self._station, replace(wish, seed=wish.seed + attempt))
             goal = {"kind": "goal", "name": wish.controller, "request": found.goal}
@@ -279,12 +297,8 @@ class Rehearsals:
             details={"cause": "rehearsal"},
         )
 
-    def named_pose(self, controller: str, name: str) -> dict[str, float]:
-        """Return a named pose of the robot for the joints of a controller.
-
-        Args:
-            controller: The controller.
-            name: A pose to which the simulation may be reset, such as `ready`.
+    def _named_pose(self, controller: str, name: str) -> dict[str, float]:
+        """Return a named pose of the simulated robot for the joints of a controller.
 
         Raises:
             ControllerNotFoundError: There is no such controller.
@@ -301,14 +315,30 @@ class Rehearsals:
             )
         return found
 
-    def _foresee(self, script: Script) -> Forecast:
-        """Carry out a script in a copy, or with a model if the robot is real.
+    @contextmanager
+    def _alone(self) -> Iterator[None]:
+        """Hold other rehearsals off in the body of a `with`.
+
+        Raises:
+            RehearsalError: Another one is under way.
+        """
+        if not self._busy.acquire(timeout=1.0):
+            raise RehearsalError(
+                "Another rehearsal is under way.", remedy="Try again in a moment."
+            )
+        try:
+            yield
+        finally:
+            self._busy.release()
+
+    def _foresee(self, script: Script, run_model: RunModel | None) -> Forecast:
+        """Carry out a script in a copy, or with a model if there is one.
 
         Raises:
             RehearsalError: It is not possible.
         """
         station = self._station
-        if station.loop.hw.simulated_world() is not None or self._run_model is None:
+        if run_model is None:
             return run_in_copy(
                 lambda tell: run_ahead(station, script, self._plans, tell),
                 station.loop.wait_between_cycles,
@@ -324,18 +354,26 @@ class Rehearsals:
                 )
             told = step if plan_step is None else plan_step(step)
             steps.append({**told, "at": step["at"]})
-        found = self._run_model(station, replace(script, steps=steps))
+        found = run_model(station, partial(_move, replace(script, steps=steps)))
         # A certificate is for what the real robot begins with.
         report = replace(found.rehearsal, twin="model")
         return replace(found, rehearsal=report, conditions=conditions)
 
-    def _refuse_moving_robot(self) -> None:
-        """Refuse to rehearse while a real robot moves: its model does not know how.
+    def _model_of_standing_robot(self) -> RunModel | None:
+        """Return the model of a real robot that stands still; None for a simulated one.
 
         Raises:
-            RehearsalError: A goal is under way, or a joint moves.
+            RehearsalError: The real robot has no model, a goal is under way, or a joint
+                moves: the model does not know how.
         """
         station = self._station
+        if station.loop.hw.simulated_world() is not None:
+            return None
+        if self._run_model is None:
+            raise RehearsalError(
+                "A real robot cannot be copied.",
+                remedy="Rehearse on a simulated station with the same configuration.",
+            )
         remedy = "Wait until the robot stands still, and rehearse again."
         for status in station.controllers():
             if status.state is ControllerState.LOADING:
@@ -354,24 +392,13 @@ class Rehearsals:
                     f"{joint} moves: by {far:.4f} in the last {len(rows)} cycles.",
                     remedy=remedy,
                 )
+        return self._run_model
 
     def _pay(self, who: str | None) -> None:
         """Count a copy of a live station for the client that it is made for."""
         loop = self._station.loop
         if who is not None and loop.state is LoopState.RUNNING and not loop.pace.paused:
             self.rate.count(who)
-
-    def _refuse_real_robot(self) -> None:
-        """Refuse what needs a copy of the robot.
-
-        Raises:
-            RehearsalError: The robot is no simulated one.
-        """
-        if self._station.loop.hw.simulated_world() is None:
-            raise RehearsalError(
-                "A real robot cannot be copied.",
-                remedy="Rehearse on a simulated station with the same configuration.",
-            )
 
     @contextmanager
     def redeemed(
@@ -441,6 +468,22 @@ class Rehearsals:
         text = check(q, names, joint, size, self._hands())
         if text is not None:
             raise AgentEnvelopeError(text, remedy="Ask for less, or ask a person.")
+
+
+def _move(script: Script, model: "Station") -> Forecast:
+    """Carry out a script with a model.
+
+    Raises:
+        RehearsalError: The model is in the middle of a cycle.
+    """
+    found = run_ahead(model, script, {}, lambda: None)
+    if found is None:
+        raise RehearsalError("The model stands in the middle of a cycle.")
+    return found
+
+
+def _plan_with(wish: Wish, model: "Station") -> Plan:
+    return Rehearsals(model).plan(wish)
 
 
 def _place(

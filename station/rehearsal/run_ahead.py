@@ -12,6 +12,7 @@ from station.core.control.controller import ControllerState
 from station.core.errors import InvalidCommandError, StationError
 from station.core.facade.repeated_inputs import carry_out, carry_out_plan
 from station.core.franka.franka_services import FrankaServices
+from station.core.geometry.guard import GUARD_REFLEX
 from station.core.ports.goal import Goal, GoalStatus
 from station.rehearsal.certificates import Conditions
 from station.reports import (
@@ -246,6 +247,10 @@ class _RunAhead:
         for arm_id in robots.names(FrankaServices):
             kind: type[FrankaServices] = FrankaServices  # type: ignore[type-abstract]
             arm = robots.get(arm_id, kind)
+            # The guard ends the motion in place of the arm, which then has no error.
+            if GUARD_REFLEX in fault and f"'{arm_id}'" in fault:
+                self._note(RehearsalCause.REFLEX, arm_id, GUARD_REFLEX, fault)
+                return
             for error in () if arm is None else arm.errors():
                 is_felt = error.name.endswith("_reflex")
                 cause = RehearsalCause.REFLEX if is_felt else RehearsalCause.LIMIT

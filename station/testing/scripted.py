@@ -2,7 +2,6 @@
 
 import threading
 from collections.abc import Callable
-from typing import ClassVar
 
 from typing_extensions import override
 
@@ -38,8 +37,6 @@ class Scripted(Controller[EffortJointInterface]):
         calls: Names of the callbacks so far, oldest first.
         actions: Actions in a callback, by the callback's name.
     """
-
-    hardware_interface: ClassVar[type] = EffortJointInterface
 
     @override
     def init(self, interface: EffortJointInterface, params: Parameters) -> None:

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from station.core.errors import StationError
-from station.core.loop.scheduling import ordinary_priority
+from station.core.scheduling import ordinary_priority
 from station.trials.errors import ExperimentError
 
 _BEGIN_TIMEOUT = 60.0

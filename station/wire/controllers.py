@@ -485,7 +485,8 @@ class GoalRequest(RequestModel):
 
     Attributes:
         goal: The goal message of the controller's action: control_msgs/
-            FollowJointTrajectoryGoal with times in seconds, or GripperCommandGoal.
+            FollowJointTrajectoryGoal with times in seconds,
+            ExecuteMotionPrimitiveSequenceGoal, or GripperCommandGoal.
         epoch: Epoch it was made for; refused when a stop or reset came since.
 
     Example:

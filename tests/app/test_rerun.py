@@ -112,7 +112,7 @@ controllers:
     type: velocity_controllers/JointGroupVelocityController
     joints: [inner/j1]
     is_async: true
-    async_parameters: {cycles: 3}
+    async_parameters: {cycles: 3, process: true}
     update_rate: 250
 start: []
 """

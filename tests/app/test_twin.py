@@ -10,14 +10,15 @@ from station.config import load_config
 from station.core.clock import ManualClock
 from station.core.control.switching import SwitchRequest
 from station.core.description.robot_files import load_robot_files
-from station.core.errors import RehearsalError
+from station.core.errors import InvalidCommandError, NoPathError, RehearsalError
 from station.core.franka.franka_services import FrankaServices
+from station.core.ports.goal import GoalStatus
 from station.hw.franka.fci.driver import connection
 from station.hw.franka.fci.driver.network import FciNetworkError
 from station.hw.franka.fci.wire.gripper_protocol import HAND
 from station.hw.franka.simulated.franka_world import ArmPlacement, simulate
+from station.rehearsal.planning import Wish
 from station.rehearsal.rehearsals import Rehearsals
-from station.rehearsal.run_ahead import run_ahead
 from station.reports import RehearsalCause, RehearsalOutcome
 from tests.hw.franka.fci.stepped_network import SteppedNetwork
 from tests.rehearsal.test_rehearsals import EFFORTS, POSITION, goal, moved, set_point
@@ -73,9 +74,8 @@ class RealArm:
         self.facade.switch_controllers(SwitchRequest(start=[POSITION]))
         self.step(200)
 
-    def run_here(self, station, script):
-        twin = Likeness.of(self.config, station).build()
-        return run_ahead(twin, script, {}, lambda: None)
+    def run_here(self, station, work):
+        return work(Likeness.of(self.config, station).build())
 
     def step(self, cycles=1):
         self.facade.loop.step(cycles, self.facade.loop.period)
@@ -108,6 +108,31 @@ def test_model_moves_as_the_real_arm_would_and_the_arm_does_not(real):
     real.step(told.cycles)
     assert real.facade.latest().position == pytest.approx(target, abs=2e-3)
     assert real.facade.status().stop_reason == ""
+
+
+def test_model_plans_around_a_role_and_the_real_arm_follows(real):
+    place = {"type": "box", "size": [0.08, 0.08, 1.0], "position": [0.2, 0.34, 0.5]}
+    real.facade.surroundings.put("post", {**place, "role": "keep_out"})
+    wish = Wish(POSITION, {"panda_joint1": 1.8}, timeout=20.0)
+    found = real.rehearsals.plan(wish)
+    assert (found.twin, found.direct) == ("model", False)
+    submitted = real.facade.motion.submit_goal(POSITION, found.goal)
+    least = 1.0
+    for _ in range(int(1000 * found.duration) + 500):
+        real.step()
+        least = min(least, real.facade.surroundings.clearance("panda").distance)
+    assert submitted.status is GoalStatus.SUCCEEDED
+    assert least >= 0.02
+    assert real.arm.state.q[0] == pytest.approx(1.8, abs=2e-3)
+
+
+def test_refusal_of_a_plan_by_the_model_keeps_its_kind_and_its_facts(real):
+    with pytest.raises(NoPathError, match="cannot get there") as far:
+        real.rehearsals.plan(Wish(POSITION, place=([1.5, 0.0, 0.5], None)))
+    assert far.value.details["cause"] == "unreachable"
+    here = Rehearsals(real.facade, run_model=real.run_here)
+    with pytest.raises(InvalidCommandError, match="no pose 'reddy'"):
+        here.plan(Wish(POSITION, name="reddy"))
 
 
 def test_error_of_the_model_is_told_with_its_cause(real):

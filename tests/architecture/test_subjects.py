@@ -27,8 +27,9 @@ def test_a_subject_is_an_area_a_verb_and_short(subject, why):
     assert found is None if why is None else why in found
 
 
-def test_subjects_since_the_last_tag_are_judged_and_merges_are_not(
-    tmp_path, monkeypatch, capsys
+@pytest.mark.parametrize("has_tag", [True, False])
+def test_subjects_since_the_last_release_are_judged_and_merges_are_not(
+    tmp_path, monkeypatch, capsys, has_tag
 ):
     def git(*arguments):
         who = ("-c", "user.name=a", "-c", "user.email=a@b.c")
@@ -36,10 +37,15 @@ def test_subjects_since_the_last_tag_are_judged_and_merges_are_not(
 
     monkeypatch.chdir(tmp_path)
     git("init", "-b", "main")
-    git("commit", "--allow-empty", "-m", "Before the tag")
+    git("commit", "--allow-empty", "-m", "Before the release")
     main = runpy.run_path(str(SCRIPT))["main"]
     assert main() == 0
-    git("tag", "v1")
+    if has_tag:
+        git("tag", "v1")
+    else:
+        (tmp_path / "CHANGELOG.md").write_text("## [0.1.0] - 2026-11-25\n")
+        git("add", "CHANGELOG.md")
+        git("commit", "-m", "Release")
     git("commit", "--allow-empty", "-m", "api: do this")
     assert main() == 0
     git("commit", "--allow-empty", "-m", "Did that")

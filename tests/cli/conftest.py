@@ -278,10 +278,16 @@ class FakeStation:
             acceleration=[0.0, 0.0],
         )
 
-    def start_move(self, *arguments, **options):
+    def _client(self):
         client = StationClient("http://a", "t")
         client._source = _Awaited(self)
-        return client.start_move(*arguments, **options)
+        return client
+
+    def start_move(self, *arguments, **options):
+        return self._client().start_move(*arguments, **options)
+
+    def start_motion_sequence(self, *arguments):
+        return self._client().start_motion_sequence(*arguments)
 
     def rehearse(self, steps, *, seconds=None, certificate=False):
         self.record("rehearse", steps, seconds, certificate)

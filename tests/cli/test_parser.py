@@ -56,6 +56,7 @@ LINES = {
     "recover_file": "recover_file walk.mcap",
     "incidents": "incidents list",
     "goto": "goto arm 1 -2 --duration 3",
+    "motion_sequence": "motion_sequence arm FILE",
     "stop": "stop",
     "release": "release --arm",
     "recover": "recover panda --restart",

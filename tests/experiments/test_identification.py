@@ -51,6 +51,17 @@ def test_confidence_covers_the_noise(world):
     assert found.coulomb.value == pytest.approx(0.5, abs=3.0 * found.coulomb.half_width)
 
 
+def test_identified_friction_makes_an_arm_from_which_it_is_identified(tmp_path):
+    path = tmp_path / "station.yaml"
+    path.write_text(
+        f"robot: {{identified: {{{JOINT}: {{coulomb: 0.8, viscous: 0.3}}}}}}\n"
+    )
+    with TrialWorld(Setup.load(path)) as world:
+        found = identify(move(world), JOINT)
+    assert found.coulomb.value == pytest.approx(0.8, abs=0.03)
+    assert found.viscous.value == pytest.approx(0.3, abs=0.03)
+
+
 def test_motion_one_way_does_not_show_friction(world):
     """Coulomb friction that never changes its sign looks like weight."""
     way = Waypoints(joint=JOINT, times=(1.0, 1.8), values=(0.5, 0.8))

@@ -107,10 +107,13 @@ def test_refusal_of_a_pose_says_how_far_or_which_bodies():
         rehearsals.plan(Wish(ARM, place=([0.42, 0.0, 0.6], None)))
     assert "post" in touching.value.details["pair"]
     with pytest.raises(InvalidCommandError, match="no pose 'reddy'"):
-        rehearsals.named_pose(ARM, "reddy")
-    assert rehearsals.named_pose(ARM, "ready")["panda_joint4"] == pytest.approx(
-        -2.356, abs=1e-3
-    )
+        rehearsals.plan(Wish(ARM, name="reddy"))
+
+
+def test_planned_way_leads_to_a_pose_that_has_a_name():
+    robot = at_begin([])
+    found = Rehearsals(robot.facade).plan(Wish(ARM, name="ready"))
+    assert found.positions[-1][3] == pytest.approx(-2.356, abs=1e-3)
 
 
 def test_planned_path_keeps_clear_of_a_place_that_nothing_touches():

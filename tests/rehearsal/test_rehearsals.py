@@ -238,6 +238,19 @@ def test_contact_names_bodies_force_and_link(ready):
     assert near.margin is None
 
 
+def test_end_by_the_guard_is_a_reflex_of_the_arm(ready):
+    robot = ready(EFFORTS)
+    place = {"type": "sphere", "size": [0.1], "position": [0.42, 0.0, 0.15]}
+    robot.facade.surroundings.put("ball", {**place, "role": "keep_out"})
+    push = set_point(EFFORTS, [0.0, 20.0, 0.0, -15.0, 0.0, 0.0, 0.0])
+    told = Rehearsals(robot.facade).rehearse(push, 1.0)
+    robot.facade.surroundings.remove("ball")
+    error = told.error
+    found = (error.cause.value, error.where, error.code)
+    assert found == ("reflex", "panda", "guard_reflex")
+    assert "'ball'" in error.text
+
+
 def test_least_clearances_are_those_of_the_motion_that_follows(ready):
     robot = ready(EFFORT)
     place = {"type": "sphere", "size": [0.05], "position": [0.4, 0.4, 0.6]}

@@ -1,5 +1,6 @@
 """Chains on whole robots: a UR5 gives way to a push, a TIAGo drives by PIDs."""
 
+import numpy as np
 import pytest
 
 from station.core.description.robot_files import load_robot_files
@@ -75,8 +76,9 @@ def test_a_push_moves_a_ur5_by_force_over_stiffness_and_it_comes_back():
     for force in ((20.0, 0.0, 0.0), (0.0, 12.0, -16.0)):
         bench.robot.world.push(Push("wrist_3_link", force), 10**6)
         bench.step(6000)
-        moved = bench.robot.world.data.xpos[body] - before
-        assert moved == pytest.approx([f / STIFFNESS for f in force], abs=0.002)
+        wanted = np.array(force) / STIFFNESS
+        error = bench.robot.world.data.xpos[body] - before - wanted
+        assert np.linalg.norm(error) < 0.02 * np.linalg.norm(wanted)
         bench.robot.world.push(Push("wrist_3_link", force), 0)
         bench.step(6000)
         assert bench.robot.world.data.xpos[body] == pytest.approx(before, abs=1e-3)

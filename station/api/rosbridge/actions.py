@@ -47,6 +47,7 @@ MOST_THREADS = 16
 MOST_GOALS = 32
 """Most goals that are followed at a time."""
 _TRAJECTORY = "control_msgs/FollowJointTrajectory"
+_SEQUENCE = "control_msgs/ExecuteMotionPrimitiveSequence"
 _GRIPPER = "control_msgs/GripperCommand"
 REJECTED = 5
 """actionlib's number of a goal that was refused."""
@@ -165,11 +166,15 @@ class StationActions:
         for name, _, controller in loaded_controllers(self._station):
             if controller.goals is None:
                 continue
-            kind, action = _GRIPPER, "gripper_cmd"
+            actions = {"gripper_cmd": _GRIPPER}
             if controller.trajectories is not None:
-                kind, action = _TRAJECTORY, "follow_joint_trajectory"
-            begin = partial(self._begin_goal, name, kind)
-            yield Action(f"/{name}/{action}", kind, begin)
+                actions = {
+                    "follow_joint_trajectory": _TRAJECTORY,
+                    "motion_sequence": _SEQUENCE,
+                }
+            for action, kind in actions.items():
+                begin = partial(self._begin_goal, name, kind)
+                yield Action(f"/{name}/{action}", kind, begin)
         for arm_id in self._station.robots.names(GripperServices):
             space = gripper_namespace(self._station, arm_id)
             for name in ("homing", "stop", "move", "grasp"):

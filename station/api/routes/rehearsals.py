@@ -56,18 +56,19 @@ def plan(request: PlanRequest, services: ServicesDep, access: AccessDep) -> Plan
     path keeps 5 mm from everything, is timed within the limits, and was rehearsed.
     Without a path the answer says why: which bodies would touch in the pose, which
     joint would leave its range or is at its end, or that the time was over.
+
+    For a real Franka arm that stands still, a simulated model of it does so (`twin`).
     """
-    rehearsals, positions, place = services.rehearsals, request.positions, request.pose
-    if request.name is not None:
-        positions = rehearsals.named_pose(request.controller, request.name)
+    place = request.pose
     wish = Wish(
         request.controller,
-        positions or {},
+        request.positions or {},
         None if place is None else (place.position, place.orientation),
         request.timeout,
         request.seed,
+        request.name or "",
     )
-    return rehearsals.plan(wish, access.name)
+    return services.rehearsals.plan(wish, access.name)
 
 
 class ByRehearsal:

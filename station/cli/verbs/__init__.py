@@ -63,6 +63,8 @@ controllers reload_controller_libraries: let the next load of each type read its
 streams echo: print what a topic says, until Ctrl-C
 motion command: send a controller a set-point
 motion goto: move to a pose, or a controller's joints, and wait
+motion motion_sequence: follow PTP, LIN and CIRC motions of a file that blend into each
+    other, and wait
 rehearsal rehearse: tell how a motion would end, without moving anything; exit code 1
     when it fails
 motion stop: stop the robot and let nothing move until released. With the names of

@@ -111,6 +111,9 @@ def identify(options: Namespace) -> int:
     ]
     say_table(["parameter", "value", "95 %", "unit"], rows)
     say(f"{found.samples} samples; {found.residual:.3g} Nm or N are not explained.")
+    coulomb, viscous = found.coulomb.value, found.viscous.value
+    friction = f"{{coulomb: {coulomb:.3g}, viscous: {viscous:.3g}}}"
+    say(f"For a simulated Franka, robot: {{identified: {{{found.joint}: {friction}}}}}")
     return 0
 
 

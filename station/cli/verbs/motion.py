@@ -1,6 +1,7 @@
 """Verbs that move the robot or keep it from moving."""
 
 from argparse import Namespace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from station.app.watchdog_client import stop_through_watchdog
@@ -12,7 +13,7 @@ from station.local.station_locator import watchdog_of
 
 if TYPE_CHECKING:
     from station.cli.parser import Parser
-    from station.client import StationClient
+    from station.client import GoalHandle, StationClient
     from station.client.poses import Pose, Target
     from station.client.robots import Restart
     from station.wire import ArmReport, Recoveries, Recovery
@@ -47,6 +48,12 @@ def add_goto(parser: "Parser") -> None:
         "frame of its base, and a quaternion x y z w unless it is to stay turned as it "
         "is",
     )
+
+
+def add_motion_sequence(parser: "Parser") -> None:
+    """Add the arguments of `motion_sequence`."""
+    parser.add_argument("controller", help="a running trajectory controller")
+    parser.add_argument("file", help="YAML or JSON with a list `motions`")
 
 
 def add_stop(parser: "Parser") -> None:
@@ -106,11 +113,36 @@ def goto(options: Namespace) -> int:
             )
         except UnknownPoseError as error:
             raise UsageError(error.detail, remedy=error.remedy) from error
-        try:
-            goal = handle.ended()
-        except KeyboardInterrupt:
-            handle.cancel()
-            raise
+        return _wait_for(options, handle)
+
+
+def motion_sequence(options: Namespace) -> int:
+    """Follow motion primitives, one into the next; 1 when the joints do not arrive.
+
+    Raises:
+        UsageError: The file holds no list.
+        KeyboardInterrupt: The user gave up; the goal was cancelled.
+    """
+    from station.core.yaml_reader import read_yaml
+
+    motions = read_yaml(Path(options.file)).values.get("motions")
+    if not isinstance(motions, list) or not all(isinstance(m, dict) for m in motions):
+        raise UsageError(
+            f"{options.file} has no list 'motions' of motion primitives.",
+            remedy="One is such as {type: PTP, joint_positions: [0.1, 0.2]}.",
+        )
+    with open_client(options) as client:
+        return _wait_for(
+            options, client.start_motion_sequence(options.controller, motions)
+        )
+
+
+def _wait_for(options: Namespace, handle: "GoalHandle") -> int:
+    try:
+        goal = handle.ended()
+    except KeyboardInterrupt:
+        handle.cancel()
+        raise
     why = goal.result.message if goal.result else ""
     line = f"{handle.controller}: the goal {goal.status}. {why}"
     answer(options, goal, line.rstrip())

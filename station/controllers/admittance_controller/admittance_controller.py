@@ -11,7 +11,6 @@ from typing import ClassVar
 from typing_extensions import override
 
 from station.controllers.admittance_controller.admittance_rule import AdmittanceRule
-from station.controllers.admittance_controller.chains_of_frames import chain_to
 from station.controllers.joint_references import JointReferenceController
 from station.controllers.set_point_controller import (
     JOINTS,
@@ -22,6 +21,7 @@ from station.controllers.set_point_controller import (
 from station.core.control.controller import ControllerSample
 from station.core.control.tunables import Tunable, Tunables
 from station.core.declared_parameter import DeclaredParameter, ParameterType
+from station.core.description.chains_of_frames import chain_to
 from station.core.description.robot_description import (
     ROBOT_DESCRIPTION,
     require_robot_description,

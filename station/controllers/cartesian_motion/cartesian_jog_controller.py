@@ -47,18 +47,13 @@ class TwistSetPointPort(SetPointPort):
         self._bounds = (v, w)
 
     @override
-    def check(
-        self,
-        values: list[float],
-        timeout: float | None = None,
-        rates: list[float] | None = None,
-    ) -> None:
+    def check_values(self, values: list[float]) -> None:
         """Refuse a malformed set-point, and a vector that is too long.
 
         Raises:
             InvalidCommandError: As in `SetPointPort.check`, or a vector is too long.
         """
-        super().check(values, timeout, rates)
+        super().check_values(values)
         for part, bound, unit in zip(
             (values[:3], values[3:6]), self._bounds, ("m/s", "rad/s"), strict=True
         ):

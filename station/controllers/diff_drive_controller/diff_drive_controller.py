@@ -8,7 +8,6 @@ from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import cos, inf, isfinite, pi, sin
-from typing import ClassVar
 
 from typing_extensions import override
 
@@ -347,7 +346,6 @@ class DiffDriveController(Controller[VelocityJointInterface]):
         the set-points and `odom` of this station.
     """
 
-    hardware_interface: ClassVar[type] = VelocityJointInterface
     odometry: Odometry
     own_parameters = (
         *(_LEFT, _RIGHT, _SEPARATION, _RADIUS, _SEPARATION_FACTOR, _RADIUS_FACTOR),

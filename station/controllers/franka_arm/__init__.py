@@ -12,4 +12,4 @@ from station.controllers.franka_arm.arm_handles import (
     read_arm_joints as read_arm_joints,
     saturate_torque_rate as saturate_torque_rate,
 )
-from station.controllers.franka_arm.pose_port import PosePort as PosePort
+from station.controllers.franka_arm.pose_target import PosePort as PosePort

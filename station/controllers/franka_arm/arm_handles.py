@@ -17,9 +17,9 @@ from station.core.franka import (
     FrankaStateHandle,
     FrankaStateInterface,
 )
-from station.core.franka.command_rates import limit_steps
 from station.core.hardware.interfaces import EffortJointInterface, JointGroup
 from station.core.hardware.robot_hw import RobotHW
+from station.core.numerics.command_rates import limit_steps
 from station.core.parameters import Parameters
 from station.memory.doubles import doubles
 

@@ -10,7 +10,6 @@ cdef class CartesianSpring:
     cdef ModelSource _pose, _jacobian, _coriolis
     cdef object _copies
     cdef double[::1] _commands
-    @cython.locals(spring=PoseSpring)
     cpdef command_torques(self)
 
 cdef class SpringUpdate:

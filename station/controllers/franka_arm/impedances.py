@@ -20,8 +20,8 @@ retrieval of feasible parameters, RA-L 4(4), 2019.
 """
 
 from station.controllers.franka_arm.pose_spring import PoseSpring
-from station.core.franka.command_rates import limit_steps
 from station.core.numerics.arm_chain import torques_of, twist_of
+from station.core.numerics.command_rates import limit_steps
 from station.memory.doubles import Doubles, doubles, zeros
 from station.memory.functions import exponential, square_root
 

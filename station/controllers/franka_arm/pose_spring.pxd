@@ -1,6 +1,6 @@
 from station.core.numerics.arm_chain cimport torques_of, twist_of
 from station.memory.functions cimport arctangent, sine, square_root
-from station.core.franka.command_rates cimport limit_steps
+from station.core.numerics.command_rates cimport limit_steps
 from station.core.numerics.rigid_motion cimport quaternion_of
 from station.core.numerics.wrench_equation cimport WrenchEquation
 
@@ -10,8 +10,7 @@ cdef class PoseSpring:
     cdef readonly Py_ssize_t size
     cdef bint is_angle
     cdef double largest_step
-    cdef double[::1] q, dq, last_torques, damping, stray, twist, wrench
-    cdef double[::1] quaternion
+    cdef double[::1] q, dq, last_torques, damping, stray, twist, wrench, quaternion
     cdef readonly double[::1] pose, jacobian, coriolis, torques, equilibrium, target
     cdef readonly double[::1] stiffness, wanted, error, rest
     cdef WrenchEquation equation

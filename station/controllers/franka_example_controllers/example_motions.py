@@ -24,6 +24,7 @@ from station.core.franka import (
     FrankaCartesianPoseHandle,
     FrankaCartesianVelocityHandle,
     FrankaPoseCartesianInterface,
+    FrankaStateHandle,
     FrankaVelocityCartesianInterface,
 )
 from station.core.hardware.interfaces import (
@@ -76,17 +77,55 @@ def back_and_forth(elapsed: float, *, peak: float, half_period: float) -> float:
     return sign * (peak / 2.0 * (1.0 - cos(turn)))
 
 
-InterfaceT = TypeVar("InterfaceT", PositionJointInterface, VelocityJointInterface)
+InterfaceT = TypeVar("InterfaceT")
 
 
-class _JointExample(Controller[InterfaceT]):
-    own_parameters: ClassVar[tuple[DeclaredParameter, ...]] = (JOINT_NAMES,)
-    _elapsed: float
+class _Example(Controller[InterfaceT]):
+    """Moves from the start pose by the time since the start."""
+
+    def begin(self) -> Sequence[float]:
+        """Return the joint positions from which the motion begins [rad], shape (7,)."""
+        raise NotImplementedError
+
+    def move(self, elapsed: float) -> None:
+        """Command the motion.
+
+        Args:
+            elapsed: Time since the start [s].
+        """
+        raise NotImplementedError
 
     @override
-    def init(self, interface: InterfaceT, params: Parameters) -> None:
+    def starting(self, time: float) -> None:
+        """Start where the arm is.
+
+        Raises:
+            ControllerStateError: The arm is not near the start pose.
+        """
+        check_start_pose(self.begin())
+        self._elapsed = 0.0
+
+    @override
+    def update(self, time: float, period: float) -> None:
+        self._elapsed += period
+        self.move(self._elapsed)
+
+
+JointsT = TypeVar("JointsT", PositionJointInterface, VelocityJointInterface)
+
+
+class _JointExample(_Example[JointsT]):
+    own_parameters: ClassVar[tuple[DeclaredParameter, ...]] = (JOINT_NAMES,)
+
+    @override
+    def init(self, interface: JointsT, params: Parameters) -> None:
         self.joint_names = read_arm_joints(params)
         self._joints = JointGroup([interface.get_handle(n) for n in self.joint_names])
+
+    @override
+    def begin(self) -> Sequence[float]:
+        self._start = self._joints.get_positions()
+        return self._start
 
 
 JOINT_AMPLITUDE = 0.2 * pi / 16.0
@@ -100,23 +139,9 @@ class JointPositionExampleController(_JointExample[PositionJointInterface]):
     Parameters: `joint_names`, 7 names.
     """
 
-    hardware_interface: ClassVar[type] = PositionJointInterface
-
     @override
-    def starting(self, time: float) -> None:
-        """Start at the measured joint positions.
-
-        Raises:
-            ControllerStateError: The arm is not near the start pose.
-        """
-        self._start = self._joints.get_positions()
-        check_start_pose(self._start)
-        self._elapsed = 0.0
-
-    @override
-    def update(self, time: float, period: float) -> None:
-        self._elapsed += period
-        offset = JOINT_AMPLITUDE * (1.0 - cos(pi / 5.0 * self._elapsed))
+    def move(self, elapsed: float) -> None:
+        offset = JOINT_AMPLITUDE * (1.0 - cos(pi / 5.0 * elapsed))
         self._joints.set_commands([
             q - offset if joint == _MIRRORED else q + offset
             for joint, q in enumerate(self._start)
@@ -135,47 +160,43 @@ class JointVelocityExampleController(_JointExample[VelocityJointInterface]):
     Parameters: `joint_names`, 7 names. `arm_id` is accepted and has no effect.
     """
 
-    hardware_interface: ClassVar[type] = VelocityJointInterface
     accepted_parameters: ClassVar[tuple[str, ...]] = ("arm_id",)
 
     @override
-    def starting(self, time: float) -> None:
-        """Start at rest.
+    def move(self, elapsed: float) -> None:
+        omega = back_and_forth(elapsed, peak=JOINT_PEAK, half_period=JOINT_HALF_PERIOD)
+        self._joints.set_commands([omega] * len(self.joint_names))
 
-        Raises:
-            ControllerStateError: The arm is not near the start pose.
-        """
-        check_start_pose(self._joints.get_positions())
-        self._elapsed = 0.0
+
+HandT = TypeVar("HandT", FrankaPoseCartesianInterface, FrankaVelocityCartesianInterface)
+
+
+class _HandExample(_Example[HandT]):
+    own_parameters = (ARM_ID,)
+    _handle: FrankaStateHandle
 
     @override
-    def update(self, time: float, period: float) -> None:
-        self._elapsed += period
-        omega = back_and_forth(
-            self._elapsed, peak=JOINT_PEAK, half_period=JOINT_HALF_PERIOD
-        )
-        self._joints.set_commands([omega] * len(self.joint_names))
+    def init(self, interface: HandT, params: Parameters) -> None:
+        self._handle = interface.get_handle(f"{read_arm_id(params)}_robot")
+
+    @override
+    def begin(self) -> Sequence[float]:
+        state = self._handle.get_robot_state()
+        self._pose, self._elbow = list(state.O_T_EE_d), list(state.elbow_d)
+        return state.q_d
 
 
 RADIUS = 0.15
 """Radius of the arc [m]."""
 
 
-class CartesianPoseExampleController(Controller[FrankaPoseCartesianInterface]):
+class CartesianPoseExampleController(_HandExample[FrankaPoseCartesianInterface]):
     """Moves along a quarter of a vertical circle and back, in 10 s.
 
     Parameters: `arm_id`.
     """
 
-    hardware_interface: ClassVar[type] = FrankaPoseCartesianInterface
-    own_parameters = (ARM_ID,)
-
-    @override
-    def init(self, interface: FrankaPoseCartesianInterface, params: Parameters) -> None:
-        name = f"{read_arm_id(params)}_robot"
-        self._handle: FrankaCartesianPoseHandle = interface.get_handle(name)
-        self._start: list[float] = []
-        self._elapsed = 0.0
+    _handle: FrankaCartesianPoseHandle
 
     @override
     def starting(self, time: float) -> None:
@@ -184,17 +205,13 @@ class CartesianPoseExampleController(Controller[FrankaPoseCartesianInterface]):
         Raises:
             ControllerStateError: The arm is not near the start pose.
         """
-        state = self._handle.get_robot_state()
-        check_start_pose(state.q_d)
-        self._start = list(state.O_T_EE_d)
-        self._handle.set_command(self._start)
-        self._elapsed = 0.0
+        super().starting(time)
+        self._handle.set_command(self._pose)
 
     @override
-    def update(self, time: float, period: float) -> None:
-        self._elapsed += period
-        angle = pi / 4.0 * (1.0 - cos(pi / 5.0 * self._elapsed))
-        pose = list(self._start)
+    def move(self, elapsed: float) -> None:
+        angle = pi / 4.0 * (1.0 - cos(pi / 5.0 * elapsed))
+        pose = list(self._pose)
         pose[12] -= RADIUS * sin(angle)
         pose[14] -= RADIUS * (cos(angle) - 1.0)
         self._handle.set_command(pose)
@@ -208,39 +225,19 @@ ANGLE = pi / 4.0
 """Angle of the line below the horizontal [rad]."""
 
 
-class CartesianVelocityExampleController(Controller[FrankaVelocityCartesianInterface]):
+class CartesianVelocityExampleController(
+    _HandExample[FrankaVelocityCartesianInterface]
+):
     """Moves forward and down, and back again.
 
     Parameters: `arm_id`.
     """
 
-    hardware_interface: ClassVar[type] = FrankaVelocityCartesianInterface
-    own_parameters = (ARM_ID,)
+    _handle: FrankaCartesianVelocityHandle
 
     @override
-    def init(
-        self, interface: FrankaVelocityCartesianInterface, params: Parameters
-    ) -> None:
-        name = f"{read_arm_id(params)}_robot"
-        self._handle: FrankaCartesianVelocityHandle = interface.get_handle(name)
-        self._elapsed = 0.0
-
-    @override
-    def starting(self, time: float) -> None:
-        """Start at rest.
-
-        Raises:
-            ControllerStateError: The arm is not near the start pose.
-        """
-        check_start_pose(self._handle.get_robot_state().q_d)
-        self._elapsed = 0.0
-
-    @override
-    def update(self, time: float, period: float) -> None:
-        self._elapsed += period
-        speed = back_and_forth(
-            self._elapsed, peak=TWIST_PEAK, half_period=TWIST_HALF_PERIOD
-        )
+    def move(self, elapsed: float) -> None:
+        speed = back_and_forth(elapsed, peak=TWIST_PEAK, half_period=TWIST_HALF_PERIOD)
         x, z = cos(ANGLE) * speed, -sin(ANGLE) * speed
         self._handle.set_command([x, 0.0, z, 0.0, 0.0, 0.0])
 
@@ -249,38 +246,25 @@ ELBOW_AMPLITUDE = pi / 10.0
 """Half of the range in which joint 3 moves [rad]."""
 
 
-class ElbowExampleController(Controller[FrankaPoseCartesianInterface]):
+class ElbowExampleController(_HandExample[FrankaPoseCartesianInterface]):
     """Swings the elbow to one side and back, in 10 s.
 
     Parameters: `arm_id`.
     """
 
-    hardware_interface: ClassVar[type] = FrankaPoseCartesianInterface
-    own_parameters = (ARM_ID,)
-
-    @override
-    def init(self, interface: FrankaPoseCartesianInterface, params: Parameters) -> None:
-        name = f"{read_arm_id(params)}_robot"
-        self._handle: FrankaCartesianPoseHandle = interface.get_handle(name)
-        self._pose: list[float] = []
-        self._elbow: list[float] = []
-        self._elapsed = 0.0
+    _handle: FrankaCartesianPoseHandle
 
     @override
     def starting(self, time: float) -> None:
-        """Start at the desired pose of the arm.
+        """Start at the desired pose and elbow.
 
         Raises:
             ControllerStateError: The arm is not near the start pose.
         """
-        state = self._handle.get_robot_state()
-        check_start_pose(state.q_d)
-        self._pose, self._elbow = list(state.O_T_EE_d), list(state.elbow_d)
+        super().starting(time)
         self._handle.set_command(self._pose, self._elbow)
-        self._elapsed = 0.0
 
     @override
-    def update(self, time: float, period: float) -> None:
-        self._elapsed += period
-        offset = ELBOW_AMPLITUDE * (1.0 - cos(pi / 5.0 * self._elapsed))
+    def move(self, elapsed: float) -> None:
+        offset = ELBOW_AMPLITUDE * (1.0 - cos(pi / 5.0 * elapsed))
         self._handle.set_command(self._pose, [self._elbow[0] + offset, self._elbow[1]])

@@ -6,7 +6,6 @@ read instead of being logged.
 """
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 from typing_extensions import override
 
@@ -52,7 +51,6 @@ class ModelExampleController(Controller[FrankaModelInterface]):
         model_sample: The last evaluation, a new object each time; None before that.
     """
 
-    hardware_interface: ClassVar[type] = FrankaModelInterface
     own_parameters = (ARM_ID,)
 
     @override

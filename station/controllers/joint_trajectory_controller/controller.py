@@ -4,18 +4,15 @@ Source: ros_controllers@678b92a joint_trajectory_controller/
 joint_trajectory_controller.h, joint_trajectory_controller_impl.h.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import ClassVar, NamedTuple, TypeVar
 
 from typing_extensions import override
 
-from station.controllers.joint_trajectory_controller.adapters import (
-    HardwareInterfaceAdapter,
-    adapter_for,
-    adapter_parameters,
-)
 from station.controllers.joint_trajectory_controller.execution import (
     SPEED_PARAMETERS,
+    JointTracking,
     SpeedScaling,
     TrajectoryExecution,
     TrajectoryUpdate,
@@ -24,22 +21,45 @@ from station.controllers.joint_trajectory_controller.goals import (
     FollowJointTrajectoryPort,
     JointTrajectoryPort,
 )
+from station.controllers.joint_trajectory_controller.motion_primitives import (
+    MotionSequences,
+)
 from station.controllers.joint_trajectory_controller.planning import TrajectoryPlanner
-from station.controllers.set_point_controller import JOINTS, read_joint_names
+from station.controllers.set_point_controller import (
+    JOINTS,
+    CommandLaw,
+    DirectLaw,
+    JointPidGroup,
+    JointQuantity,
+    PidLaw,
+    pid_parameters,
+    read_joint_names,
+)
 from station.core.control.controller import Controller, PackedSample
 from station.core.control.tunables import Tunables
-from station.core.declared_parameter import DeclaredParameter, ParameterType
+from station.core.declared_parameter import EACH_JOINT, DeclaredParameter, ParameterType
+from station.core.description.chains_of_frames import chain_to, ends_of_chain
 from station.core.description.robot_description import (
     JointDescription,
     require_robot_description,
 )
+from station.core.description.urdf_parser import parse_urdf
+from station.core.errors import ControllerLoadError
 from station.core.hardware.interfaces import (
     EffortJointInterface,
+    JointCommandInterface,
+    JointGroup,
+    JointStateGroup,
     PositionJointInterface,
+    PosVelAccJointHandle,
     PosVelAccJointInterface,
+    PosVelJointHandle,
     PosVelJointInterface,
     VelocityJointInterface,
 )
+from station.core.hardware.interfaces.interface_manager import interface_type_name
+from station.core.numerics.joint_chain import JointChain
+from station.core.numerics.pid import PidGains
 from station.core.parameters import Parameters
 from station.core.ports.goal import GoalStatus
 from station.core.trajectory import (
@@ -48,6 +68,166 @@ from station.core.trajectory import (
     read_tolerances,
 )
 from station.memory.direct_calls import call_directly
+from station.memory.doubles import Doubles, doubles
+
+_VELOCITY_FF = DeclaredParameter(
+    name=f"velocity_ff/{EACH_JOINT}",
+    type=ParameterType.NUMBER,
+    description="factor with which the desired velocity is added to the command",
+    unit="command s/rad",
+    default=0.0,
+)
+
+
+class HardwareInterfaceAdapter:
+    """Joints that are claimed for a trajectory, and the law that commands them.
+
+    Args:
+        tracking: Desired and measured states of the joints.
+        law: Commands the joints towards the desired states.
+        output: Output in a sample, shape (n,), always the same memory; None
+            for the commands of `tracking`.
+        pids: The PIDs of the law; None if it has none.
+
+    Attributes:
+        tracking: As given.
+        law: As given.
+        output: As given.
+        tunables: Run-time parameters of the law.
+    """
+
+    def __init__(
+        self,
+        tracking: JointTracking,
+        law: CommandLaw,
+        *,
+        output: Doubles | None = None,
+        pids: JointPidGroup | None = None,
+    ) -> None:
+        self.tracking = tracking
+        self.law = law
+        self.output = tracking.memory.commands if output is None else output
+        self.tunables = Tunables() if pids is None else pids.tunables
+        self._pids = pids
+
+    def reset(self) -> None:
+        """Forget earlier errors; called when the controller starts."""
+        if self._pids is not None:
+            self._pids.reset()
+
+
+class DesiredStateLaw(CommandLaw):
+    """Commands desired positions and velocities, and accelerations where they count.
+
+    Args:
+        tracking: Desired states of the joints.
+        handles: Handles of the joints; their type decides about accelerations.
+    """
+
+    def __init__(
+        self,
+        tracking: JointTracking,
+        handles: Sequence[PosVelJointHandle | PosVelAccJointHandle],
+    ) -> None:
+        self._columns = [tracking.positions, tracking.velocities]
+        if isinstance(handles[0], PosVelAccJointHandle):
+            self._columns.append(tracking.accelerations)
+        self._set_commands: list[Callable[..., None]] = [
+            handle.set_command for handle in handles
+        ]
+
+    @override
+    def compute_commands(self, period: float) -> None:
+        """Command the desired states."""
+        numbers = zip(*self._columns, strict=True)
+        for set_command, state in zip(self._set_commands, numbers, strict=True):
+            set_command(*state)
+
+
+_PID_COMMANDS: dict[type, JointQuantity] = {
+    VelocityJointInterface: JointQuantity.VELOCITY,
+    EffortJointInterface: JointQuantity.EFFORT,
+}
+"""What PIDs compute, by the interface."""
+
+
+def adapter_parameters(interface: type) -> tuple[DeclaredParameter, ...]:
+    """Return the parameters that the adapter for an interface reads.
+
+    Args:
+        interface: Type of the interface.
+    """
+    command = _PID_COMMANDS.get(interface)
+    if command is None:
+        return ()
+    rate = "" if command is JointQuantity.VELOCITY else "Nm s/rad"
+    pid = pid_parameters(error=JointQuantity.POSITION, command=command)
+    return (*pid, replace(_VELOCITY_FF, unit=rate))
+
+
+def adapter_for(
+    interface: object, joints: list[JointDescription], params: Parameters
+) -> HardwareInterfaceAdapter:
+    """Claim joints of an interface and return the adapter for its type.
+
+    Args:
+        interface: One of the robot's joint command interfaces.
+        joints: The joints.
+        params: The controller's namespace.
+
+    Raises:
+        ControllerLoadError: There is no adapter for the type of `interface`.
+        ParameterError: A joint has no gains, or a parameter is not allowed.
+        ResourceNotFoundError: The robot has no joint of that name.
+    """
+    match interface:
+        case PositionJointInterface():
+            handles = [interface.get_handle(joint.name) for joint in joints]
+            tracking = JointTracking(joints, JointGroup(handles))
+            law = DirectLaw(tracking.positions, tracking.memory.commands)
+            return HardwareInterfaceAdapter(tracking, law)
+        case VelocityJointInterface() | EffortJointInterface():
+            return _closed_loop_adapter(interface, joints, params)
+        case PosVelJointInterface() | PosVelAccJointInterface():
+            states = [interface.get_handle(joint.name) for joint in joints]
+            tracking = JointTracking(joints, JointStateGroup(states))
+            return HardwareInterfaceAdapter(
+                tracking, DesiredStateLaw(tracking, states), output=tracking.positions
+            )
+    raise ControllerLoadError(
+        "No trajectory can be commanded over "
+        f"'{interface_type_name(type(interface))}'.",
+        remedy="Use a joint command interface, or override `make_adapter`.",
+    )
+
+
+def _closed_loop_adapter(
+    interface: JointCommandInterface, joints: list[JointDescription], params: Parameters
+) -> HardwareInterfaceAdapter:
+    """Command `velocity_ff` times the desired velocity plus the output of a PID.
+
+    Parameters: the gains of every joint, see `PidGains.of_joints`; and
+    `velocity_ff/<joint>`, 0 by default.
+
+    Source:
+        ClosedLoopHardwareInterfaceAdapter; differs: missing gains are refused when the
+        controller is loaded.
+    """
+    names = [joint.name for joint in joints]
+    tracking = JointTracking(joints, JointGroup([*map(interface.get_handle, names)]))
+    pids = JointPidGroup(
+        joints,
+        PidGains.of_joints(params, names),
+        error=JointQuantity.POSITION,
+        command=_PID_COMMANDS[type(interface)],
+        commands=tracking.memory.commands,
+        errors=tracking.errors,
+        rates=tracking.rate_errors,
+    )
+    gains = doubles(_VELOCITY_FF.of(name).read_float(params) for name in names)
+    pids.group.feed_forward(tracking.velocities, gains)
+    return HardwareInterfaceAdapter(tracking, PidLaw(pids.group), pids=pids)
+
 
 InterfaceT = TypeVar("InterfaceT")
 
@@ -71,17 +251,31 @@ class JointTrajectoryState(NamedTuple):
 _ALLOW_PARTIAL_JOINTS_GOAL = DeclaredParameter(
     name="allow_partial_joints_goal",
     type=ParameterType.BOOLEAN,
-    default=False,
     description="a trajectory may leave joints out",
+    default=False,
 )
 _CONSTRAINTS = "constraints"
+_BASE = DeclaredParameter(
+    name="kinematics/base",
+    type=ParameterType.STRING,
+    default="",
+    default_text="the link that carries the first joint",
+    description="link in whose frame the poses of motion primitives are",
+)
+_TIP = DeclaredParameter(
+    name="kinematics/tip",
+    type=ParameterType.STRING,
+    default="",
+    default_text="the last link",
+    description="link whose poses those of motion primitives are",
+)
 _STOP_TRAJECTORY_DURATION = DeclaredParameter(
     name="stop_trajectory_duration",
     type=ParameterType.NUMBER,
+    description="time in which a motion comes to rest; 0: hold at once",
     unit="s",
     default=0.0,
     minimum=0.0,
-    description="time in which a motion comes to rest; 0: hold at once",
 )
 
 
@@ -92,7 +286,8 @@ class JointTrajectoryController(Controller[InterfaceT]):
     and per joint `trajectory` and `goal`; `stop_trajectory_duration` [s];
     `allow_partial_joints_goal`; `speed_scaling`, 0 to 1, and `speed_scaling_ramp`, the
     time from standstill to full speed [s]; and those of the interface's adapter, see
-    `adapter_for`. `robot_description` in this or an outer namespace gives types and
+    `adapter_for`; `kinematics/base` and `kinematics/tip` for motion primitives.
+    `robot_description` in this or an outer namespace gives types and
     limits of the joints. `state_publish_rate` and `action_monitor_rate` are accepted
     and have no effect, because the state of every cycle is available.
 
@@ -124,6 +319,8 @@ class JointTrajectoryController(Controller[InterfaceT]):
             *(each.inside(_CONSTRAINTS) for each in TOLERANCE_PARAMETERS),
             _STOP_TRAJECTORY_DURATION,
             _ALLOW_PARTIAL_JOINTS_GOAL,
+            _BASE,
+            _TIP,
             *SPEED_PARAMETERS,
             *adapter_parameters(cls.hardware_interface),
         )
@@ -154,8 +351,22 @@ class JointTrajectoryController(Controller[InterfaceT]):
         self.sampled = self._update.sampled
         command = self._update.command_joints
         call_directly(self, JointTrajectoryController, update=command)
+        base, tip = _BASE.read_str(params), _TIP.read_str(params)
+
+        def chain_in(frame: str) -> JointChain:
+            urdf = parse_urdf(description.xml)
+            ends = (base, tip) if base and tip else ends_of_chain(urdf, names)
+            carrier = frame or base or ends[0]
+            return chain_to(urdf, carrier, tip or ends[1], names)
+
+        # The reference of a controller, `controller/joint`, is placed as the joint.
+        names = [name.rpartition("/")[2] for name in self.joint_names]
         self.goals = FollowJointTrajectoryPort(
-            self.planner, tolerances, self.is_running, self._state_message
+            self.planner,
+            MotionSequences(self.joints, chain_in),
+            tolerances,
+            self.is_running,
+            self._state_message,
         )
         self.trajectories = JointTrajectoryPort(self.planner, self.is_running)
         self.tunables = Tunables.joined(self._adapter.tunables, speed.tunables)
@@ -237,35 +448,25 @@ class PositionJointTrajectoryController(
 ):
     """Commands positions."""
 
-    hardware_interface: ClassVar[type] = PositionJointInterface
-
 
 class VelocityJointTrajectoryController(
     JointTrajectoryController[VelocityJointInterface]
 ):
     """Commands velocities computed from the errors of position and velocity."""
 
-    hardware_interface: ClassVar[type] = VelocityJointInterface
-
 
 class EffortJointTrajectoryController(JointTrajectoryController[EffortJointInterface]):
     """Commands efforts computed from the errors of position and velocity."""
 
-    hardware_interface: ClassVar[type] = EffortJointInterface
-
 
 class PosVelJointTrajectoryController(JointTrajectoryController[PosVelJointInterface]):
     """Commands positions and velocities."""
-
-    hardware_interface: ClassVar[type] = PosVelJointInterface
 
 
 class PosVelAccJointTrajectoryController(
     JointTrajectoryController[PosVelAccJointInterface]
 ):
     """Commands positions, velocities and accelerations."""
-
-    hardware_interface: ClassVar[type] = PosVelAccJointInterface
 
 
 def _message(state: PosVelAccState) -> dict[str, object]:

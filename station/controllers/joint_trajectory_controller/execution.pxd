@@ -1,4 +1,3 @@
-cimport cython
 from station.controllers.set_point_controller cimport CommandLaw
 from station.core.control.sample_columns cimport SampleColumns
 from station.core.numerics.joint_errors cimport JointErrors
@@ -20,7 +19,6 @@ cdef class JointTracking:
     cdef list _bounds
     cdef JointErrors _position, _velocity
     cdef double[::1] _states, _splines
-    @cython.locals(i=Py_ssize_t)
     cpdef void load_spline(self, Py_ssize_t k, double[::1] spline) noexcept
     cpdef bint follow_splines(self, double time, double factor, double rate) noexcept
     cpdef void compare_states(self) noexcept

@@ -5,18 +5,27 @@ differs: times are seconds, `stamp` may stand outside of `header`; tolerances fo
 joints are refused, not ignored.
 """
 
+from bisect import bisect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from math import isfinite
+from math import hypot, isfinite
 
 from typing_extensions import override
 
 from station.controllers.joint_trajectory_controller.execution import ErrorCode
+from station.controllers.joint_trajectory_controller.motion_primitives import (
+    LINEAR_CARTESIAN,
+    LINEAR_JOINT,
+    PRIMITIVE_TYPES,
+    MotionPrimitive,
+    MotionSequences,
+)
 from station.controllers.joint_trajectory_controller.planning import (
     MAX_DURATION,
     TrajectoryPlanner,
 )
 from station.core.errors import ControllerStateError, InvalidTrajectoryError
+from station.core.numerics.poses import pose_of
 from station.core.ports.goal import Goal, GoalPort
 from station.core.ports.receipt import Receipt
 from station.core.trajectory import (
@@ -28,6 +37,10 @@ from station.core.trajectory import (
     updated_tolerances,
 )
 from station.core.trajectory.trajectory_port import TrajectoryPort
+
+MOST_PRIMITIVES = 200
+"""Most primitives of a sequence."""
+_LEAST_QUATERNION = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +66,7 @@ class FollowJointTrajectoryPort(GoalPort):
 
     Args:
         planner: Plans the trajectories.
+        sequences: Makes trajectories of motion primitives.
         tolerances: Default bounds of the errors by joint.
         is_running: Returns whether the controller is running.
         feedback: Returns the feedback message of the active goal.
@@ -64,12 +78,14 @@ class FollowJointTrajectoryPort(GoalPort):
     def __init__(
         self,
         planner: TrajectoryPlanner,
+        sequences: MotionSequences,
         tolerances: Mapping[str, JointTolerances],
         is_running: Callable[[], bool],
         feedback: Callable[[], Mapping[str, object]],
     ) -> None:
         super().__init__(is_running, feedback)
         self._planner = planner
+        self._sequences = sequences
         self._tolerances = tolerances
 
     @override
@@ -94,7 +110,8 @@ class FollowJointTrajectoryPort(GoalPort):
             raise
 
     def _accept(self, request: Mapping[str, object], receipt: Receipt | None) -> Goal:
-        wanted = parse_goal(request)
+        ends: list[float] = []
+        wanted = parse_goal(request, lambda message: self._follow(message, ends))
         self._check_tolerances([*wanted.path_tolerance, *wanted.goal_tolerance])
         goal = self.new_goal(request, receipt)
         bounds = updated_tolerances(
@@ -103,9 +120,36 @@ class FollowJointTrajectoryPort(GoalPort):
             wanted.goal_tolerance,
             wanted.goal_time_tolerance,
         )
+        if ends:
+            goal.feedback = lambda: {
+                **self._feedback(),
+                # The last one goes on until the joints are within the tolerances.
+                "current_primitive_index": bisect(
+                    ends, goal.progress * ends[-1], hi=len(ends) - 1
+                ),
+            }
         self._planner.plan(wanted.trajectory, goal, bounds, receipt)
         self.remember(goal)
         return goal
+
+    def _follow(
+        self, message: Mapping[str, object], ends: list[float]
+    ) -> JointTrajectory:
+        """Return the trajectory of a sequence of primitives, and note their ends.
+
+        Raises:
+            ControllerStateError: The controller is not running.
+            InvalidTrajectoryError: The sequence cannot be followed.
+        """
+        sequence, frame = parse_sequence(message)
+        # What does not run stands nowhere, and who is on the way has no path from here.
+        if self._is_running is not None and not self._is_running():
+            self.new_goal({})
+        points, times = self._sequences.plan(
+            sequence, frame, self._planner.resting_place()
+        )
+        ends += times
+        return JointTrajectory(self._sequences.joint_names, points)
 
     def _check_tolerances(self, tolerances: Sequence[ToleranceRequest]) -> None:
         """Refuse tolerances that would have no effect.
@@ -196,10 +240,14 @@ class JointTrajectoryPort(TrajectoryPort):
             )
 
 
-def parse_goal(request: Mapping[str, object]) -> FollowJointTrajectoryGoal:
+def parse_goal(
+    request: Mapping[str, object],
+    follow: Callable[[Mapping[str, object]], JointTrajectory] | None = None,
+) -> FollowJointTrajectoryGoal:
     """Read a goal from JSON-compatible values shaped like the action's message.
 
     Args:
+        follow: Makes a trajectory of a `trajectory` that has `motions`.
         request: `{"trajectory": {"joint_names", "points": [{"positions", "velocities",
             "accelerations", "time_from_start"}], "stamp"}, "path_tolerance":
             [{"name", "position", "velocity", "acceleration"}], "goal_tolerance",
@@ -216,8 +264,10 @@ def parse_goal(request: Mapping[str, object]) -> FollowJointTrajectoryGoal:
     }
     _refuse_unknown(request, known, "the goal")
     trajectory = _mapping(request.get("trajectory"), "trajectory")
+    has_motions = "motions" in trajectory
+    read = follow if follow is not None and has_motions else parse_trajectory
     return FollowJointTrajectoryGoal(
-        parse_trajectory(trajectory),
+        read(trajectory),
         _tolerances(request, "path_tolerance"),
         _tolerances(request, "goal_tolerance"),
         _goal_time(request),
@@ -259,6 +309,102 @@ def parse_trajectory(message: Mapping[str, object]) -> JointTrajectory:
         ],
         stamp or _number(header, "stamp", "trajectory/header/stamp"),
     )
+
+
+def parse_sequence(message: Mapping[str, object]) -> tuple[list[MotionPrimitive], str]:
+    """Read values shaped like control_msgs/MotionPrimitiveSequence.
+
+    Args:
+        message: `{"motions": [{"type", "blend_radius", "additional_arguments":
+            [{"name", "value"}], "poses": [{"header": {"frame_id"}, "pose": {"position",
+            "orientation"}}], "joint_positions"}]}`; types are numbers or names, vectors
+            mappings or lists.
+
+    Returns:
+        The primitives, and the frame of all poses; "" when none is named.
+
+    Raises:
+        InvalidTrajectoryError: A field is missing, unknown or has the wrong type, or a
+            primitive has not the target that its type needs.
+    """
+    _refuse_unknown(message, {"motions"}, "trajectory")
+    return _sequence(_list(message.get("motions"), "trajectory/motions"))
+
+
+def _sequence(motions: list[object]) -> tuple[list[MotionPrimitive], str]:
+    if not 1 <= len(motions) <= MOST_PRIMITIVES:
+        wanted = f"1 to {MOST_PRIMITIVES} primitives"
+        raise _wrong("trajectory/motions", f"{len(motions)} primitives", wanted)
+    frames: set[str] = set()
+    found = [_primitive(index, one, frames) for index, one in enumerate(motions)]
+    if len(frames) > 1:
+        raise _wrong("trajectory/motions", sorted(frames), "poses in one frame")
+    if found[-1].blend_radius > 0.0:
+        where = f"trajectory/motions/{len(found) - 1}/blend_radius"
+        raise _wrong(where, found[-1].blend_radius, "0: nothing follows")
+    return found, max(frames, default="")
+
+
+def _primitive(index: int, value: object, frames: set[str]) -> MotionPrimitive:
+    where = f"trajectory/motions/{index}"
+    message = _mapping(value, where)
+    known = {"type", "blend_radius", "additional_arguments", "poses", "joint_positions"}
+    _refuse_unknown(message, known, where)
+    given = message.get("type")
+    kind = PRIMITIVE_TYPES.get(given) if isinstance(given, int | str) else None
+    if kind is None:
+        raise _wrong(f"{where}/type", given, "0 (PTP), 50 (LIN) or 51 (CIRC)")
+    arguments = {}
+    for entry in _list(message.get("additional_arguments", []), where):
+        argument = _mapping(entry, f"{where}/additional_arguments")
+        name = argument.get("name")
+        if name not in {"velocity", "acceleration", "move_time"}:
+            raise _wrong(f"{where}/additional_arguments/name", name, "an argument")
+        arguments[str(name)] = _not_negative(argument, "value", f"{where}/{name}")
+    poses = [
+        _pose(_mapping(one, f"{where}/poses"), f"{where}/poses", frames)
+        for one in _list(message.get("poses", []), f"{where}/poses")
+    ]
+    joints = _numbers(message, "joint_positions", where)
+    least = {LINEAR_JOINT: 0, LINEAR_CARTESIAN: 1}.get(kind, 2)
+    if len(poses) != least or bool(joints) != (least == 0):
+        wanted = f"{least} poses" if least else "joint_positions, and no poses"
+        raise _wrong(where, f"with {len(poses)} poses", f"one with {wanted}")
+    radius = _not_negative(message, "blend_radius", f"{where}/blend_radius")
+    # An argument of 0 has not been given, as in the original.
+    given_ones = {name: number for name, number in arguments.items() if number}
+    return MotionPrimitive(kind, radius, given_ones, poses, joints)
+
+
+def _pose(message: Mapping[str, object], where: str, frames: set[str]) -> list[float]:
+    _refuse_unknown(message, {"header", "pose"}, where)
+    header = _mapping(message.get("header", {}), f"{where}/header")
+    frame = header.get("frame_id", "")
+    if frame:
+        frames.add(str(frame))
+    pose = _mapping(message.get("pose"), f"{where}/pose")
+    vectors = []
+    for name, keys in (("position", "xyz"), ("orientation", "xyzw")):
+        found = pose.get(name)
+        if isinstance(found, Mapping):
+            found = [found.get(key) for key in keys]
+        vector = [
+            _as_number(one, f"{where}/{name}")
+            for one in _list(found, f"{where}/{name}")
+        ]
+        if len(vector) != len(keys) or not all(map(isfinite, vector)):
+            raise _wrong(f"{where}/{name}", vector, ", ".join(keys))
+        vectors.append(vector)
+    if hypot(*vectors[1]) < _LEAST_QUATERNION:
+        raise _wrong(f"{where}/orientation", vectors[1], "a quaternion, not 0")
+    return pose_of(*vectors)
+
+
+def _not_negative(message: Mapping[str, object], key: str, where: str) -> float:
+    number = _finite(message, key, where)
+    if number < 0.0:
+        raise _wrong(where, number, "0 or more")
+    return number
 
 
 def _joint_names(value: object) -> list[str]:

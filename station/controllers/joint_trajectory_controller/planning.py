@@ -171,6 +171,21 @@ class TrajectoryPlanner:
             [factor * factor * state[2] for state in states],
         )
 
+    def resting_place(self) -> list[float]:
+        """Return the positions at which the joints are held [rad or m]. Any thread.
+
+        Raises:
+            InvalidTrajectoryError: They move.
+        """
+        present = self._present()
+        if not present.rests:
+            raise InvalidTrajectoryError(
+                "The joints move; a sequence of primitives begins where they rest.",
+                remedy="Wait until they rest, or cancel the goal.",
+                details={"reason": "moving"},
+            )
+        return [present.places[name][0] for name in self._names]
+
     def _planned(
         self,
         request: JointTrajectory,

@@ -99,13 +99,9 @@ class JointJogController(SmoothedMotionController[CommandInterfaceT]):
 class PositionJointJogController(JointJogController[PositionJointInterface]):
     """Jogs joints by position commands."""
 
-    hardware_interface: ClassVar[type] = PositionJointInterface
-
 
 class EffortJointJogController(JointJogController[EffortJointInterface]):
     """Jogs joints by effort commands."""
-
-    hardware_interface: ClassVar[type] = EffortJointInterface
 
 
 def _within(

@@ -63,10 +63,6 @@ class PositionJointStreamingController(
 ):
     """Follows streamed positions by position commands."""
 
-    hardware_interface: ClassVar[type] = PositionJointInterface
-
 
 class EffortJointStreamingController(JointStreamingController[EffortJointInterface]):
     """Follows streamed positions by effort commands."""
-
-    hardware_interface: ClassVar[type] = EffortJointInterface

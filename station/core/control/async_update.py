@@ -81,12 +81,17 @@ class AsyncUpdate(AsyncFunction):
             (storage, private[id(storage)], index) for storage, index in outputs
         ]
         self._last = [0.0 for _ in outputs]
+        self._change: Callable[[], None] | None = None
+        controller.tunables.when_idle = self._change_when_idle
         self._starting = controller.starting
         self._ends = (controller.stopping, controller.aborting)
         controller.starting = self.starting  # type: ignore[method-assign]
         controller.update = self.update  # type: ignore[method-assign]
         controller.stopping = self.stopping  # type: ignore[method-assign]
         controller.aborting = self.aborting  # type: ignore[method-assign]
+
+    def close(self) -> None:
+        """Release what it holds besides memory; when the controller is unloaded."""
 
     def starting(self, time: float) -> None:
         """Start the controller, on the states of this cycle.
@@ -137,7 +142,17 @@ class AsyncUpdate(AsyncFunction):
         callback(time)
         self._take_commands()
 
+    def _change_when_idle(self, change: Callable[[], None]) -> None:
+        # A change in the middle of an update would be one of half of it.
+        if self.is_idle():
+            change()
+        else:
+            self._change = change
+
     def _copy_states(self) -> None:
+        change, self._change = self._change, None
+        if change is not None:
+            change()
         for real, private in self._storages:
             private[:] = real  # type: ignore[assignment]
 

@@ -25,5 +25,5 @@ cdef class CommandGate:
     cdef Py_ssize_t next_compared
     cdef set owned_names
     cdef dict names, slots
-    @cython.locals(kept=list, block=CommandBlock, each=CommandBlock)
+    @cython.locals(block=CommandBlock, each=CommandBlock)
     cpdef keep_commands(self)

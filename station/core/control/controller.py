@@ -8,9 +8,9 @@ returning False, and there is one `init(hw, params)` instead of overloads.
 from array import array
 from collections.abc import Callable, Mapping
 from enum import Enum
-from typing import ClassVar, Generic, NamedTuple, TypeAlias, TypeVar
+from typing import ClassVar, Generic, NamedTuple, TypeAlias, TypeVar, get_args
 
-from typing_extensions import override
+from typing_extensions import get_original_bases, override
 
 from station.core.control.sample_columns import PackedColumns, SampleColumns
 from station.core.control.tunables import Tunables
@@ -445,8 +445,6 @@ class Controller(ClaimingController, Generic[InterfaceT]):
 
     ```python
     class Brake(Controller[EffortJointInterface]):
-        hardware_interface = EffortJointInterface
-
         def init(self, interface, params):
             self.joint = interface.get_handle(params.get_str("joint"))
 
@@ -455,10 +453,22 @@ class Controller(ClaimingController, Generic[InterfaceT]):
     ```
 
     Attributes:
-        hardware_interface: Type of the interface; the same as the type argument.
+        hardware_interface: Type of the interface; by itself the type argument.
     """
 
     hardware_interface: ClassVar[type]
+
+    @override
+    def __init_subclass__(cls) -> None:
+        """Take the interface from the type argument of the base class."""
+        super().__init_subclass__()
+        if "hardware_interface" in vars(cls):
+            return
+        for base in get_original_bases(cls):
+            argument = next(iter(get_args(base)), None)
+            # A type variable is left to the classes that derive from this one.
+            if isinstance(argument, type) and issubclass(base.__origin__, Controller):
+                cls.hardware_interface = argument
 
     def init(self, interface: InterfaceT, params: Parameters) -> None:
         """Read parameters and ask `interface` for handles.

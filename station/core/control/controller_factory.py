@@ -5,6 +5,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from station.core.control.async_process import ProcessUpdate
 from station.core.control.async_update import AsyncUpdate, ControllerHW
 from station.core.control.chains import ChainedRobotHW, claims_of_references
 from station.core.control.command_guard import find_guards
@@ -18,6 +19,7 @@ from station.core.hardware.async_function import (
     CYCLES,
     IS_ASYNC,
     POLICY,
+    PROCESS,
     TIME_LIMIT,
     AsyncParams,
 )
@@ -73,6 +75,7 @@ COMMON_PARAMETERS = (
     POLICY,
     CYCLES,
     TIME_LIMIT,
+    PROCESS,
 )
 """Parameters that every controller has, whatever its type."""
 _TOLD = 5
@@ -187,11 +190,11 @@ class ControllerFactory:
         )
         loaded_controller.update_rate = update_rate
         if private is not None and asynchronous is not None:
-            loaded_controller.beside = AsyncUpdate(
-                controller,
-                asynchronous,
-                private.storages(),
-                loaded_controller.commands.slots,
+            outputs = loaded_controller.commands.slots
+            loaded_controller.beside = (
+                ProcessUpdate(controller, asynchronous, private, outputs, params)
+                if asynchronous.has_process
+                else AsyncUpdate(controller, asynchronous, private.storages(), outputs)
             )
         return loaded_controller
 

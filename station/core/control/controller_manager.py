@@ -81,6 +81,7 @@ class ControllerManager:
         lifecycle: Starts and stops the controllers, and has the list of them.
         controller_update: Does the same as `update`, for a loop, and keeps who was
             interrupted and how long an update may take.
+        loop_cycle: Returns the number of the loop's present cycle.
     """
 
     def __init__(
@@ -108,6 +109,7 @@ class ControllerManager:
         self._loading: dict[str, Loading] = {}
         self._listed: dict[str, ControllerStatus] = {}
         self._period = 0.0
+        self.loop_cycle: Callable[[], int] = lambda: self.cycle
 
     @property
     def period(self) -> float:
@@ -251,6 +253,7 @@ class ControllerManager:
             self._refuse_lost_exports(loaded)
             if loaded.beside is not None:
                 loaded.beside.is_stepped = lambda: self.pump is not None
+                loaded.beside.present_cycle = lambda: self.loop_cycle()
             if self._period > 0.0:
                 loaded.set_loop_period(self._period)
             self.lifecycle.loaded = insert_in_order(self.lifecycle.loaded, loaded)
@@ -533,3 +536,5 @@ class ControllerManager:
         self.lifecycle.loaded = tuple(
             one for one in self.lifecycle.loaded if one is not loaded
         )
+        if loaded.beside is not None:
+            loaded.beside.close()

@@ -18,7 +18,7 @@ cdef class ControllerUpdate:
     cdef readonly bint is_updating
     cdef public object pending, stopwatch
     cdef public bint resets
-    @cython.locals(gate=CommandGate, one=LoadedController, last=LoadedController)
+    @cython.locals(one=LoadedController)
     cpdef update_controllers(self, double time, double period, bint stands_still=*)
     @cython.locals(begin=double, duration=double, block=CommandBlock)
     cpdef update_controller(self, LoadedController one, double time, double period)

@@ -62,6 +62,8 @@ class Tunables:
     Attributes:
         schema: Unit and range by name.
         values: The values in force by name. A change replaces the mapping as a whole.
+        when_idle: Calls a function once no update is under way; at once, unless the
+            controller is asynchronous.
 
     Raises:
         ValueError: `schema` and `values` have different names.
@@ -78,6 +80,8 @@ class Tunables:
     ) -> None:
         self.schema: dict[str, Tunable] = dict(schema or {})
         self.values: dict[str, float] = dict(values or {})
+        # What waits for the end of an update.
+        self._waiting: dict[str, float] | None = None
         if set(self.schema) != set(self.values):
             raise ValueError(
                 f"The schema names {list(self.schema)}, but there are values for "
@@ -86,6 +90,7 @@ class Tunables:
         self._check = check
         self._apply = apply
         self._notes = notes
+        self.when_idle: Callable[[Callable[[], None]], None] = lambda change: change()
 
     @classmethod
     def joined(cls, *parts: "Tunables") -> "Tunables":
@@ -139,7 +144,7 @@ class Tunables:
                 remedy="Send values within the ranges of the schema; none was applied.",
                 details={"errors": errors},
             )
-        values = {**self.values, **changes}
+        values = {**(self._waiting or self.values), **changes}
         self.check_together(values)
         return values
 
@@ -169,9 +174,14 @@ class Tunables:
         Args:
             values: A value for every name.
         """
-        self.values = dict(values)
-        if self._apply is not None:
-            self._apply(values)
+        self._waiting = dict(values)
+        self.when_idle(self._put_into_force)
+
+    def _put_into_force(self) -> None:
+        if self._waiting is not None:
+            self.values, self._waiting = self._waiting, None
+            if self._apply is not None:
+                self._apply(self.values)
 
     def _problem(self, name: str, value: float) -> str | None:
         tunable = self.schema.get(name)

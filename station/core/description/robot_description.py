@@ -53,11 +53,15 @@ class RobotDescription:
     Args:
         xml: The URDF document.
 
+    Attributes:
+        xml: As given.
+
     Raises:
         RobotDescriptionError: `xml` is not a URDF document.
     """
 
     def __init__(self, xml: str) -> None:
+        self.xml = xml
         robot = parse_robot(xml)
         self._joints = {
             element.get("name", ""): element for element in robot.findall("joint")

@@ -84,6 +84,8 @@ class HardwareTag:
         sensors: Its sensors.
         gpios: Its general-purpose inputs and outputs.
         transmissions: Its `<transmission>` elements, in the form of ROS 2.
+        timing: How it is to be read and written otherwise than in every cycle: the
+            attributes that say so, and those of `<properties>`, by name.
     """
 
     name: str
@@ -94,6 +96,7 @@ class HardwareTag:
     sensors: tuple[ComponentTag, ...]
     gpios: tuple[ComponentTag, ...]
     transmissions: tuple[Element, ...]
+    timing: Mapping[str, str] = field(default_factory=dict)
 
 
 def read_ros2_control(robot: Element) -> tuple[HardwareTag, ...]:
@@ -150,7 +153,29 @@ class _Reader:
             tuple(self._component(e) for e in parts.get("sensor", ())),
             tuple(self._component(e) for e in parts.get("gpio", ())),
             tuple(parts.get("transmission", ())),
+            self._timing(parts.get("properties", ())),
         )
+
+    def _timing(self, properties: Sequence[Element]) -> Mapping[str, str]:
+        found: dict[str, str] = {}
+        for key, value in self._element.attrib.items():
+            if key == "is_async":
+                if self._boolean(value, key):
+                    found[key] = value
+            elif key == "rw_rate":
+                rate = parse_decimal(value)
+                if rate is None or rate < 0.0:
+                    self._refuse(f"has '{value}' for rw_rate; it must be 0 or more")
+                # The rate of the manager is 0.
+                found |= {key: value} if rate else {}
+            elif key == "thread_priority":
+                found[key] = value
+            elif key not in {"name", "type"}:
+                self._refuse(f"has the unknown attribute '{key}'")
+        for each in properties:
+            for part in each.iter("async"):
+                found |= {f"async {key}": value for key, value in part.items()}
+        return found
 
     def _component(self, element: Element) -> ComponentTag:
         name = self._attribute(element, "name")

@@ -27,7 +27,6 @@ cdef class Clearances:
     cdef double bound(self, long capsule, long solid) noexcept
     cdef double exact(self, long capsule, long solid) noexcept
     cdef void note_motion(self, double[::1] q) noexcept
-    @cython.locals(parent=long, total=double)
     cdef double add_up(self, double[::1] steps, double first) noexcept
     cpdef double measure(self, double[::1] q, double horizon) noexcept
     cdef long blocked_at(self, double[::1] q, double share) noexcept

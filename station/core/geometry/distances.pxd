@@ -7,15 +7,9 @@ cdef double _PARALLEL, _EXACT
 cdef class Nearness:
     cdef readonly double distance
     cdef readonly double[::1] point, normal
-    cpdef double to_solid(
-        self, double[::1] ends, double radius, double[::1] solid, double[::1] triangles
-    ) noexcept
     cpdef double to_row(
         self, double[::1] ends, long i, double radius, double[::1] solids, long o,
         double[::1] triangles) noexcept
-    cpdef double of_point(
-        self, double px, double py, double pz, double[::1] solid, double[::1] triangles
-    ) noexcept
     @cython.locals(kind=int, x=double, y=double, z=double)
     cpdef double of_row(
         self, double px, double py, double pz, double[::1] solids, long o,

@@ -50,20 +50,6 @@ class Nearness:
         self.point = zeros(3)
         self.normal = zeros(3)
 
-    def to_solid(
-        self, ends: Doubles, radius: float, solid: Doubles, triangles: Doubles
-    ) -> float:
-        """Return the distance of a capsule to a solid, without its margin [m].
-
-        Args:
-            ends: Both ends of the capsule's axis [m], shape (6,).
-            radius: The capsule's radius [m].
-            solid: The solid, 20 numbers.
-            triangles: Corners of the triangles of all meshes, in the frame of their
-                solid [m], 9 numbers each; the outside is where they turn left.
-        """
-        return self.to_row(ends, 0, radius, solid, 0, triangles)
-
     def to_row(
         self,
         ends: Doubles,
@@ -73,15 +59,16 @@ class Nearness:
         o: int,
         triangles: Doubles,
     ) -> float:
-        """Do the same for one of many capsules and one of many solids.
+        """Return the distance of a capsule to a solid, without its margin [m].
 
         Args:
             ends: Ends of the axes of the capsules [m].
             i: Where those of this capsule begin.
             radius: The capsule's radius [m].
-            solids: Rows of solids.
+            solids: Rows of solids, 20 numbers each.
             o: Where the row of this solid begins.
-            triangles: Corners of the triangles of all meshes.
+            triangles: Corners of the triangles of all meshes, in the frame of their
+                solid [m], 9 numbers each; the outside is where they turn left.
         """
         ux, uy, uz = (
             ends[i + 3] - ends[i],
@@ -131,20 +118,6 @@ class Nearness:
         self.distance = distance - radius
         return self.distance
 
-    def of_point(
-        self, px: float, py: float, pz: float, solid: Doubles, triangles: Doubles
-    ) -> float:
-        """Return the signed distance of a point; negative inside [m].
-
-        Args:
-            px: The point [m], as the next two.
-            py: See `px`.
-            pz: See `px`.
-            solid: The solid, 20 numbers.
-            triangles: Corners of the triangles of all meshes.
-        """
-        return self.of_row(px, py, pz, solid, 0, triangles)
-
     def of_row(
         self,
         px: float,
@@ -154,7 +127,7 @@ class Nearness:
         o: int,
         triangles: Doubles,
     ) -> float:
-        """Do the same for one of many solids.
+        """Return the signed distance of a point to a solid; negative inside [m].
 
         Args:
             px: The point [m], as the next two.

@@ -18,6 +18,8 @@ from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.faults import CONTAINED
 from station.core.numerics.statistics import DurationRing
 from station.core.parameters import Parameters
+from station.core.ports.receipt import update_of_thread
+from station.core.scheduling import ROUND_ROBIN_PRIORITY
 from station.memory.wall_time import wall_time
 from station.reports import AsyncStatistics
 
@@ -50,6 +52,12 @@ TIME_LIMIT = DeclaredParameter(
     excludes_minimum=True,
     description="an asynchronous update that takes longer is a fault",
 )
+PROCESS = DeclaredParameter(
+    name="async_parameters/process",
+    type=ParameterType.BOOLEAN,
+    default=False,
+    description="update it in a process of its own, with an interpreter of it",
+)
 _WITHOUT_EFFECT = (
     "thread_priority",
     "cpu_affinity",
@@ -68,11 +76,13 @@ class AsyncParams:
         is_detached: Whether a result counts as soon as it is there.
         cycles: After how many cycles the result of a call counts, >= 1.
         time_limit: How long a call may take [s station time], > 0.
+        has_process: Whether calls are carried out in a process of their own.
     """
 
     is_detached: bool
     cycles: int
     time_limit: float
+    has_process: bool = False
 
     @classmethod
     def read(cls, params: Parameters, reads: set[str]) -> "AsyncParams | None":
@@ -87,13 +97,16 @@ class AsyncParams:
         """
         # All are read, so that an impossible value is refused before it has an effect.
         policy, cycles = POLICY.read_str(params), CYCLES.read_float(params)
-        time_limit = TIME_LIMIT.read_float(params)
+        time_limit, has_process = (
+            TIME_LIMIT.read_float(params),
+            PROCESS.read_bool(params),
+        )
         if not IS_ASYNC.read_bool(params):
             return None
         reads |= {
             params.resolve(f"async_parameters/{each}") for each in _WITHOUT_EFFECT
         }
-        return cls(policy == "detached", int(cycles), time_limit)
+        return cls(policy == "detached", int(cycles), time_limit, has_process)
 
 
 class AsyncFunction:
@@ -111,6 +124,7 @@ class AsyncFunction:
         every: Cycles from the beginning of a call to that of the next one, >= 1.
         is_stepped: Returns whether no thread runs the loop. A call is then carried out
             at once, and counts after the declared cycles.
+        present_cycle: Returns the number of the present cycle.
         params: As given.
     """
 
@@ -119,6 +133,7 @@ class AsyncFunction:
     ) -> None:
         self.every = 1
         self.is_stepped: Callable[[], bool] = lambda: True
+        self.present_cycle: Callable[[], int] = lambda: 0
         self.params = params
         self._name = name
         self._function = function
@@ -127,6 +142,7 @@ class AsyncFunction:
         self._run_number = 0
         # The call under way: its time and period, and what is owed after its end.
         self._job = (0.0, 0.0)
+        self._begun_in = 0
         self._is_busy = self._is_ending = False
         self._owed: deque[Callable[[], None]] = deque()
         self._error: BaseException | None = None
@@ -241,6 +257,7 @@ class AsyncFunction:
         self._countdown = self.every
         prepare()
         self._job, self._elapsed = (time, self._elapsed), 0.0
+        self._begun_in = self.present_cycle()
         self._periods.add(self._job[1])
         self._in_flight, self._waited, self._is_busy = True, 0, True
         if self.is_stepped():
@@ -264,6 +281,7 @@ class AsyncFunction:
             go.acquire()
             # It is also woken to end.
             if self._is_busy:
+                update_of_thread.cycle = self._begun_in
                 self._call()
 
     def _call(self) -> None:
@@ -294,4 +312,5 @@ def _step_behind_the_control_thread() -> None:
     is_first = getattr(os, "SCHED_FIFO", None)
     if is_first is not None and os.sched_getscheduler(0) == is_first:
         with suppress(PermissionError):
-            os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(1))
+            least = os.sched_param(ROUND_ROBIN_PRIORITY)
+            os.sched_setscheduler(0, os.SCHED_RR, least)

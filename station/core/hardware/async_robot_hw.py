@@ -18,7 +18,7 @@ from typing import Any, ClassVar, TypeVar, cast
 from typing_extensions import override
 
 from station.core.errors import HardwareInterfaceError, StationError, SwitchRefusedError
-from station.core.hardware.async_function import AsyncFunction, AsyncParams
+from station.core.hardware.async_function import PROCESS, AsyncFunction, AsyncParams
 from station.core.hardware.interfaces.interface_manager import interface_type_name
 from station.core.hardware.interfaces.resource_manager import (
     HardwareResourceManager,
@@ -151,6 +151,8 @@ class AsyncRobotHW(PrivateRobotHW):
             ParameterError: A value is impossible.
         """
         asynchronous = AsyncParams.read(params, set())
+        if asynchronous is not None and asynchronous.has_process:
+            PROCESS.refuse(params, "true", "false: a robot has a thread")
         return hw if asynchronous is None else cls(hw, asynchronous)
 
     @override

@@ -6,8 +6,8 @@ from station.memory.wall_time cimport VirtualTime, wall_time
 cdef double _INF
 
 cdef class ControlCycle:
-    cdef object hw, manager, refresh_joints, operations, waiting, stop_latch, heartbeat
-    cdef object now
+    cdef object hw, manager, refresh_joints, operations, waiting, stop_latch
+    cdef object heartbeat, now
     cdef ControllerUpdate controllers
     cdef SnapshotRing snapshots
     cdef unsigned char[::1] latch_flag, stop_flags
@@ -15,9 +15,8 @@ cdef class ControlCycle:
     cdef VirtualTime virtual
     cdef list interruptible
     cdef public tuple taps
-    cdef public double time
+    cdef public double time, longest_period
     cdef public long long cycle, epoch
-    cdef public double longest_period
     cdef public long late_cycles
     cpdef long run_cycles(self, long cycles, double period, double tick=*)
     cpdef run_cycle(self, double period)

@@ -28,14 +28,14 @@ from station.core.loop.loop_report import LoopMeter
 from station.core.loop.operations import Operations, guarded
 from station.core.loop.pace import Pace
 from station.core.loop.right_of_way import RightOfWay
-from station.core.loop.scheduling import (
+from station.core.loop.snapshot import SnapshotRing
+from station.core.loop.stop_latch import StopLatch
+from station.core.scheduling import (
     keep_interpreter,
     let_others_in,
     request_realtime_priority,
     switch_interval_kept,
 )
-from station.core.loop.snapshot import SnapshotRing
-from station.core.loop.stop_latch import StopLatch
 from station.reports import LoopReport, LoopState
 
 T = TypeVar("T")
@@ -124,6 +124,7 @@ class ControlLoop:
         self._scheduler = ""
         manager.pump = self.step
         manager.period = period
+        manager.loop_cycle = lambda: self.cycle
         # A switch posted before a stop must not start anything after it.
         manager.lifecycle.start_gate = self.stop_latch.check
 

@@ -4,6 +4,19 @@ import threading
 from collections.abc import Callable
 
 
+class _Thread(threading.local):
+    """The cycle in which the update of this thread began; None in the control thread.
+
+    An asynchronous update goes on in later cycles, but whatever it reads counts from
+    the cycle in which it began: there a re-run carries it out as a whole.
+    """
+
+    cycle: int | None = None
+
+
+update_of_thread = _Thread()
+
+
 class Receipt:
     """Goes with a command, and is noted on by the control thread.
 
@@ -32,14 +45,18 @@ class Receipt:
         self.held: list[Callable[[], None]] | None = None
 
     def pick_up(self) -> None:
-        """Note the present cycle; control thread only."""
+        """Note the present cycle; in an update or the control thread."""
         if self.cycle is None:
-            self.cycle = self._present_cycle()
+            self.cycle = self._cycle_of_update()
             self.done.release()
 
     def end(self) -> None:
-        """Note that the set-point expires in the present cycle; control thread only."""
-        self.ended = self._present_cycle()
+        """Note that the set-point expires now; in an update or the control thread."""
+        self.ended = self._cycle_of_update()
+
+    def _cycle_of_update(self) -> int:
+        began = update_of_thread.cycle
+        return self._present_cycle() if began is None else began
 
     def hand_over(self, deposit: Callable[[], None]) -> None:
         """Call `deposit`, which gives the command to the control thread.

@@ -141,7 +141,7 @@ class SetPointPort:
                 remedy="Leave the timeout out, and send set-points repeatedly.",
                 details={"timeout": timeout, "longest": self.longest},
             )
-        _check_values(self.elements, values)
+        self.check_values(values)
         if rates is not None and not self.feed_forward:
             raise InvalidCommandError(
                 "This controller does not use the rates of its set-points.",
@@ -149,6 +149,17 @@ class SetPointPort:
             )
         if rates is not None:
             _check_values(self.feed_forward, rates)
+
+    def check_values(self, values: list[float]) -> None:
+        """Refuse values of the wrong number, not finite or out of their range.
+
+        Args:
+            values: The set-point.
+
+        Raises:
+            InvalidCommandError: A value is refused.
+        """
+        _check_values(self.elements, values)
 
     def post(
         self,
@@ -225,6 +236,26 @@ class SetPointPort:
         if self._in_force is not None:
             self._in_force.end()
         return True
+
+    def take_news(self) -> tuple[bool, list[float] | None, bool]:
+        """Take what has changed, for a port that follows this one. In an update only.
+
+        Returns:
+            Whether set-points became void, the set-point that was picked up or None,
+            and whether the one in force has expired.
+        """
+        return self.take_void(), self.take(), self.take_expiry()
+
+    def follow_news(self, news: tuple[bool, list[float] | None, bool]) -> None:
+        """Take what has changed of the port that this one follows."""
+        was_void, values, has_expired = news
+        if was_void:
+            self.clear()
+        if values is not None:
+            # The other port says when it expires.
+            self._slot.append((values, inf, self.generation, None))
+        if has_expired and self.last is not None:
+            self.deadline = -inf
 
     def clear(self) -> None:
         """Make every set-point void, picked up or not. Control thread only."""

@@ -1,23 +1,21 @@
 """Trajectories of joints: requests, segments, tolerances, and how they are joined."""
 
 from station.core.trajectory.init_joint_trajectory import (
+    JointSegments as JointSegments,
+    JointTrajectorySegment as JointTrajectorySegment,
+    SegmentTrajectory as SegmentTrajectory,
     TrajectoryOptions as TrajectoryOptions,
     check_joint_names as check_joint_names,
+    find_segment as find_segment,
     hold_trajectory as hold_trajectory,
     init_joint_trajectory as init_joint_trajectory,
+    sample_segments as sample_segments,
     stop_trajectory as stop_trajectory,
+    wraparound_offset as wraparound_offset,
 )
 from station.core.trajectory.joint_trajectory import (
     JointTrajectory as JointTrajectory,
     JointTrajectoryPoint as JointTrajectoryPoint,
-)
-from station.core.trajectory.joint_trajectory_segment import (
-    JointSegments as JointSegments,
-    JointTrajectorySegment as JointTrajectorySegment,
-    SegmentTrajectory as SegmentTrajectory,
-    find_segment as find_segment,
-    sample_segments as sample_segments,
-    wraparound_offset as wraparound_offset,
 )
 from station.core.trajectory.quintic_spline_segment import (
     PosVelAccState as PosVelAccState,

@@ -6,7 +6,7 @@ whatever has a default there in the YAML file has it here too, unknown parameter
 impossible values are refused, and no wrong value falls back to a default.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from math import pi
 from typing import NoReturn
@@ -56,9 +56,14 @@ _KEYS = frozenset({
     "limit_mode",
     "realism",
     "realism_seed",
+    "identified",
     "fingers_in_joint_states",
 })
 
+# Viscous friction of 200 Nm s/rad would reverse the lightest joint, of 0.1 kg m^2, in
+# a step of 1 ms; a Franka has less than 2 Nm of Coulomb friction.
+MOST_FRICTION = {"coulomb": 50.0, "viscous": 50.0}
+"""Largest friction of a joint [Nm, Nm s/rad]."""
 INITIAL_POSITIONS = (0.0, -pi / 4, 0.0, -3 * pi / 4, 0.0, pi / 2, pi / 4)
 """Pose in which a simulated arm starts [rad], joints 1 to 7. Source: libfranka@0.9.2
 examples/generate_joint_velocity_motion.cpp, q_goal."""
@@ -88,6 +93,8 @@ class FrankaParameters:
         is_realistic: Whether a simulated arm has friction, noise and an observer
             (`realism: typical`), or none of them (`ideal`).
         realism_seed: Of the simulated arm's random numbers, >= 0.
+        identified: Coulomb [Nm] and viscous [Nm s/rad] friction that were identified,
+            by joint; a simulated arm has them in place of the typical ones.
         publishes_fingers: Whether the joint states have the fingers of a simulated hand
             as franka_gripper publishes them (`fingers_in_joint_states`).
         robot_ip: Where the real arm is; None for a simulated one.
@@ -109,6 +116,7 @@ class FrankaParameters:
     service_limits: ServiceLimits
     is_realistic: bool
     realism_seed: int
+    identified: Mapping[str, tuple[float, float]]
     publishes_fingers: bool
     robot_ip: str | None
 
@@ -177,6 +185,7 @@ def read_parameters(params: Parameters) -> FrankaParameters:
         service_limits=_service_limits(params.namespace("service_limits")),
         is_realistic=_is_realistic(params),
         realism_seed=_seed(params),
+        identified=_identified(params, names),
         robot_ip=_robot_ip(params),
     )
 
@@ -256,6 +265,28 @@ def _is_realistic(params: Parameters) -> bool:
     if profile not in {"ideal", "typical"}:
         _refuse(params, "realism", profile, "ideal or typical")
     return profile == "typical"
+
+
+def _identified(
+    params: Parameters, joints: Sequence[str]
+) -> dict[str, tuple[float, float]]:
+    found = {}
+    given = params.namespace("identified")
+    if not isinstance(given.get("", {}), dict):
+        _refuse(params, "identified", given.get(), "frictions by joint")
+    for joint in given.keys():  # noqa: SIM118 - a view has no iterator
+        if joint not in joints:
+            _refuse(params, "identified", joint, f"one of {', '.join(joints)}")
+        one = given.namespace(joint)
+        unknown = sorted({*one.keys()} - MOST_FRICTION.keys())
+        if unknown or not _is_realistic(params):
+            wanted = "coulomb and viscous of a joint, with realism: typical"
+            _refuse(params, "identified", given.get(joint), wanted)
+        for key, most in MOST_FRICTION.items():
+            if not 0.0 <= one.get_float(key) <= most:
+                _refuse(one, key, one.get_float(key), f"0 to {most:g}")
+        found[joint] = (one.get_float("coulomb"), one.get_float("viscous"))
+    return found
 
 
 def _seed(params: Parameters) -> int:

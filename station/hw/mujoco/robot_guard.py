@@ -10,9 +10,9 @@ from typing_extensions import override
 
 from station.core.description.urdf import Pose, Urdf
 from station.core.errors import ParameterError
-from station.core.franka.guard import Guard
 from station.core.geometry.capsules import LinkCapsule, enclosing_capsule
 from station.core.geometry.clearances import Clearances
+from station.core.geometry.guard import Guard
 from station.core.geometry.scene import SceneObject
 from station.core.hardware.limits import JointLimits
 from station.core.hardware.transmissions import RawJointData

@@ -162,6 +162,13 @@ class _TagReader:
                 "simulated by MuJoCo",
                 hardware.plugin,
             )
+        for key, value in hardware.timing.items():
+            self._tell(
+                f"hardware '{hardware.name}'",
+                f"its {key} is not that of a simulation",
+                "read and written in every cycle, unless robot.is_async says otherwise",
+                value,
+            )
         for joint in hardware.joints:
             self._add_joint(joint)
         for sensor in hardware.sensors:

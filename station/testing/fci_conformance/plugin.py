@@ -11,7 +11,7 @@ import pytest
 
 from station.core.errors import StationError
 from station.core.franka.franka_robot_state import RobotMode
-from station.core.loop.scheduling import (
+from station.core.scheduling import (
     realtime_interpreter,
     request_realtime_priority,
 )

@@ -102,6 +102,24 @@ def test_a_goal_of_ros2_reports_feedback_and_its_result(client):
     assert result["values"]["error_code"] == 0
 
 
+def test_motion_primitives_are_an_action_and_are_refused_by_index(client):
+    client.switch(start=["arm"])
+    motion = {"type": 0, "joint_positions": [0.1, 0.2]}
+    for goal, motions in (("g", [motion]), ("h", [motion, {**motion, "type": 3}])):
+        client.send(
+            "send_action_goal",
+            action="/arm/motion_sequence",
+            id=goal,
+            action_type="control_msgs/action/ExecuteMotionPrimitiveSequence",
+            args={"trajectory": {"motions": motions}},
+        )
+        result = client.until("action_result", id=goal)
+        if goal == "g":
+            assert (result["status"], result["values"]["error_code"]) == (4, 0)
+        else:
+            assert "motions/1/type" in str(result["values"])
+
+
 def test_a_goal_of_actionlib_reports_on_its_topics(client):
     client.switch(start=["arm"])
     assert client.subscribe(f"{ACTION}/status")["msg"]["status_list"] == []

@@ -21,6 +21,8 @@ SIZES = {
     "1280x800 at 150 %": (853, 533),
     "1920x1080 at 150 %": (1280, 720),
 }
+STOPPED_IN_ALL = {"1280x800", "390x844"}
+"""Sizes with a STOP in every view; the strip that grows is the same in all of them."""
 PRESETS = ("Operate", "Tune", "Record", "Safety")
 # The docks look at the station every 350 ms.
 LOOKED_MS = 400
@@ -58,6 +60,17 @@ def _is_at_rest(page):
     return not _faults(page, "moved")
 
 
+def _moved_by_a_stop(page):
+    page.evaluate("() => layoutChecks.remember()")
+    page.locator("#stop").click()
+    page.locator("#release").wait_for()
+    found = _faults(page, "moved")
+    page.locator("#release").click()
+    page.locator("#arm").click()
+    page.locator("#arm").wait_for(state="hidden")
+    return found + _faults(page, "moved")
+
+
 def test_the_dark_page_differs_in_its_colours_alone():
     """The layout of the light page is that of both."""
     css = STYLES.read_text()
@@ -79,20 +92,14 @@ def test_no_text_is_cut_nothing_is_covered_and_a_stop_moves_nothing(
         WorkspacePage(page)
         page.emulate_media(color_scheme="light", reduced_motion="reduce")
         page.get_by_role("button", name="Skip the tour").click()
-        for view in _views(page):
+        for number, view in enumerate(_views(page)):
             # Numbers that change may go on to move others: nothing is lost by that.
             wait_until(lambda: _is_at_rest(page), seconds=3)
             found = _faults(page, "cut", "covered")
             ARTIFACTS.mkdir(exist_ok=True)
             name = f"layout-{width}-{view}.png".replace(" ", "-")
             (ARTIFACTS / name).write_bytes(page.screenshot())
-            page.evaluate("() => layoutChecks.remember()")
-            page.locator("#stop").click()
-            page.locator("#release").wait_for()
-            found += _faults(page, "moved")
-            page.locator("#release").click()
-            page.locator("#arm").click()
-            page.locator("#arm").wait_for(state="hidden")
-            found += _faults(page, "moved")
+            if number == 0 or size in STOPPED_IN_ALL:
+                found += _moved_by_a_stop(page)
             faults += [f"{view}: {fault}" for fault in found]
     assert not faults, "\n".join(faults)

@@ -110,3 +110,21 @@ def test_an_unknown_pose_is_told_with_those_there_are(run, station):
     assert outcome.code == 2
     assert "There is no pose 'kitchen'. The poses are: ready" in outcome.err
     assert station.calls == []
+
+
+def test_a_file_of_motion_primitives_is_followed(run, station, tmp_path):
+    station.goals = [goal("pending"), goal("succeeded")]
+    file = tmp_path / "motions.yaml"
+    file.write_text("motions:\n- {type: PTP, joint_positions: [0.1, 0.2]}\n")
+
+    outcome = run(f"motion_sequence arm {file}")
+
+    assert outcome.code == 0
+    assert station.calls[0] == (
+        "submit_goal",
+        "arm",
+        {"trajectory": {"motions": [{"type": "PTP", "joint_positions": [0.1, 0.2]}]}},
+    )
+
+    file.write_text("motions: 3\n")
+    assert "no list 'motions'" in run(f"motion_sequence arm {file}").err

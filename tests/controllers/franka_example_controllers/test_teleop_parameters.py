@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from station.controllers.franka_example_controllers.teleop_parameters import (
+from station.controllers.franka_example_controllers.teleop_joint_pd_controller import (
     LeaderDamping,
     bounds_of,
     read_teleop_gains,

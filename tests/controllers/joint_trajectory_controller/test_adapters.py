@@ -9,7 +9,7 @@ from station.controllers.joint_trajectory_controller import (
     PosVelJointTrajectoryController,
     VelocityJointTrajectoryController,
 )
-from station.controllers.joint_trajectory_controller.adapters import (
+from station.controllers.joint_trajectory_controller.controller import (
     adapter_for,
 )
 from station.core.errors import (

@@ -6,8 +6,10 @@ import pytest
 from typing_extensions import override
 
 from station.core.control.controller import Controller, ControllerState
+from station.core.control.tunables import Tunable, Tunables
 from station.core.errors import ControllerLoadError
 from station.core.hardware.interfaces import EffortJointInterface
+from station.core.ports.receipt import Receipt
 from station.testing.bench import Bench
 
 
@@ -22,7 +24,11 @@ class Slow(Controller[EffortJointInterface]):
         self.seen, self.calls = [], []
         self.go, self.begun, self.ended = (threading.Semaphore(0) for _ in range(3))
         self.is_held = False
-        self.error = None
+        self.error = self.receipt = None
+        self.gains = []
+        self.tunables = Tunables(
+            {"gain": Tunable("", 0.0, 9.0, "What it notes.")}, {"gain": 1.0}
+        )
 
     @override
     def update(self, time, period):
@@ -30,6 +36,9 @@ class Slow(Controller[EffortJointInterface]):
         if self.is_held:
             assert self.go.acquire(timeout=10.0)
         self.seen.append((round(time, 6), round(period, 6)))
+        self.gains.append(self.tunables.values["gain"])
+        if self.receipt is not None:
+            self.receipt.pick_up()
         if self.error is not None:
             raise self.error
         self.joint.set_command(self.joint.get_position())
@@ -113,6 +122,31 @@ def test_an_update_over_its_time_limit_stops_the_controller_alone():
     assert status.state is ControllerState.ABORTED
     assert "takes longer than 0.002 s" in status.fault
     slow.go.release()
+
+
+def test_what_an_update_reads_counts_from_the_cycle_in_which_it_began():
+    bench, slow, joints = make()
+    bench.manager.pump = None
+    slow.is_held = True
+    slow.receipt = Receipt(lambda: bench.manager.cycle)
+    step(bench, [0.01], joints)
+    begun = bench.manager.cycle
+    assert slow.begun.acquire(timeout=10.0)
+    step(bench, [0.02, 0.03], joints)
+    # A change in the meantime is for the next update.
+    slow.tunables.apply({"gain": 2.0})
+    slow.tunables.apply(slow.tunables.checked({"gain": 3.0}))
+    slow.go.release()
+    assert slow.ended.acquire(timeout=10.0)
+    assert slow.receipt.cycle == begun == bench.manager.cycle - 2
+    assert slow.gains == [1.0]
+    wait_until_idle(bench)
+    slow.is_held = False
+    step(bench, [0.04], joints)
+    assert slow.begun.acquire(timeout=10.0)
+    assert slow.ended.acquire(timeout=10.0)
+    assert slow.gains == [1.0, 3.0]
+    bench.manager.stop_all(bench.time)
 
 
 def test_what_an_update_raises_stops_the_controller():

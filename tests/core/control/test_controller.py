@@ -59,8 +59,6 @@ class Noting(ControllerBase):
 class Effort(Controller[EffortJointInterface]):
     """Claims the joints of its parameters."""
 
-    hardware_interface = EffortJointInterface
-
     def init(self, interface, params):
         for name in params.get_str_list("joints", []):
             interface.get_handle(name)

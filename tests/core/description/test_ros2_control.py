@@ -110,3 +110,35 @@ def test_a_mimic_joint_that_is_switched_off_may_be_commanded():
         "<command_interface name='position'/></joint>"
     )
     assert found.joints[0].is_mimic is False
+
+
+def tagged(attributes, body=""):
+    text = f'<ros2_control name="arm" type="system" {attributes}>{HARDWARE}{body}'
+    (found,) = read_ros2_control(ET.fromstring(f"<robot>{text}</ros2_control></robot>"))
+    return found.timing
+
+
+def test_what_says_how_often_it_is_read_and_written_is_kept_by_name():
+    assert tagged('is_async="false" rw_rate="0"') == {}
+    more = '<properties><async thread_priority="30" affinity="[2]"/></properties>'
+    assert tagged('is_async="true" rw_rate="100" thread_priority="5"', more) == {
+        "is_async": "true",
+        "rw_rate": "100",
+        "thread_priority": "5",
+        "async thread_priority": "30",
+        "async affinity": "[2]",
+    }
+
+
+@pytest.mark.parametrize(
+    ("attributes", "words"),
+    [
+        ('is_async="perhaps"', "'perhaps' for is_async"),
+        ('rw_rate="fast"', "'fast' for rw_rate"),
+        ('rw_rate="-1"', "'-1' for rw_rate"),
+        ('asnyc="true"', "unknown attribute 'asnyc'"),
+    ],
+)
+def test_attributes_that_are_wrong_are_refused_by_their_name(attributes, words):
+    with pytest.raises(RobotDescriptionError, match=words):
+        tagged(attributes)

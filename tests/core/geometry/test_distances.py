@@ -73,7 +73,7 @@ def test_distances_are_those_of_mujoco(kind, size, tmp_path):
         triangles = []
         solid = doubles(solid_of(thing, Pose(), triangles))
         nearness = Nearness()
-        found = nearness.to_solid(doubles(ends), radius, solid, doubles(triangles))
+        found = nearness.to_row(doubles(ends), 0, radius, solid, 0, doubles(triangles))
         # Deep inside MuJoCo measures the shortest way out of the pair of shapes.
         if found > -0.04:
             expected = judged_by_mujoco(thing, [*ends], radius)
@@ -92,13 +92,13 @@ def test_the_normal_is_the_derivative_of_the_distance(kind, size, tmp_path):
     for _ in range(20):
         ends = random.uniform(-0.7, 0.7, 6)
         # An axis that crosses the surface may be led out more ways than one.
-        if nearness.to_solid(doubles(ends), 0.0, solid, meshes) <= 0.0:
+        if nearness.to_row(doubles(ends), 0, 0.0, solid, 0, meshes) <= 0.0:
             continue
         normal = np.array(nearness.normal)
         for axis in np.eye(3):
             low, high = (
-                nearness.to_solid(
-                    doubles(ends + np.tile(step * axis, 2)), 0.0, solid, meshes
+                nearness.to_row(
+                    doubles(ends + np.tile(step * axis, 2)), 0, 0.0, solid, 0, meshes
                 )
                 for step in (-1e-5, 1e-5)
             )
@@ -111,7 +111,7 @@ def test_a_fence_measures_the_farthest_end_to_its_wall():
     ends = doubles([0.0, 0.0, 0.0, 0.7, 0.0, 0.0])
     solid = doubles(solid_of(fence, Pose(), []))
 
-    assert nearness.to_solid(ends, 0.1, solid, zeros(9)) == pytest.approx(0.2)
+    assert nearness.to_row(ends, 0, 0.1, solid, 0, zeros(9)) == pytest.approx(0.2)
     assert [*nearness.normal] == pytest.approx([-1.0, 0.0, 0.0])
     assert [*nearness.point] == pytest.approx([0.7, 0.0, 0.0])
 
@@ -143,7 +143,7 @@ def test_both_modes_agree_bit_for_bit(ends, kind, side, other):
 
     def scenario(module):
         nearness = module.Nearness()
-        nearness.to_solid(doubles(ends), 0.1, doubles(solid), zeros(9))
+        nearness.to_row(doubles(ends), 0, 0.1, doubles(solid), 0, zeros(9))
         found = [nearness.distance, *nearness.point, *nearness.normal]
         point, normal = zeros(3), zeros(3)
         found.append(

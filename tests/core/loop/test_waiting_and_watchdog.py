@@ -9,9 +9,9 @@ from station.core.clock import ManualClock, SystemClock
 from station.core.control.controller_manager import ControllerManager
 from station.core.loop.control_loop import SLICE, ControlLoop
 from station.core.loop.heartbeat import Heartbeat, LoopLife
-from station.core.loop.scheduling import CYCLE_SWITCH_INTERVAL, SWITCH_INTERVAL
 from station.core.loop.stop_latch import StopState
 from station.core.parameters import Parameters
+from station.core.scheduling import CYCLE_SWITCH_INTERVAL, SWITCH_INTERVAL
 from station.reports import LoopState
 from tests.core.loop.one_joint import PERIOD, OneJoint, make_loop, run_thread
 

@@ -22,7 +22,7 @@ from station.hw.franka.arm.arm_limits import PANDA_LIMITS
 from station.hw.franka.franka_combined_hw import FrankaCombinedHW
 from station.hw.franka.franka_hw import FrankaHW
 from station.hw.franka.simulated.franka_world import placement_of, simulate
-from tests.hw.franka.coal_judge import CoalJudge
+from tests.hw.coal_judge import CoalJudge
 
 TOLERANCE = 1e-3
 """A pose is sampled every 10 ms, and MuJoCo's distances end within 1e-6 m."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from station.core.franka.command_rates import limited
+from station.core.numerics.command_rates import limited
 from station.hw.franka.arm.arm_limits import MotionLimits
 from station.hw.franka.commands.cartesian_sender import limit_vector
 from station.hw.franka.commands.rate_limiter import PERIOD

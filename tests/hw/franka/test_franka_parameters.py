@@ -39,6 +39,23 @@ def test_a_simulated_arm_errs_unless_it_is_ideal() -> None:
             read_parameters(params(**wrong))
 
 
+def test_identified_friction_is_read_by_joint_and_refused_by_name() -> None:
+    friction = {"coulomb": 0.3, "viscous": 0.1}
+    read = read_parameters(params(identified={"panda_joint7": friction}))
+    assert read.identified == {"panda_joint7": (0.3, 0.1)}
+    for wrong in (
+        3,
+        {"joint7": friction},
+        {"panda_joint7": {"coulomb": 0.3}},
+        {"panda_joint7": {**friction, "static": 1.0}},
+        {"panda_joint7": {**friction, "viscous": -0.1}},
+    ):
+        with pytest.raises(ParameterError, match="identified"):
+            read_parameters(params(identified=wrong))
+    with pytest.raises(ParameterError, match="realism: typical"):
+        read_parameters(params(realism="ideal", identified={"panda_joint7": friction}))
+
+
 def test_robot_ip_names_a_real_arm() -> None:
     assert read_parameters(params(robot_ip="172.16.0.2")).robot_ip == "172.16.0.2"
     assert read_parameters(params()).robot_ip is None

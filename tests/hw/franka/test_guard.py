@@ -1,11 +1,17 @@
 """The guard under all kinds of command; MuJoCo and Coal judge how near arms come."""
 
+import re
+
+import numpy as np
 import pytest
 
 from station.compiled import status
+from station.core.franka.franka_robot_state import RobotMode
+from station.core.geometry.scene import SceneObject
 from tests.hw.franka.guarded_motions import (
     ARM_MARGIN,
     KINDS,
+    PERIOD,
     TOLERANCE,
     Motions,
     TwoArms,
@@ -35,6 +41,31 @@ def test_no_motion_comes_nearer_than_its_margin(motions, kind):
 @pytest.mark.parametrize("kind", KINDS)
 def test_more_motions_keep_their_margin_by_two_judges(motions, kind):
     check(motions, [kind], range(4, 20), every=10)
+
+
+@compiled_alone
+@pytest.mark.parametrize("kind", ["pose", "twist"])
+def test_a_cartesian_motion_ends_where_a_wall_appears(motions, kind):
+    motions.begin(kind, 1, guarded=False)
+    pose, y = np.array(motions.hw.robot_state.O_T_EE), 0.0
+    for cycle in range(900):
+        speed = 0.5 * min(cycle / 400, 1.0)
+        y += speed * PERIOD
+        values = [0.0, speed, *[0.0] * 4]
+        if kind == "pose":
+            values = pose + y * np.eye(16)[13]
+        if cycle == 500:
+            x, begin, z = pose[12:15]
+            place = (x, begin + y + 0.16, z)
+            wall = SceneObject("wall", "box", (0.4, 0.02, 0.6), place, role="keep_out")
+            motions.hw.guards()[0].prepare([wall], None)()
+        motions.handles[0].set_command([*values])
+        motions.hw.write(0.0, PERIOD)
+        motions.hw.read(0.0, PERIOD)
+        assert (motions.hw.robot_state.robot_mode is RobotMode.MOVE) == (cycle < 500)
+    reason = motions.hw._sender.refusal
+    assert re.fullmatch(r"guard_reflex: \w+ would have .* 20 mm to 'wall'", reason)
+    assert np.abs(motions.hw.robot_state.dq).max() < 1e-2
 
 
 @compiled_alone

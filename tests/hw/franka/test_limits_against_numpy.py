@@ -7,7 +7,7 @@ works on arrays, so that the two have nothing in common.
 import numpy as np
 import pytest
 
-from station.core.franka.command_rates import CommandRates, low_pass
+from station.core.numerics.command_rates import CommandRates, low_pass
 from station.hw.franka.arm.arm_limits import FR3_LIMITS, PANDA_LIMITS, ArmLimits
 from station.hw.franka.commands.rate_limiter import (
     MARGIN,

@@ -1,4 +1,4 @@
-"""Robots of a URDF keep clear of a scene; MuJoCo judges how near they come."""
+"""Robots of a URDF keep clear of a scene; MuJoCo and Coal judge how near they come."""
 
 from dataclasses import replace
 
@@ -14,8 +14,10 @@ from station.hw.mujoco.joint_command_modes import COMMAND_INTERFACES
 from station.hw.mujoco.mujoco_robot_hw import MujocoRobotHW
 from station.hw.mujoco.robot_guard import _points
 from station.memory.doubles import doubles
+from tests.hw.coal_judge import CoalJudge
 
 PERIOD, MARGIN = 0.001, 0.03
+UR5 = "example-robot-data:ur5"
 START = [0.0, -1.2, 1.2, 0.0, 0.5, 0.0]
 BALL = SceneObject(
     "ball", "sphere", (0.1,), (0.35, 0.45, 0.35), role="keep_out", margin=MARGIN,
@@ -27,7 +29,7 @@ FAR = replace(BALL, position=(-2.0, 0.0, 0.0))
 class Bench:
     """A UR5 without a floor, commanded through one interface."""
 
-    def __init__(self, description="example-robot-data:ur5", **parameters):
+    def __init__(self, description=UR5, **parameters):
         tree = ParameterTree({
             "robot": {"robot_description": description, "floor": False, **parameters}
         })
@@ -104,10 +106,12 @@ def bench():
 def test_a_motion_into_the_ball_ends_at_its_margin(bench, kind):
     way = [1.0, 0.1, -0.1, 0.2, 0.0, 0.0]
     _, bare = bench.run(kind, [], way)
-    _, closest = bench.run(kind, [BALL], way)
+    q, closest = bench.run(kind, [BALL], way)
     told = bench.hw.guards()[0].report()
     assert bare < 0.0
     assert closest >= MARGIN - 1e-3
+    by_coal = min(map(CoalJudge([BALL], UR5, ()).closest, q[::20]))
+    assert by_coal == pytest.approx(closest, abs=1e-3)
     assert told.interventions > 0
     assert told.object == "ball"
     assert MARGIN - 1e-3 <= told.distance < MARGIN + 0.05

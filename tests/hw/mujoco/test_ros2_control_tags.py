@@ -177,6 +177,15 @@ def test_a_driver_is_simulated_and_named_and_refused_when_strict(make):
         make(tag, strict=True)
 
 
+def test_a_rate_of_its_own_is_told_and_refused_where_all_must_be_simulated(make):
+    tag = TAG.replace('type="system"', 'type="system" is_async="true" rw_rate="50"')
+    told = {each.problem: each.old for each in make(tag).repairs()}
+    assert told["its rw_rate is not that of a simulation"] == "50"
+    assert told["its is_async is not that of a simulation"] == "true"
+    with pytest.raises(RobotDescriptionError, match="hardware 'sim': its is_async"):
+        make(tag, strict=True)
+
+
 def test_a_wrong_element_is_refused_with_its_file(make):
     with pytest.raises(RobotDescriptionError, match=r"r\.urdf: <ros2_control"):
         make('<ros2_control name="x" type="system"/>')

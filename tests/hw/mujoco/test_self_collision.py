@@ -5,7 +5,7 @@ import pytest
 from station.core.description.robot_files import load_robot_files
 from station.core.errors import ParameterError
 from station.hw.mujoco.mujoco_robot_hw import MujocoRobotHW
-from station.hw.mujoco.self_collision import rigid_neighbours
+from station.hw.mujoco.mujoco_simulation import rigid_neighbours
 from station.hw.urdf_loader import load_urdf
 from station.testing import Bench
 

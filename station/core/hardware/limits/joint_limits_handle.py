@@ -31,8 +31,7 @@ from station.core.hardware.limits.limited_joints import (
     EffortSaturation,
     EffortSoftLimits,
     LimitedJoints,
-    PositionSaturation,
-    PositionSoftLimits,
+    PositionLimits,
     VelocitySaturation,
     VelocitySoftLimits,
 )
@@ -233,7 +232,7 @@ class JointLimitsHandle(ResourceHandle):
             soft_limits: The soft limits; their range counts for a joint that has one.
         """
         soft = SoftJointLimits() if soft_limits is None else soft_limits
-        has_range = limits.has_position_limits
+        has_range = soft_limits is not None and limits.has_position_limits
         found = {
             "min_position": limits.min_position,
             "max_position": limits.max_position,
@@ -360,13 +359,13 @@ class PositionJointSaturationHandle(JointLimitsHandle):
     Position commands are in [rad or m]. Position and velocity limits are optional.
     """
 
-    arithmetic: ClassVar[type[LimitedJoints]] = PositionSaturation
+    arithmetic: ClassVar[type[LimitedJoints]] = PositionLimits
 
     @override
     def find_bounds(
         self, limits: JointLimits, soft_limits: SoftJointLimits | None
     ) -> dict[str, float]:
-        bounds = super().find_bounds(limits, soft_limits)
+        bounds = super().find_bounds(limits, None)
         # An infinite command becomes a finite one, as in the original.
         if not bounds["min_position"] > -float_info.max:
             bounds["min_position"] = -float_info.max
@@ -384,7 +383,7 @@ class PositionJointSoftLimitsHandle(SoftLimitsHandle):
     The joint needs velocity limits, and position limits unless it is continuous.
     """
 
-    arithmetic: ClassVar[type[LimitedJoints]] = PositionSoftLimits
+    arithmetic: ClassVar[type[LimitedJoints]] = PositionLimits
     required: ClassVar[tuple[str, ...]] = ("velocity",)
 
 

@@ -9,28 +9,22 @@ cdef class LimitedJoints:
     cdef double[::1] position, velocity, command, min_position, max_position
     cdef double[::1] max_velocity, max_acceleration, max_jerk, max_effort, soft_min
     cdef double[::1] soft_max, k_position, k_velocity, previous, velocity_before
-    cdef double[::1] acceleration_before, asked, reason
+    cdef double[::1] acceleration_before, asked, reason, free_min, free_max
     cpdef long enforce(self, double period, Py_ssize_t first, Py_ssize_t last) noexcept
-
-cdef class SoftLimitedJoints(LimitedJoints):
-    cdef double[::1] free_min, free_max
 
 cdef class EffortSaturation(LimitedJoints):
     pass
 
-cdef class EffortSoftLimits(SoftLimitedJoints):
-    pass
-
-cdef class VelocitySaturation(LimitedJoints):
+cdef class EffortSoftLimits(LimitedJoints):
     pass
 
 cdef class VelocitySoftLimits(LimitedJoints):
+    cdef double[::1] before
+
+cdef class VelocitySaturation(VelocitySoftLimits):
     pass
 
-cdef class PositionSaturation(LimitedJoints):
-    pass
-
-cdef class PositionSoftLimits(SoftLimitedJoints):
+cdef class PositionLimits(LimitedJoints):
     pass
 
 cdef class LimitedRun:

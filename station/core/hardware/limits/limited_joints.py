@@ -88,6 +88,13 @@ class LimitedJoints:
         self.acceleration_before = views["acceleration_before"]
         self.asked = views["asked"]
         self.reason = views["reason"]
+        columns = ("soft_min", "soft_max", "max_velocity", "k_position")
+        rows = zip(*(views[name] for name in columns), strict=True)
+        ranges = [free_range(*row) for row in rows]
+        # From the first to the second the soft ends are so far away that they certainly
+        # allow the largest velocity: nothing has to be computed there.
+        self.free_min = own(low for low, _ in ranges)
+        self.free_max = own(high for _, high in ranges)
 
     def enforce(self, period: float, first: int, last: int) -> int:
         """Replace the commands of joints `first` to `last` - 1 by admissible ones.
@@ -101,25 +108,6 @@ class LimitedJoints:
             Bit i is set if a limit changed the command of joint `first + i`.
         """
         return 0
-
-
-class SoftLimitedJoints(LimitedJoints):
-    """Joints that are slowed down before the ends of a range.
-
-    From `free_min` to `free_max` the ends are so far away that they certainly allow the
-    largest velocity: nothing has to be computed there.
-
-    Args:
-        views: See `LimitedJoints`.
-    """
-
-    def __init__(self, views: Mapping[str, Storage]) -> None:
-        super().__init__(views)
-        columns = ("soft_min", "soft_max", "max_velocity", "k_position")
-        rows = zip(*(views[name] for name in columns), strict=True)
-        ranges = [free_range(*row) for row in rows]
-        self.free_min = own(low for low, _ in ranges)
-        self.free_max = own(high for _, high in ranges)
 
 
 def free_range(
@@ -209,7 +197,7 @@ class EffortSaturation(LimitedJoints):
         return mask
 
 
-class EffortSoftLimits(SoftLimitedJoints):
+class EffortSoftLimits(LimitedJoints):
     """Effort commands that brake a joint before its soft limits."""
 
     def enforce(self, period: float, first: int, last: int) -> int:
@@ -272,53 +260,21 @@ class EffortSoftLimits(SoftLimitedJoints):
         return mask
 
 
-class VelocitySaturation(LimitedJoints):
-    """Velocity commands clipped to the hard limits."""
-
-    def enforce(self, period: float, first: int, last: int) -> int:
-        """See `LimitedJoints.enforce`."""
-        mask = 0
-        command, previous = self.command, self.previous
-        max_velocity, max_acceleration = self.max_velocity, self.max_acceleration
-        for i in range(first, last):
-            speed = max_velocity[i]
-            low = -speed
-            high = speed
-            acceleration = max_acceleration[i]
-            if acceleration == acceleration:  # not NaN: there is such a limit
-                step = acceleration * period
-                before = previous[i]
-                low = before - step
-                if low < -speed:
-                    low = -speed
-                high = before + step
-                if speed < high:
-                    high = speed
-            asked = command[i]
-            given = asked
-            if given < low:
-                given = low
-            if high < given:
-                given = high
-            previous[i] = given
-            if given < asked or asked < given:
-                command[i] = given
-                self.asked[i] = asked
-                mask |= _BIT << (i - first)
-                if given == speed or given == -speed:
-                    self.reason[i] = _VELOCITY
-                else:
-                    self.reason[i] = _ACCELERATION
-        return mask
-
-
 class VelocitySoftLimits(LimitedJoints):
-    """Velocity commands that slow down towards the soft limits."""
+    """Velocity commands that slow down towards the soft limits.
+
+    Args:
+        views: See `LimitedJoints`.
+    """
+
+    def __init__(self, views: Mapping[str, Storage]) -> None:
+        super().__init__(views)
+        self.before = views["velocity"]
 
     def enforce(self, period: float, first: int, last: int) -> int:
         """See `LimitedJoints.enforce`."""
         mask = 0
-        position, velocity, command = self.position, self.velocity, self.command
+        position, command, previous = self.position, self.command, self.previous
         soft_min, soft_max, k_position = self.soft_min, self.soft_max, self.k_position
         max_velocity, max_acceleration = self.max_velocity, self.max_acceleration
         for i in range(first, last):
@@ -334,13 +290,13 @@ class VelocitySoftLimits(LimitedJoints):
             low = range_low
             high = range_high
             acceleration = max_acceleration[i]
-            if acceleration == acceleration:
+            if acceleration == acceleration:  # not NaN: there is such a limit
                 step = acceleration * period
-                v = velocity[i]
-                low = v - step
+                before = self.before[i]
+                low = before - step
                 if low < range_low:
                     low = range_low
-                high = v + step
+                high = before + step
                 if range_high < high:
                     high = range_high
             asked = command[i]
@@ -349,6 +305,7 @@ class VelocitySoftLimits(LimitedJoints):
                 given = low
             if high < given:
                 given = high
+            previous[i] = given
             if given < asked or asked < given:
                 command[i] = given
                 self.asked[i] = asked
@@ -362,52 +319,22 @@ class VelocitySoftLimits(LimitedJoints):
         return mask
 
 
-class PositionSaturation(LimitedJoints):
-    """Position commands clipped to the hard limits."""
+class VelocitySaturation(VelocitySoftLimits):
+    """Velocity commands clipped to the hard limits.
 
-    def enforce(self, period: float, first: int, last: int) -> int:
-        """See `LimitedJoints.enforce`."""
-        mask = 0
-        position, command, previous = self.position, self.command, self.previous
-        min_position, max_position = self.min_position, self.max_position
-        max_velocity = self.max_velocity
-        for i in range(first, last):
-            lowest = min_position[i]
-            highest = max_position[i]
-            low = lowest
-            high = highest
-            speed = max_velocity[i]
-            if speed == speed:  # not NaN: there is such a limit
-                before = previous[i]
-                if before != before:  # NaN: no command yet
-                    before = position[i]
-                step = speed * period
-                low = before - step
-                if low < lowest:
-                    low = lowest
-                high = before + step
-                if highest < high:
-                    high = highest
-            asked = command[i]
-            given = asked
-            if given < low:
-                given = low
-            if high < given:
-                given = high
-            previous[i] = given
-            if given < asked or asked < given:
-                command[i] = given
-                self.asked[i] = asked
-                mask |= _BIT << (i - first)
-                if given == lowest or given == highest:
-                    self.reason[i] = _POSITION
-                else:
-                    self.reason[i] = _VELOCITY
-        return mask
+    They accelerate from the command of the last cycle, not from the measured velocity.
+
+    Args:
+        views: See `LimitedJoints`.
+    """
+
+    def __init__(self, views: Mapping[str, Storage]) -> None:
+        super().__init__(views)
+        self.before = self.previous
 
 
-class PositionSoftLimits(SoftLimitedJoints):
-    """Position commands that slow down towards the soft limits and stop there."""
+class PositionLimits(LimitedJoints):
+    """Position commands that keep to the range, and slow down before soft limits."""
 
     def enforce(self, period: float, first: int, last: int) -> int:
         """See `LimitedJoints.enforce`."""
@@ -438,12 +365,15 @@ class PositionSoftLimits(SoftLimitedJoints):
                 gain = k_position[i]
                 low_velocity = approach(before - bound, gain, speed)
                 high_velocity = approach(before - soft_max[i], gain, speed)
-            low = before + low_velocity * period
-            if low < min_position[i]:
-                low = min_position[i]
-            high = before + high_velocity * period
-            if max_position[i] < high:
-                high = max_position[i]
+            low = min_position[i]
+            high = max_position[i]
+            if speed == speed:  # not NaN: there is such a limit
+                bound = before + low_velocity * period
+                if not bound < low:
+                    low = bound
+                bound = before + high_velocity * period
+                if not high < bound:
+                    high = bound
             given = asked
             if given < low:
                 given = low

@@ -10,13 +10,11 @@ cpdef double stoppable(
     double distance, double velocity, double acceleration, double max_acceleration,
     double max_jerk, double period) noexcept
 
-cdef class RateLimitedJoints(LimitedJoints):
+cdef class VelocityRateLimits(LimitedJoints):
+    cdef bint has_positions
     cpdef double shape(
         self, Py_ssize_t i, double asked, double down, double up, double period
     ) noexcept
 
-cdef class PositionRateLimits(RateLimitedJoints):
-    pass
-
-cdef class VelocityRateLimits(RateLimitedJoints):
+cdef class PositionRateLimits(VelocityRateLimits):
     pass

@@ -23,8 +23,11 @@ the deceleration takes. The range then seldom requires more jerk than allowed; i
 does, the range wins.
 """
 
+from collections.abc import Mapping
+
 from station.core.hardware.limits import limited_joints as codes
 from station.core.hardware.limits.limited_joints import LimitedJoints
+from station.memory.doubles import Storage
 from station.memory.functions import square_root
 
 # As C numbers, by the .pxd; the bit with all 64 that a mask has.
@@ -105,12 +108,19 @@ def stoppable(
     return highest
 
 
-class RateLimitedJoints(LimitedJoints):
-    """Joints whose velocity is shaped from cycle to cycle.
+class VelocityRateLimits(LimitedJoints):
+    """Velocity commands that keep to range, velocity, acceleration and jerk.
 
     `velocity_before` is NaN before the first cycle. `reason` is negative for a joint
     whose last command was not changed.
+
+    Args:
+        views: See `LimitedJoints`.
     """
+
+    def __init__(self, views: Mapping[str, Storage]) -> None:
+        super().__init__(views)
+        self.has_positions = False
 
     def shape(
         self, i: int, asked: float, down: float, up: float, period: float
@@ -198,16 +208,15 @@ class RateLimitedJoints(LimitedJoints):
         self.reason[i] = reason
         return given
 
-
-class PositionRateLimits(RateLimitedJoints):
-    """Position commands that keep to range, velocity, acceleration and jerk."""
-
     def enforce(self, period: float, first: int, last: int) -> int:
         """See `LimitedJoints.enforce`."""
         mask = 0
         command, previous, reason = self.command, self.previous, self.reason
         before, min_position = self.velocity_before, self.min_position
         max_position = self.max_position
+        has_positions = self.has_positions
+        # The way that is left begins at the command, or where the joint is.
+        starts = previous if has_positions else self.position
         for i in range(first, last):
             asked = command[i]
             # The manager refuses NaN; the profile starts afresh after one.
@@ -218,54 +227,38 @@ class PositionRateLimits(RateLimitedJoints):
                 previous[i] = self.position[i]
                 before[i] = self.velocity[i]
                 self.acceleration_before[i] = 0.0
-            start = previous[i]
+            start = starts[i]
             if period <= 0.0:
-                command[i] = start
+                command[i] = start if has_positions else before[i]
                 continue
             down = start - min_position[i]
             up = max_position[i] - start
-            velocity = self.shape(i, (asked - start) / period, down, up, period)
-            given = asked
-            if reason[i] >= 0.0:
-                given = start + velocity * period
-                # Against rounding.
-                if down >= 0.0 and given < min_position[i]:
-                    given = min_position[i]
-                if up >= 0.0 and given > max_position[i]:
-                    given = max_position[i]
-                command[i] = given
-                self.asked[i] = asked
-                mask |= _BIT << (i - first)
-            previous[i] = given
-        return mask
-
-
-class VelocityRateLimits(RateLimitedJoints):
-    """Velocity commands that keep to range, velocity, acceleration and jerk."""
-
-    def enforce(self, period: float, first: int, last: int) -> int:
-        """See `LimitedJoints.enforce`."""
-        mask = 0
-        position, command, reason = self.position, self.command, self.reason
-        before, min_position = self.velocity_before, self.min_position
-        max_position = self.max_position
-        for i in range(first, last):
-            asked = command[i]
-            # The manager refuses NaN; the profile starts afresh after one.
-            if asked != asked:
-                before[i] = asked
-                continue
-            if before[i] != before[i]:
-                before[i] = self.velocity[i]
-                self.acceleration_before[i] = 0.0
-            if period <= 0.0:
-                command[i] = before[i]
-                continue
-            down = position[i] - min_position[i]
-            up = max_position[i] - position[i]
-            given = self.shape(i, asked, down, up, period)
+            velocity = (asked - start) / period if has_positions else asked
+            given = self.shape(i, velocity, down, up, period)
+            if has_positions:
+                velocity, given = given, asked
+                if reason[i] >= 0.0:
+                    given = start + velocity * period
+                    # Against rounding.
+                    if down >= 0.0 and given < min_position[i]:
+                        given = min_position[i]
+                    if up >= 0.0 and given > max_position[i]:
+                        given = max_position[i]
+                previous[i] = given
             if reason[i] >= 0.0:
                 command[i] = given
                 self.asked[i] = asked
                 mask |= _BIT << (i - first)
         return mask
+
+
+class PositionRateLimits(VelocityRateLimits):
+    """Position commands whose velocity keeps to the same limits.
+
+    Args:
+        views: See `LimitedJoints`.
+    """
+
+    def __init__(self, views: Mapping[str, Storage]) -> None:
+        super().__init__(views)
+        self.has_positions = True

@@ -6,9 +6,6 @@ from station.core.hardware.transmissions.parser import (
     TransmissionInfo as TransmissionInfo,
     TransmissionParser as TransmissionParser,
 )
-from station.core.hardware.transmissions.raw_joint_data import (
-    RawJointData as RawJointData,
-)
 from station.core.hardware.transmissions.transmission import (
     DifferentialTransmission as DifferentialTransmission,
     FourBarLinkageTransmission as FourBarLinkageTransmission,
@@ -37,6 +34,7 @@ from station.core.hardware.transmissions.transmission_interface import (
 )
 from station.core.hardware.transmissions.transmission_interface_loader import (
     LoadedTransmission as LoadedTransmission,
+    RawJointData as RawJointData,
     TransmissionInterfaceLoader as TransmissionInterfaceLoader,
 )
 from station.core.hardware.transmissions.transmission_loader import (

@@ -16,8 +16,8 @@ from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_model import FrankaModel
 from station.core.franka.franka_robot_state import RobotState
 from station.core.franka.franka_services import ArmSimulation, CollisionBehavior
-from station.core.franka.guard import Guard
 from station.core.franka.model_sources import ModelSource
+from station.core.geometry.guard import Guard
 from station.hw.franka.arm.load import Load
 from station.hw.franka.arm.receiver import Receiver
 from station.memory.doubles import Doubles, Storage

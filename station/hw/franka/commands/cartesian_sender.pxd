@@ -1,6 +1,5 @@
-cimport cython
-from station.core.franka.command_rates cimport limited, low_pass
-from station.core.franka.guard cimport Guard
+from station.core.numerics.command_rates cimport limited, low_pass
+from station.core.geometry.guard cimport Guard
 from station.core.numerics.rigid_motion cimport displace, rotation_between, twist_between
 from station.hw.franka.arm.receiver cimport Receiver
 from station.hw.franka.commands.pose_bridge cimport PoseBridge
@@ -39,7 +38,5 @@ cdef class CartesianSender:
     cdef double[::1] pose, twist, pose_elbow, twist_elbow
     cdef bint filters_first, is_first
     cdef public Guard guard
-    @cython.locals(bent=list, guard=Guard)
     cpdef send_pose(self, bint is_new)
-    @cython.locals(bent=list, guard=Guard)
     cpdef send_twist(self)

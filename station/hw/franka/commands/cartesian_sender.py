@@ -8,8 +8,8 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from station.core.errors import InvalidCommandError
-from station.core.franka.command_rates import limited, low_pass
-from station.core.franka.guard import SLOWED
+from station.core.geometry.guard import SLOWED
+from station.core.numerics.command_rates import limited, low_pass
 from station.core.numerics.rigid_motion import displace, rotation_between, twist_between
 from station.hw.franka.commands.pose_bridge import PoseBridge
 from station.memory.doubles import Doubles, own, zeros
@@ -18,7 +18,7 @@ from station.memory.vectors import copy_into
 
 if TYPE_CHECKING:
     from station.core.franka.franka_robot_state import RobotState
-    from station.core.franka.guard import Guard
+    from station.core.geometry.guard import Guard
     from station.hw.franka.arm.robot_arm import RobotArm
 
 # A shorter vector has no direction.

@@ -1,6 +1,6 @@
 cimport cython
-from station.core.franka.command_rates cimport CommandRates
-from station.core.franka.guard cimport Guard
+from station.core.numerics.command_rates cimport CommandRates
+from station.core.geometry.guard cimport Guard
 from station.core.hardware.limits.limited_joints cimport EnforcedLimits
 from station.hw.franka.arm.receiver cimport Receiver
 from station.hw.franka.arm.velocity_curves cimport VelocityCurves
@@ -10,13 +10,12 @@ from station.memory.finite_check cimport FiniteCheck
 cdef int _MOVE
 
 cdef class CommandSender:
-    cdef object arm, joints, cartesian
+    cdef object arm, joints, cartesian, hand, write_fingers
     cdef VelocityCurves curves
     cdef Receiver receiver
     cdef double[::1] code
     cdef double last_code
     cdef str last_name
-    cdef object hand, write_fingers
     cdef dict claimed, mode_names
     cdef CartesianSender cartesian_sender
     cdef CommandRates rates
@@ -26,7 +25,6 @@ cdef class CommandSender:
     cdef public object refusal
     cdef readonly Guard guard
     cpdef bint is_interrupted(self)
-    @cython.locals(code=double)
     cpdef mode_name(self)
     cpdef write(self, double time, double period)
     @cython.locals(check=FiniteCheck, limits=EnforcedLimits)
@@ -35,5 +33,4 @@ cdef class CommandSender:
     cpdef send_all(self, bint is_new)
     cpdef send_positions(self)
     cpdef send_velocities(self)
-    @cython.locals(guard=Guard)
     cpdef send_torques(self)

@@ -3,14 +3,14 @@
 from typing import TYPE_CHECKING, Protocol
 
 from station.core.errors import InvalidCommandError
-from station.core.franka.command_rates import CommandRates
+from station.core.numerics.command_rates import CommandRates
 from station.hw.franka.arm import arm_codes as codes
 from station.memory.doubles import Doubles
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from station.core.franka.guard import Guard
+    from station.core.geometry.guard import Guard
     from station.core.hardware.limits.limited_joints import EnforcedLimits
     from station.hw.franka.arm.control_mode import ControlMode
     from station.hw.franka.arm.robot_arm import RobotArm

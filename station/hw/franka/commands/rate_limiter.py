@@ -1,6 +1,6 @@
 """Low-pass filter and rate limits of an arm's commands, as libfranka has them.
 
-The formulas stand in `core.franka.command_rates`; here are their numbers. `PERIOD` is
+The formulas stand in `core.numerics.command_rates`; here are their numbers. `PERIOD` is
 libfranka's fixed cycle of 1 ms.
 
 Source: libfranka@0.9.2 src/lowpass_filter.cpp, lowpassFilter; src/rate_limiting.cpp,
@@ -10,8 +10,8 @@ the same files, for the FR3.
 
 from math import pi
 
-from station.core.franka.command_rates import CommandRates
 from station.core.franka.franka_robot_state import RobotState
+from station.core.numerics.command_rates import CommandRates
 from station.hw.franka.arm.arm_limits import ArmLimits, MotionLimits
 from station.hw.franka.arm.velocity_curves import VelocityCurves
 from station.hw.franka.commands.joint_commands import JointCommands

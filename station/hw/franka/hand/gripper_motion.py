@@ -29,6 +29,9 @@ MOVE_FORCE = 70.0
 """Largest force of a finger during a move [N]. Source: continuous force in the
 datasheet of the Franka Hand."""
 HOMING_SPEED = 0.02
+# A servo comes to the closed end by rounding alone, 1e-13 m; pressed, to 0. Counted as
+# a width it would be inside of an epsilon that begins at 0, and nothing was grasped.
+_CLOSED = 1e-6
 # Share of the commanded speed: a slow motion may be below `REST_SPEED` all the way.
 _SLOWEST_PART = 0.25
 _RESTING = (GripperActivity.IDLE, GripperActivity.HOLDING)
@@ -92,8 +95,9 @@ class GripperMotion:
         self._grasp = GraspRequest(0.0, 0.0)
 
     def width(self) -> float:
-        """Return the distance between the fingers [m]."""
-        return max(0.0, 2.0 * self._motor.read_position())
+        """Return the distance between the fingers [m]; 0 where they touch."""
+        width = 2.0 * self._motor.read_position()
+        return width if width > _CLOSED else 0.0
 
     def is_grasped(self) -> bool:
         """Return whether an object of the expected width is held."""

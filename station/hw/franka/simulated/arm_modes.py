@@ -30,14 +30,24 @@ is guided back from a limit by hand; the simulated arm comes back in its recover
 
 from collections.abc import Sequence
 
-from station.core.errors import ArmCommandError
+from typing_extensions import override
+
+from station.core.errors import ArmCommandError, InvalidCommandError
 from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_robot_state import RobotMode
+from station.core.franka.franka_services import ArmSimulation, FaultKind, SimulatedFault
+from station.core.hardware.robot_report import ClampReport
 from station.hw.franka.arm.robot_arm import (
     REST_VELOCITY,
     ControllerMode,
     MotionGeneratorMode,
     SingularStartError,
+)
+from station.hw.franka.arm.service_limits import (
+    PUSH_DISTANCE,
+    ServiceLimits,
+    check_vector,
+    field_error,
 )
 from station.hw.franka.simulated.arm_parts import ArmParts
 from station.hw.franka.simulated.arm_step import LONGEST_SETTLING
@@ -47,6 +57,7 @@ from station.hw.franka.simulated.step_codes import (
     POSITIONS,
     VELOCITIES,
 )
+from station.hw.mujoco.push import WORLD, as_push
 from station.hw.mujoco.world import World
 from station.memory.doubles import put
 
@@ -87,20 +98,25 @@ INTERNAL_CONTROLLERS = (
 """Controllers that follow the desired motion."""
 
 
-class ArmModes:
-    """Keeps the mode of one arm and changes it. Control thread only.
+class ArmModes(ArmSimulation):
+    """Keeps the mode of one arm, and has the buttons, pushes and faults that change it.
+
+    Control thread only.
 
     Args:
         world: The world of the arm.
         parts: The parts of the arm; `robot_mode` and the success rate of its state are
             written.
+        service_limits: The largest pushes.
 
     Attributes:
         controller: The controller mode of the running motion; None without a motion.
         generator: The motion generator of the running motion.
     """
 
-    def __init__(self, world: World, parts: ArmParts) -> None:
+    def __init__(
+        self, world: World, parts: ArmParts, service_limits: ServiceLimits
+    ) -> None:
         self._world = world
         self._state = parts.state
         self._motion = parts.motion
@@ -109,7 +125,8 @@ class ArmModes:
         self._step = parts.step
         self._motors = parts.motors
         self._frames = parts.frames
-        self._limits = parts.limits
+        self._limits, self._service_limits = parts.limits, service_limits
+        self._faults, self._joint_names = parts.faults, parts.joint_names
         self._supervisor = parts.supervisor
         self._contact = parts.contact
         self.controller: ControllerMode | None = None
@@ -316,6 +333,7 @@ class ArmModes:
         """Return whether no joint moves, without regard to the desired motion."""
         return max(map(abs, self._state.dtheta)) < REST_VELOCITY
 
+    @override
     def set_user_stop(self, *, pressed: bool) -> None:
         """Press or release the user stop; releasing it clears the errors."""
         mode = self._state.robot_mode
@@ -325,6 +343,7 @@ class ArmModes:
         elif not pressed and mode is RobotMode.USER_STOPPED:
             self.recover()
 
+    @override
     def set_guiding(self, *, pressed: bool) -> None:
         """Press or release the guiding buttons.
 
@@ -344,6 +363,7 @@ class ArmModes:
         elif not pressed and mode is RobotMode.GUIDING:
             self.end_motion(RobotMode.IDLE)
 
+    @override
     def set_brakes(self, *, closed: bool) -> None:
         """Close or open the brakes; the arm holds its pose without them, too."""
         mode = self._state.robot_mode
@@ -353,6 +373,64 @@ class ArmModes:
         if not closed and mode is RobotMode.OTHER and not has_diverged:
             has_errors = bool(self._supervisor.errors)
             self._state.robot_mode = RobotMode.REFLEX if has_errors else RobotMode.IDLE
+
+    @override
+    def apply_force(
+        self,
+        link: str,
+        force: Sequence[float],
+        torque: Sequence[float],
+        duration: float,
+        *,
+        frame: str = WORLD,
+        point: Sequence[float] | None = None,
+    ) -> None:
+        self._check_force(force)
+        largest = self._service_limits.push_torque
+        check_vector(
+            torque, largest, field="torque", what="torque of a push", unit="Nm"
+        )
+        if point is not None:
+            check_vector(
+                point, PUSH_DISTANCE, field="point", what="point of a push", unit="m"
+            )
+        self._check_duration(duration)
+        push = as_push(link, force, torque, frame=frame, point=point)
+        self._world.push(push, max(1, round(duration / self._world.timestep)))
+
+    @override
+    def inject(self, fault: SimulatedFault) -> None:
+        if fault.kind is FaultKind.COLLISION:
+            self._check_force(fault.force)
+        self._faults.inject(fault)
+        self._step.has_faults = self._faults.act
+
+    @override
+    def faults(self) -> list[SimulatedFault]:
+        return self._faults.active()
+
+    @override
+    def clear_faults(self) -> None:
+        self._faults.clear()
+        self._step.has_faults = False
+
+    def _check_force(self, force: Sequence[float]) -> None:
+        largest = self._service_limits.push_force
+        check_vector(force, largest, field="force", what="force of a push", unit="N")
+
+    def _check_duration(self, duration: float) -> None:
+        longest = self._service_limits.push_duration
+        if not 0.0 < duration <= longest:
+            allowed = f"above 0 s and at most {longest:g} s"
+            raise InvalidCommandError(
+                f"A push of {duration} s is not possible; allowed is {allowed}.",
+                remedy="Choose a duration in this range.",
+                details=field_error("duration", f"must be {allowed}", duration),
+            )
+
+    @override
+    def clamps(self) -> list[ClampReport]:
+        return self._world.brakes.clamps(self._joint_names)
 
     def not_commandable(self, what: str) -> ArmCommandError:
         """Return the refusal of commands that do not fit the present motion.

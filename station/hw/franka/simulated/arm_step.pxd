@@ -47,9 +47,6 @@ cdef class ArmStep(Preparation):
 cdef class StepReceiver(Receiver):
     cdef ArmStep step
     cdef JointMemory memory
-    @cython.locals(step=ArmStep, memory=JointMemory)
     cpdef bint receive_torques(self, double[::1] tau)
-    @cython.locals(step=ArmStep, memory=JointMemory)
     cpdef bint receive_target(self, double[::1] values, int generator)
-    @cython.locals(step=ArmStep)
     cpdef bint receive_pose(self, double[::1] pose)

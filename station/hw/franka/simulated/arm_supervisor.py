@@ -17,7 +17,6 @@ from station.hw.franka.arm.franka_kinematics import zero_jacobian
 from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.simulated.cycle_log import CycleLog
 from station.hw.franka.simulated.joint_watch import JointWatch
-from station.hw.franka.simulated.simulated_cycles import AlertFlag
 from station.reports import ArmRecord
 
 # Change for the worse after a recovery that makes a value an error again [rad or m];
@@ -27,7 +26,7 @@ _WORSE_SHARE = 0.1
 _ELBOW_JOINT = 2
 
 
-class ArmSupervisor(AlertFlag):
+class ArmSupervisor:
     """Finds errors in the measured state, and keeps those of the arm.
 
     A value that is still out of its range when the arm recovers, such as a joint beyond
@@ -46,7 +45,6 @@ class ArmSupervisor(AlertFlag):
         errors: The present errors with their causes; empty after a recovery.
         last_motion_errors: The errors that ended the last motion.
         log: The last cycles before the last error.
-        is_alert: Whether a reading had to be examined in the cycle before.
     """
 
     def __init__(
@@ -56,7 +54,6 @@ class ArmSupervisor(AlertFlag):
         watch: JointWatch,
         cycle_log: CycleLog,
     ) -> None:
-        super().__init__()
         self._state = state
         self._thresholds = thresholds
         self._watch = watch
@@ -100,7 +97,7 @@ class ArmSupervisor(AlertFlag):
             Errors of measured values that were out of range for too long.
         """
         # After the last violation one more cycle is examined, which ends the count.
-        self.is_alert = not is_quiet
+        self._watch.is_alert = not is_quiet
         if is_quiet:
             self._bad_cycles = 0
             self._known = {}
@@ -167,7 +164,7 @@ class ArmSupervisor(AlertFlag):
         self._watch.room = 0.0
         self._watch.check_readings(is_following=False, has_moved=False)
         self._accept()
-        self.is_alert = True
+        self._watch.is_alert = True
 
     def _accept(self) -> None:
         """Note the values that are out of range now as known."""

@@ -1,6 +1,6 @@
 cimport cython
 from station.memory.vectors cimport copy_into
-from station.core.franka.command_rates cimport limited
+from station.core.numerics.command_rates cimport limited
 from station.core.franka.joint_memory cimport JointMemory
 from station.core.numerics.rigid_motion cimport displace, twist_between
 from station.hw.franka.simulated.end_effector_state cimport EndEffectorState
@@ -27,7 +27,6 @@ cdef class CartesianStep:
     cpdef Py_ssize_t extrapolate(self)
     cdef bint repeats(self) noexcept
     cdef bint is_still(self) noexcept
-    @cython.locals(state=EndEffectorState, check=MotionCheck)
     cpdef Py_ssize_t plan(self, bint is_first)
     @cython.locals(most=double)
     cdef Py_ssize_t check_start(self)

@@ -5,8 +5,8 @@ the inverse kinematics of the arm is not public; here it is a Newton step per cy
 the position of joint 3 as the seventh coordinate.
 """
 
-from station.core.franka.command_rates import limited
 from station.core.franka.joint_memory import JointMemory
+from station.core.numerics.command_rates import limited
 from station.core.numerics.rigid_motion import displace, twist_between
 from station.hw.franka.simulated.end_effector_state import EndEffectorState
 from station.hw.franka.simulated.inverse_kinematics import InverseKinematics

@@ -24,7 +24,6 @@ from station.hw.franka.arm.collision_behavior import (
     collision_error,
 )
 from station.hw.franka.arm.franka_kinematics import frame_pose, zero_jacobian
-from station.hw.franka.simulated.simulated_cycles import ContactFlag
 from station.hw.mujoco.world_joints import WorldJoints
 from station.memory.doubles import put
 
@@ -46,7 +45,7 @@ _FADING = 1e-12
 _ZEROS = [0.0] * 7
 
 
-class ContactEstimate(ContactFlag):
+class ContactEstimate:
     """Keeps the external torques and the contact levels of one arm up to date.
 
     Little is computed while nothing touches the arm. Control thread only.
@@ -76,7 +75,7 @@ class ContactEstimate(ContactFlag):
         limits: ArmLimits,
         load_torques: Callable[[], list[float] | None],
     ) -> None:
-        super().__init__()
+        self.is_quiet = True
         self.behavior = DEFAULT_COLLISION_BEHAVIOR
         self.observer: FrictionAndObserver | None = None
         self._joints = joints

@@ -190,7 +190,11 @@ def placement_of(parameters: FrankaParameters) -> ArmPlacement:
 def _realism_of(parameters: FrankaParameters) -> Realism | None:
     if not parameters.is_realistic:
         return None
-    return replace(TYPICAL, seed=parameters.realism_seed)
+    arm = replace(TYPICAL, seed=parameters.realism_seed)
+    for i, name in enumerate(parameters.joint_names):
+        if name in parameters.identified:
+            arm = arm.with_friction(i, *parameters.identified[name])
+    return arm
 
 
 def simulate_one(parameters: FrankaParameters, root_params: Parameters) -> FrankaWorld:

@@ -1,4 +1,3 @@
-cimport cython
 from station.core.franka.joint_memory cimport JointMemory
 from station.hw.mujoco.simulator_memory cimport SimulatorMemory
 from station.hw.mujoco.world_step cimport Preparation
@@ -19,6 +18,7 @@ cdef class FrictionAndObserver(Preparation):
     cdef double[::1] wrench, turned, offset, velocity, change, momentum
     cdef double period, rate, following
     cdef readonly double[::1] level, slope, shift, static_friction, compliance, bristle
+    cdef readonly double[::1] viscous
     cdef readonly double[::1] torque_noise, torque_bias, velocity_noise, model_error
     cdef readonly double[::1] expected, lower, jacobian, pose, place, directions, shares
     cdef readonly double[::1] doubt, lasting
@@ -32,11 +32,9 @@ cdef class FrictionAndObserver(Preparation):
     cpdef rest(self)
     cpdef bint renew_jacobian(self)
     cpdef bint factorise_jacobian(self)
-    @cython.locals(result=int)
     cpdef int sense(self)
     cpdef disturb(self)
     cpdef observe(self)
-    @cython.locals(axis=Py_ssize_t)
     cpdef compute_wrench(self)
     cpdef doubt_wrench(self)
     cpdef bint is_touched(self)

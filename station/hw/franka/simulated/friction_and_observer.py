@@ -1,18 +1,19 @@
 """Deviations of real joints from their model: friction, noise, an estimate.
 
-    sliding:   tau_f = level / (1 + exp(-slope (dq + shift))) - its value at dq = 0
+    sliding:   tau_f = level / (1 + exp(-slope (dq + shift))) - offset + viscous dq
     sticking:  tau_s = k (z + T dq),  |tau_s|, |k z| <= static / (1 + (dq / v_s)^2)
     bending:   theta = q + compliance tau_J
     observer:  r' = gain (tau_J - M ddq - (1 + error) bias - expected - r)
     wrench:    J J^T F = J r, without the part of what lasts that errors explain
 
-Sliding friction is zero at rest, where the joint sticks: its z follows the joint as a
-spring with the stiffness k = static / presliding and a damping, until the largest
-static friction is reached, which the speed lessens (C. Hess, A. Soom: Friction at a
-Lubricated Line Contact Operating at Oscillating Sliding Velocities, Journal of
-Tribology 112, 1990). Both act behind the torque sensor, so the sensor reads the torque
-that overcomes them. The observer gets what a real one has: the measured torques, the
-change of the momentum at the measured velocities, and a model that is not quite right.
+Sliding friction is zero at rest, by its offset; there the joint sticks: its z follows
+the joint as a spring with the stiffness k = static / presliding and a damping, until
+the largest static friction is reached, which the speed lessens (C. Hess, A. Soom:
+Friction at a Lubricated Line Contact Operating at Oscillating Sliding Velocities,
+Journal of Tribology 112, 1990). Both act behind the torque sensor, so the sensor reads
+the torque that overcomes them. The observer gets what a real one has: the measured
+torques, the change of the momentum at the measured velocities, and a model that is not
+quite right.
 
 In a direction in which J is nearly singular, an error of 1 Nm looks like 10 N and more.
 Errors of sensors and model change slowly, a blow does not. So what lasts is left out of
@@ -62,6 +63,7 @@ class FrictionAndObserver(Preparation):
 
     Attributes:
         level, slope, shift: The sliding friction [Nm, s/rad, rad/s], shape (n,).
+        viscous: Its part that grows with the speed [Nm s/rad], shape (n,).
         static_friction: Largest torque at which a joint stays at rest [Nm], shape (n,).
         stribeck_velocity: Speed v_s at which half of it is left [rad/s], > 0.
         presliding: How far a joint turns before it slides [rad], > 0.
@@ -123,6 +125,7 @@ class FrictionAndObserver(Preparation):
         self.level = zeros(size)
         self.slope = zeros(size)
         self.shift = zeros(size)
+        self.viscous = zeros(size)
         self.offset = zeros(size)
         self.static_friction = zeros(size)
         self.stribeck_velocity = 1.0
@@ -215,6 +218,7 @@ class FrictionAndObserver(Preparation):
         velocities, applied = self.simulator.velocities, self.simulator.applied
         level, slope, shift = self.level, self.slope, self.shift
         offset, static_friction = self.offset, self.static_friction
+        viscous = self.viscous
         bristle, share = self.bristle, 1.0 / self.stribeck_velocity
         turn = self.period / self.presliding
         lead = _RELAXATION / self.presliding
@@ -224,6 +228,7 @@ class FrictionAndObserver(Preparation):
             if power > _LARGEST_POWER:
                 power = _LARGEST_POWER
             sliding = level[i] / (1.0 + exponential(power)) - offset[i]
+            sliding += viscous[i] * velocity
             # Shares of the static friction: what the speed leaves, and what acts.
             relative = velocity * share
             most = 1.0 / (1.0 + relative * relative)

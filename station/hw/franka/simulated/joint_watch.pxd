@@ -22,13 +22,12 @@ cdef class JointWatch:
     cdef double least_distance
     cdef LinkDistances distances
     cdef public double room
-    @cython.locals(away=double, is_slow=bint, violations=Violations)
+    cdef public bint is_alert
+    @cython.locals(away=double, is_slow=bint)
     cpdef bint check_readings(self, bint is_following, bint has_moved)
-    @cython.locals(axis=Py_ssize_t)
     cdef check_distances(self)
     cdef bend_velocity_limits(self)
     cdef check_speed(self)
-    @cython.locals(i=Py_ssize_t)
     cdef check_deviation(self)
     cdef void place(self, double[::1] q, double[::1] pose) noexcept
 

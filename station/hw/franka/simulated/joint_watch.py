@@ -53,6 +53,7 @@ class JointWatch:
         violations: Violations in the last cycle.
         room: How far a point of the arm may still move until a distance may have become
             too short [m].
+        is_alert: Whether a reading had to be examined in the cycle before.
     """
 
     def __init__(
@@ -98,6 +99,7 @@ class JointWatch:
         self.least_distance = thresholds.self_collision_distance
         self.walls = own([*thresholds.cartesian_lower, *thresholds.cartesian_upper])
         self.room = 0.0
+        self.is_alert = False
         self.violations = Violations()
 
     def check_readings(self, is_following: bool, has_moved: bool) -> bool:  # noqa: FBT001

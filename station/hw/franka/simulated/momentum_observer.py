@@ -209,6 +209,7 @@ def _set(observer: FrictionAndObserver, realism: Realism, period: float) -> None
     put(observer.level, realism.friction_level)
     put(observer.slope, realism.friction_slope)
     put(observer.shift, realism.friction_shift)
+    put(observer.viscous, realism.viscous)
     observer.stribeck_velocity = realism.stribeck_velocity
     observer.presliding = realism.presliding
     put(observer.static_friction, realism.static_friction)

@@ -1,4 +1,3 @@
-cimport cython
 from station.core.franka.joint_memory cimport JointMemory
 from station.hw.franka.arm.velocity_curves cimport VelocityCurves
 from station.hw.franka.simulated.violations cimport Violations
@@ -13,14 +12,12 @@ cdef class MotionCheck:
     cdef object limits
     cdef bint has_curves
     cdef VelocityCurves curves
-    cdef double[::1] before
-    cdef double[::1] lower, upper, slowest, fastest, acceleration, jerk, translation
-    cdef double[::1] rotation, elbow, reached
+    cdef double[::1] before, lower, upper, slowest, fastest, acceleration, jerk
+    cdef double[::1] translation, rotation, elbow, reached
     cdef double torque_step, period
     cpdef Py_ssize_t check_start(self)
     cpdef Py_ssize_t check_positions(self, int code)
     cpdef Py_ssize_t check_velocities(self)
-    @cython.locals(violations=Violations)
     cdef Py_ssize_t check_joints(self, double[::1] q, double[::1] dq, int code)
     cdef bend_velocity_limits(self, double[::1] q, double[::1] dq)
     cpdef Py_ssize_t check_torques(self)
@@ -31,7 +28,6 @@ cdef class MotionCheck:
         double[::1] last_rate, double[::1] bounds)
     cpdef Py_ssize_t check_elbow(
         self, double velocity, double acceleration, double jerk)
-    @cython.locals(violations=Violations)
     cdef check_bounds(
         self, Py_ssize_t first, double velocity, double acceleration, double jerk,
         double[::1] bounds)

@@ -25,7 +25,7 @@ of the spread of the torques.
     dropped. It acts when that millisecond is over.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +36,7 @@ class Realism:
         friction_level: Friction at high speed forwards plus that backwards [Nm].
         friction_slope: How suddenly the friction rises with the speed [s/rad].
         friction_shift: Makes it larger one way than the other; 0: both alike [rad/s].
+        viscous: Friction that grows with the speed without end [Nm s/rad].
         static_friction: Largest torque at which a joint stays at rest [Nm].
         stribeck_velocity: Speed at which half of that is left [rad/s].
         presliding: How far a joint turns before it slides [rad].
@@ -58,6 +59,7 @@ class Realism:
     friction_level: tuple[float, ...]
     friction_slope: tuple[float, ...]
     friction_shift: tuple[float, ...]
+    viscous: tuple[float, ...]
     static_friction: tuple[float, ...]
     stribeck_velocity: float
     presliding: float
@@ -72,12 +74,37 @@ class Realism:
     commands_are_late: bool
     seed: int = 0
 
+    def with_friction(self, joint: int, coulomb: float, viscous: float) -> "Realism":
+        """Return the arm with the friction of a joint that was identified.
+
+        How the friction rises from rest is kept, and the static one in proportion: a
+        motion that identifies does not show them.
+
+        Args:
+            joint: Number of the joint, from 0.
+            coulomb: Mean of the friction both ways without the viscous part [Nm].
+            viscous: [Nm s/rad]
+        """
+        level = 2.0 * coulomb
+        static = self.static_friction[joint] * level / self.friction_level[joint]
+        return replace(
+            self,
+            friction_level=_put(self.friction_level, joint, level),
+            static_friction=_put(self.static_friction, joint, static),
+            viscous=_put(self.viscous, joint, viscous),
+        )
+
+
+def _put(values: tuple[float, ...], index: int, value: float) -> tuple[float, ...]:
+    return (*values[:index], value, *values[index + 1 :])
+
 
 TYPICAL = Realism(
     # [1], table of friction coefficients, and franka_model.h.
     friction_level=(0.54615, 0.87224, 0.64068, 1.2794, 0.83904, 0.30301, 0.56489),
     friction_slope=(5.1181, 9.0657, 10.136, 5.5903, 8.3469, 17.133, 10.336),
     friction_shift=(0.03953, 0.02588, -0.04607, 0.03619, 0.02623, -0.02105, 0.00355),
+    viscous=(0.0,) * 7,  # [1] has none
     # The torques of [2], 0.83, 1.00, 0.89, 1.29, 0.81, 0.59 and 0.41 Nm, without what
     # the torque grows by while the joint begins to slide.
     static_friction=(0.70, 0.79, 0.725, 1.145, 0.75, 0.515, 0.34),

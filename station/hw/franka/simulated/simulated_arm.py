@@ -22,7 +22,6 @@ from station.hw.franka.simulated.arm_model import ArmModel
 from station.hw.franka.simulated.arm_modes import ArmModes
 from station.hw.franka.simulated.arm_parts import ArmParts
 from station.hw.franka.simulated.arm_step import VIOLATION, StepReceiver
-from station.hw.franka.simulated.simulated_arm_controls import SimulatedArmControls
 from station.hw.franka.simulated.simulated_cycles import SimulatedCycles
 from station.hw.mujoco.world import World
 from station.memory.direct_calls import call_directly
@@ -76,18 +75,16 @@ class SimulatedArm(RobotArm):
         self.supervisor = parts.supervisor
         self._faults, self._sensors = parts.faults, parts.sensors
         self._motion, self._memory = parts.motion, parts.memory
-        self._modes = ArmModes(world, parts)
+        self._modes = ArmModes(world, parts, service_limits)
         self._step = parts.step
         self._step.modes = self._modes
         self._accelerometers = Accelerometers(self.state, self._memory)
-        self._controls = SimulatedArmControls(world, parts, self._modes, service_limits)
         self._cycles = SimulatedCycles(
             self._step,
             world.stepping,
             state=self.state,
             period=world.timestep,
             contact=self.contact,
-            supervisor=self.supervisor,
             read_disturbed=self._sensors.read,
             observer=self.contact.observer,
             expect_load=self.contact.expect_load,
@@ -271,7 +268,7 @@ class SimulatedArm(RobotArm):
 
     @override
     def simulation(self) -> ArmSimulation:
-        return self._controls
+        return self._modes
 
     def after_reset(self) -> None:
         """Read the pose to which the world was set, with all velocities zero.

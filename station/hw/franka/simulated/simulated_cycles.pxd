@@ -5,19 +5,11 @@ from station.hw.mujoco.world_step cimport WorldStep
 
 cdef int _TOUCHED, _ASKS
 
-cdef class ContactFlag:
-    cdef public bint is_quiet
-
-cdef class AlertFlag:
-    cdef public bint is_alert
-
 cdef class SimulatedCycles:
     cdef ArmStep step
     cdef WorldStep world
-    cdef object state, read_disturbed, expect_load, react, supervise
+    cdef object contact, state, read_disturbed, expect_load, react, supervise
     cdef double period
-    cdef ContactFlag contact
-    cdef AlertFlag supervisor
     cdef FrictionAndObserver observer
     cdef readonly long long cycle, seen
     @cython.locals(found=int)

@@ -14,32 +14,11 @@ from station.hw.mujoco.world_step import WorldStep
 
 if TYPE_CHECKING:
     from station.core.franka.franka_robot_state import RobotState
+    from station.hw.franka.simulated.contact_estimate import ContactEstimate
 
 # As C numbers, by the .pxd.
 _TOUCHED = TOUCHED
 _ASKS = WEAK | LOST
-
-
-class ContactFlag:
-    """Tells about the contacts of an arm.
-
-    Attributes:
-        is_quiet: Whether nothing touches the arm.
-    """
-
-    def __init__(self) -> None:
-        self.is_quiet = True
-
-
-class AlertFlag:
-    """Tells about the readings of an arm.
-
-    Attributes:
-        is_alert: Whether a reading of the last cycle was out of its range.
-    """
-
-    def __init__(self) -> None:
-        self.is_alert = False
 
 
 class SimulatedCycles:
@@ -51,7 +30,6 @@ class SimulatedCycles:
         state: The arm's state; its time is written.
         period: Duration of a cycle [s], > 0.
         contact: Estimates contacts; supervised while it is not quiet.
-        supervisor: Keeps the errors; called while it is alert.
         read_disturbed: Reads the joints at a time [s] while a load or a fault acts;
             returns what `ArmStep.read_joints` returns.
         observer: Disturbs the readings; None for an ideal arm.
@@ -71,8 +49,7 @@ class SimulatedCycles:
         *,
         state: "RobotState",
         period: float,
-        contact: ContactFlag,
-        supervisor: AlertFlag,
+        contact: "ContactEstimate",
         read_disturbed: Callable[[float], int],
         observer: FrictionAndObserver | None,
         expect_load: Callable[[], None],
@@ -84,7 +61,6 @@ class SimulatedCycles:
         self.state = state
         self.period = period
         self.contact = contact
-        self.supervisor = supervisor
         self.read_disturbed = read_disturbed
         self.observer = observer
         self.expect_load = expect_load
@@ -126,7 +102,7 @@ class SimulatedCycles:
             or world.stands_still
             or step.has_load
             or not self.contact.is_quiet
-            or self.supervisor.is_alert
+            or step.watch.is_alert
         ):
             self.supervise(found)
         return self.state

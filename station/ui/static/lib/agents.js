@@ -17,7 +17,8 @@ const forecasts = new Map(); // by the numbers of the requests
 
 /** Return what the request would do, tried as soon as it is seen; nothing of what moves nothing. */
 function forecastOf(asked) {
-  const step = store.docks?.simulation && store.isOperator ? stepOf(asked) : null;
+  const hasTwin = store.docks?.simulation || store.docks?.arms.length; // a copy of the station, or a model of a real arm
+  const step = hasTwin && store.isOperator ? stepOf(asked) : null;
   if (!step) return nothing;
   if (!forecasts.has(asked.number)) {
     forecasts.set(asked.number, new Forecast());

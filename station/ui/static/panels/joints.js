@@ -51,7 +51,7 @@ class Joints extends Panel {
     return lineOf("Poses", this.poseList, this.goButton, ...this.trialButtons, this.forgetButton, this.poseName, this.saveButton);
   }
 
-  /** The buttons that try a motion before it is made; `targets()` are its ends. Ways around are found in a simulation alone. */
+  /** The buttons that try a motion before it is made; `targets()` are its ends. */
   trials(targets) {
     return [
       button("Rehearse", "Try the motion in a copy of the station: how it would end, and a ghost of it. Nothing moves.", () => this.forecast.rehearseMove(targets(), this.wantedSpeed.joints)),
@@ -74,7 +74,7 @@ class Joints extends Panel {
   showPoses() {
     offer(this.poseList, this.kept.map(({ name }) => name));
     this.goButton.disabled = !this.kept.length || !this.may;
-    for (const [i, each] of this.trialButtons.entries()) each.disabled = !this.kept.length || !store.isOperator || (i > 0 && !store.docks?.simulation);
+    for (const each of this.trialButtons) each.disabled = !this.kept.length || !store.isOperator;
     this.forgetButton.disabled = !this.kept.length || !store.isOperator;
     this.saveButton.disabled = !this.poseName.value.trim() || !store.isOperator;
   }
@@ -115,7 +115,7 @@ class Joints extends Panel {
     const ways = far.map(([joint, { text }]) => `${names.get(joint)} by ${text}`);
     const go = button("Move there", undefined, () => this.move(targets), { class: "s primary" });
     const leave = button("Leave it", undefined, () => this.contains(document.activeElement) && document.activeElement.select?.()); // to be typed over
-    const buttons = [go, ...this.trials(() => targets).slice(0, store.docks.simulation ? 2 : 1), leave];
+    const buttons = [go, ...this.trials(() => targets), leave];
     for (const each of buttons) {
       each.addEventListener("click", () => this.forgetFar(), true);
       // The field keeps the focus, and with it Enter, while one of them is clicked.

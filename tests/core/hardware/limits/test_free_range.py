@@ -80,7 +80,7 @@ def test_positions_follow_the_formula_at_the_edge(place, step):
     views = views_of(low, high, gain, previous=before, position=0.0, velocity=0.0)
     views["command"] = doubles([asked])
 
-    joint_limits.PositionSoftLimits(views).enforce(PERIOD, 0, 1)
+    joint_limits.PositionLimits(views).enforce(PERIOD, 0, 1)
 
     slowest, fastest = velocity_bounds(before, low, high, gain)
     least = max(before + slowest * PERIOD, low - 0.1)

@@ -12,9 +12,11 @@ from tests.both_modes import both
 from tests.core.hardware.limits.joints_of_limits import joints, play
 
 KINDS = [
-    f"{quantity}{kind}"
-    for quantity in ("Position", "Velocity", "Effort")
-    for kind in ("Saturation", "SoftLimits")
+    "PositionLimits",
+    "VelocitySaturation",
+    "VelocitySoftLimits",
+    "EffortSaturation",
+    "EffortSoftLimits",
 ]
 
 

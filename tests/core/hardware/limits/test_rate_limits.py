@@ -8,7 +8,7 @@ from hypothesis import given, settings, strategies as st
 from station.core.hardware.limits import limited_joints as codes
 from station.core.hardware.limits.limited_joints import LIMITS, MEMORY
 from station.core.hardware.limits.rate_limits import (
-    RateLimitedJoints,
+    VelocityRateLimits,
     approach,
     stoppable,
 )
@@ -91,7 +91,7 @@ def test_each_limit_acts_and_is_named(limits, asked, ways, expected):
     names = (*MEMORY, "position", "velocity", "command", "asked", "reason")
     views = {name: doubles([0.0]) for name in names}
     views |= {name: doubles([limits.get(name, inf)]) for name in LIMITS}
-    velocity = RateLimitedJoints(views).shape(0, asked, *ways, 0.1)
+    velocity = VelocityRateLimits(views).shape(0, asked, *ways, 0.1)
     assert velocity == pytest.approx(expected[0], abs=1e-15)  # order of operations
     reason = views["reason"][0]
     assert (int(reason) if reason >= 0.0 else None) == expected[1]

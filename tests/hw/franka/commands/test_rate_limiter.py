@@ -6,8 +6,8 @@ from math import cos
 
 import pytest
 
-from station.core.franka.command_rates import low_pass
 from station.core.franka.franka_robot_state import RobotState
+from station.core.numerics.command_rates import low_pass
 from station.hw.franka.arm.arm_limits import (
     FR3_LIMITS,
     PANDA_LIMITS,

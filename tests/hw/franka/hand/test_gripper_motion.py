@@ -101,6 +101,20 @@ def test_a_grasp_keeps_pressing_inwards(motor, motion):
     assert motion.advance() is None
 
 
+@pytest.mark.parametrize("narrowest", [0.0, 1.7e-13])
+def test_a_grasp_of_air_fails_where_the_epsilon_begins_at_the_closed_hand(
+    motor, motion, narrowest
+):
+    motor.narrowest = narrowest
+
+    motion.grasp(GraspRequest(0.005, 20.0, 0.1, 0.005, 0.005))
+    outcome, _ = run(motor, motion)
+
+    assert "came to rest at 0.0000 m" in outcome.message
+    assert not motion.is_grasped()
+    assert motor.pressed == [0.0]
+
+
 def test_a_grasp_from_within_presses_outwards(motor, motion):
     motor.width, motor.widest = 0.0, 0.05
     motion.grasp(GraspRequest(0.05, 20.0))

@@ -19,7 +19,7 @@ import numpy as np
 
 from station.core.description.robot_files import RobotFiles
 from station.core.errors import StationError
-from station.core.loop.scheduling import ordinary_priority
+from station.core.scheduling import ordinary_priority
 from station.hw.franka.arm.franka_kinematics import CHAIN, DOF
 from station.hw.franka.fci.wire.robot_protocol import Architecture, System
 from station.hw.franka.simulated.franka_dynamics import read_bodies

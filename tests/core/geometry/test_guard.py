@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from station.core.description.urdf import Pose
-from station.core.franka.guard import Guard
 from station.core.geometry.clearances import Clearances
+from station.core.geometry.guard import Guard
 from station.core.geometry.scene import SceneObject, solid_of
 from station.memory.doubles import doubles, put, zeros
 from tests.both_modes import assert_same, needs_both, sibling

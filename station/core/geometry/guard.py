@@ -12,14 +12,16 @@ rest, so that both can stop whatever either of them does next.
 
 from collections.abc import Sequence
 
-from station.core.franka.command_rates import limit_steps, limited
 from station.core.geometry.clearances import Clearances
 from station.core.geometry.distances import MARGIN, ROW
 from station.core.numerics.arm_chain import least_rates, place_links, zero_jacobian
+from station.core.numerics.command_rates import limit_steps, limited
 from station.core.numerics.rigid_motion import twist_between
 from station.memory.doubles import Doubles, Storage, doubles, zeros
 from station.memory.functions import square_root
 
+GUARD_REFLEX = "guard_reflex"
+"""Name of the reflex with which a motion ends that cannot stop clear any more."""
 PASSES, SLOWED, CANNOT_STOP = range(3)
 """What becomes of a Cartesian command."""
 _PASSES, _SLOWED, _CANNOT_STOP = PASSES, SLOWED, CANNOT_STOP  # as C numbers
@@ -34,8 +36,9 @@ _HARDEST = 0.8
 # By how much a margin may be missed before a command is given up [m]: an arm that rests
 # at its margin trembles.
 _SLACK = 5e-4
-# Time for turning the acceleration round at the limits of jerk, and one cycle [s].
-_REACTION = 0.006
+# Time for turning the acceleration round, in times that the limits of jerk take to
+# build it up: from the largest one to that of the braking, and some more.
+_TURNING = 2.5
 # Share of the velocity limits with which an arm that was slowed catches up.
 _CATCH_UP = 0.25
 # Share of the limits of acceleration at which a Cartesian command passes again, rate at
@@ -108,8 +111,9 @@ class Guard:
         self.velocity = doubles(velocity)
         self.acceleration, self.jerk = doubles(acceleration), doubles(jerk)
         self.torque_step, self.period = torque_step, period
+        build_up = max(a / j for a, j in zip(acceleration, jerk, strict=True))
         # A slower loop notices later.
-        self.reaction = max(_REACTION, 2.0 * period)
+        self.reaction = max(_TURNING * build_up, period) + period
         self.translation = doubles(translation)
         self.committed = zeros(12 * self.count)
         self.v, self.pushing = zeros(size), zeros(size)
@@ -197,11 +201,11 @@ class Guard:
         """Return the reason for which the arm was stopped, in words."""
         pair = self.clearances.blocking
         if pair < 0:
-            return "guard_reflex: too near"
+            return f"{GUARD_REFLEX}: too near"
         capsule, solid = divmod(pair, len(self.things))
         margin = 1000.0 * self.margin_of(solid)
         return (
-            f"guard_reflex: {self.names[capsule]} would have come nearer than "
+            f"{GUARD_REFLEX}: {self.names[capsule]} would have come nearer than "
             f"{margin:.0f} mm to '{self.things[solid]}'"
         )
 

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from station.core.loop.scheduling import (
+from station.core.scheduling import (
     GC_THRESHOLDS,
     NICENESS,
     ROUND_ROBIN_PRIORITY,

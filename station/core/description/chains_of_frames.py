@@ -64,6 +64,45 @@ def chain_to(urdf: Urdf, base: str, frame: str, joints: Sequence[str]) -> JointC
     )
 
 
+def ends_of_chain(urdf: Urdf, joints: Sequence[str]) -> tuple[str, str]:
+    """Return the links between which joints lie: that of the base, and that of the tip.
+
+    The tip is the last link that is fixed below the last joint, or the one that is
+    called `tool0`, as ROS-Industrial does.
+
+    Args:
+        urdf: The robot.
+        joints: The joints.
+
+    Raises:
+        ControllerLoadError: They form no chain, or more than one link could be the tip.
+    """
+    moved = [urdf.joints[name] for name in joints if name in urdf.joints]
+    carried = {joint.name: _joints_above(urdf, joint) for joint in moved}
+    last = max(carried, key=lambda name: len(carried[name]), default="")
+    chain = [joint for joint in carried.get(last, ()) if joint.name in joints]
+    if len(chain) < len(joints):
+        _refuse("The joints of the controller form no chain.")
+    ends, waiting = [], [chain[0].child]
+    while waiting:
+        link = waiting.pop()
+        fixed = [j for j in urdf.joints_below(link) if j.type is JointType.FIXED]
+        waiting += [joint.child for joint in fixed]
+        ends += [] if fixed else [link]
+    tips = [link for link in ends if link.endswith("tool0")] or ends
+    if len(tips) > 1:
+        _refuse(f"The tip of the arm may be {' or '.join(sorted(tips))}.")
+    return chain[-1].parent, tips[0]
+
+
+def _joints_above(urdf: Urdf, joint: Joint) -> list[Joint]:
+    """Return a joint and all that carry it, towards the root."""
+    found = [joint]
+    while (above := urdf.joint_above(found[-1].parent)) is not None:
+        found.append(above)
+    return found
+
+
 def _refuse(problem: str) -> NoReturn:
     raise ControllerLoadError(
         problem, remedy="Correct `kinematics`, `joints` or the name of the frame."

@@ -9,46 +9,55 @@ import pinocchio as pin
 from station.core.description.robot_files import load_robot_files
 from station.core.geometry.scene import SceneObject
 
-_OPEN = 0.04
+OPEN = 0.04
 """Position of the fingers [m], as the judge of MuJoCo has them."""
 
 
 class CoalJudge:
-    """Measures a Panda with a hand against objects.
+    """Measures a robot against objects.
 
     Args:
         things: The objects.
+        reference: The robot.
+        rest: Positions of the joints behind those that are told.
     """
 
-    def __init__(self, things: Sequence[SceneObject]) -> None:
-        files = load_robot_files("example-robot-data:panda")
+    def __init__(
+        self,
+        things: Sequence[SceneObject],
+        reference: str = "example-robot-data:panda",
+        rest: Sequence[float] = (OPEN, OPEN),
+    ) -> None:
+        self._rest = rest
+        files = load_robot_files(reference)
         xml = files.xml
-        for uri in {part.split('"')[0] for part in xml.split('filename="')[1:]}:
+        for uri in {part.split('"')[0] for part in xml.split('mesh filename="')[1:]}:
             xml = xml.replace(f'"{uri}"', f'"{files.resolve_mesh(uri)}"')
         self.model = pin.buildModelFromXML(xml)
         kind = pin.GeometryType.COLLISION
         self.links = pin.buildGeomFromUrdfString(self.model, xml, kind)
         self.data, self.placed = self.model.createData(), self.links.createData()
         self.shapes = []
-        share_memory = False
+        keeps_triangles = True
         for k, link in enumerate(self.links.geometryObjects):
             if not link.parentJoint:
                 continue  # the base
             shape = link.geometry
             if isinstance(shape, coal.BVHModelBase):
-                shape.buildConvexRepresentation(share_memory)
+                # The representation of the mesh as it is would not be convex.
+                shape.buildConvexHull(keeps_triangles, "Qt")
                 shape = shape.convex
             shape.computeLocalAABB()
             self.shapes.append((k, shape))
         self.things = [(_shape(one), _placement(one), _reach(one)) for one in things]
 
     def closest(self, q: np.ndarray) -> float:
-        """Return the least distance of the arm to an object [m].
+        """Return the least distance of the robot to an object [m].
 
         Args:
-            q: Positions of joints 1 to 7 [rad].
+            q: Positions of its joints from the base on [rad].
         """
-        positions = np.array([*q, _OPEN, _OPEN])
+        positions = np.array([*q, *self._rest])
         pin.updateGeometryPlacements(
             self.model, self.data, self.links, self.placed, positions
         )

@@ -1,5 +1,5 @@
 cimport cython
-from station.core.franka.command_rates cimport limit_steps, limited
+from station.core.numerics.command_rates cimport limit_steps, limited
 from station.core.geometry.clearances cimport Clearances
 from station.core.geometry.distances cimport Nearness
 from station.core.numerics.arm_chain cimport least_rates, place_links, zero_jacobian
@@ -7,7 +7,7 @@ from station.core.numerics.rigid_motion cimport twist_between
 from station.memory.functions cimport square_root
 
 cdef int _PASSES, _SLOWED, _CANNOT_STOP
-cdef double _SLACK, _HARDEST, _BRAKING_SHARE, _CARTESIAN_SHARE, _REACTION, _CATCH_UP
+cdef double _SLACK, _HARDEST, _BRAKING_SHARE, _CARTESIAN_SHARE, _CATCH_UP
 cdef double _ZONE
 cdef double _STIFFNESS, _DAMPING, _SINGULAR, _EXIT, _APPROACH, _JOINT_SHARE, _SOFT_BRAKE
 
