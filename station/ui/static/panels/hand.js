@@ -241,7 +241,7 @@ class Hand extends Panel {
     });
     this.step.disabled = !this.isStepping;
     const isEmpty = this.targets.some((input) => !input.value.trim());
-    this.reach.disabled = !isOf(target) || isEmpty;
+    this.reach.disabled = !isOf(target);
     for (const each of this.trials) each.disabled = !store.isOperator || isEmpty;
     this.axes.disabled = (!isOf(jog) && !this.isStepping) || !store.isOperator;
     this.startJog.hidden = Boolean(jog.controller) || !store.isOperator;
