@@ -127,6 +127,7 @@ def test_model_plans_around_a_role_and_the_real_arm_follows(real):
     assert real.arm.state.q[0] == pytest.approx(1.8, abs=2e-3)
 
 
+@pytest.mark.slow
 def test_refusal_of_a_plan_by_the_model_keeps_its_kind_and_its_facts(real):
     with pytest.raises(NoPathError, match="cannot get there") as far:
         real.rehearsals.plan(Wish(POSITION, place=([1.5, 0.0, 0.5], None)))
