@@ -114,7 +114,8 @@ def test_model_plans_around_a_role_and_the_real_arm_follows(real):
     place = {"type": "box", "size": [0.08, 0.08, 1.0], "position": [0.2, 0.34, 0.5]}
     real.facade.surroundings.put("post", {**place, "role": "keep_out"})
     wish = Wish(POSITION, {"panda_joint1": 1.8}, timeout=20.0)
-    found = real.rehearsals.plan(wish)
+    # Without a process of its own, which takes a second.
+    found = Rehearsals(real.facade, run_model=real.run_here).plan(wish)
     assert (found.twin, found.direct) == ("model", False)
     submitted = real.facade.motion.submit_goal(POSITION, found.goal)
     least = 1.0
@@ -126,10 +127,14 @@ def test_model_plans_around_a_role_and_the_real_arm_follows(real):
     assert real.arm.state.q[0] == pytest.approx(1.8, abs=2e-3)
 
 
+@pytest.mark.slow
 def test_refusal_of_a_plan_by_the_model_keeps_its_kind_and_its_facts(real):
     with pytest.raises(NoPathError, match="cannot get there") as far:
         real.rehearsals.plan(Wish(POSITION, place=([1.5, 0.0, 0.5], None)))
     assert far.value.details["cause"] == "unreachable"
+
+
+def test_poses_with_a_name_are_those_of_the_model(real):
     here = Rehearsals(real.facade, run_model=real.run_here)
     with pytest.raises(InvalidCommandError, match="no pose 'reddy'"):
         here.plan(Wish(POSITION, name="reddy"))
