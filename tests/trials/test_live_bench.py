@@ -37,7 +37,9 @@ PAGE = Path(station.ui.__file__).parent / "static" / "panels" / "bench.js"
 TEXT = PAGE.read_text("utf-8")
 DEFAULTS = {
     name: float(value)
-    for name, value in re.findall(r"(\w+): field\(\"[^\"]+\", \"([\d.]+)\"", TEXT)
+    for name, value in re.findall(
+        r"(\w+): (?:field|angleField)\(\"[^\"]+\", \"?([\d.]+)", TEXT
+    )
 }
 """What stands in the fields of the dock Tuning before anybody types."""
 (LINE,) = re.findall(r"SIZES = \{(.*)\}", TEXT)

@@ -88,6 +88,7 @@ def test_a_jog_ends_when_control_is_taken_and_is_taken_back_by_force(
     page.get_by_role("button", name="Yes, take it from grace").click()
     assert wait_until(lambda: enabled.lease.state().owner == "ada")
     assert taken.lease
+    page.locator("#control").get_by_text("you (ada)").wait_for()  # the panel has closed
     page.locator("#control").click()
     page.get_by_role("button", name="Give back").click()
     assert wait_until(lambda: enabled.lease.state().owner is None)
