@@ -500,8 +500,10 @@ def _as_number(value: object, where: str) -> float:
 
 
 def _wrong(where: str, value: object, wanted: str) -> InvalidTrajectoryError:
+    is_sequence = where.startswith("trajectory/motions")
+    shape = "MotionPrimitiveSequence" if is_sequence else "FollowJointTrajectoryGoal"
     return InvalidTrajectoryError(
         f"'{where}' is {value!r}; it must be {wanted}.",
-        remedy="Send a goal shaped like control_msgs/FollowJointTrajectoryGoal.",
+        remedy=f"Send a goal shaped like control_msgs/{shape}.",
         details={"field": where},
     )
