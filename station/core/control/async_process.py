@@ -17,7 +17,6 @@ import signal
 import socket
 import subprocess
 import sys
-import threading
 import weakref
 from array import array
 from collections.abc import Callable, Mapping
@@ -164,17 +163,11 @@ class ProcessUpdate(AsyncUpdate):
 
     @override
     def _end_with(self, callback: Callable[[float], None], time: float) -> None:
-        # The control thread does not talk to the process; a start waits for this.
-        if self.end(partial(callback, time)):
-            self._is_ending = True
-            threading.Thread(target=self._end_beside, args=(callback, time)).start()
-
-    def _end_beside(self, callback: Callable[[float], None], time: float) -> None:
-        try:
-            with suppress(*CONTAINED):
-                callback(time)
-        finally:
-            self._is_ending = False
+        if self.is_stepped():
+            super()._end_with(callback, time)
+        else:
+            # The control thread does not talk to the process; a start waits for this.
+            self.end(partial(callback, time), in_thread=True)
 
     def _note_start(self, time: float) -> None:
         # Its commands are those of rest until the first update has ended.

@@ -164,7 +164,7 @@ class AsyncFunction:
 
     def is_idle(self) -> bool:
         """Return whether neither a call nor what is owed after it is under way."""
-        return not (self._is_busy or self._is_ending)
+        return not (self._is_busy or self._is_ending or self._owed)
 
     def is_overdue(self, time: float) -> bool:
         """Return whether the call under way takes longer than the time limit.
@@ -194,19 +194,22 @@ class AsyncFunction:
         self._waited = self._countdown = self._age = 0
         self._elapsed = 0.0
 
-    def end(self, last: Callable[[], None]) -> bool:
+    def end(self, last: Callable[[], None], *, in_thread: bool = False) -> bool:
         """Void the call under way, end the thread, and let it call a function last.
 
         Args:
             last: Called in the thread, after the call under way.
+            in_thread: Whether the thread calls it in any case, since it may take long.
 
         Returns:
             Whether nothing is under way, so that the caller calls the function itself.
         """
         self._in_flight = False
         self._owed.append(last)
+        if in_thread and self._go is None and not self._is_busy:
+            self._start_thread()
         self.end_thread()
-        if self._is_busy:
+        if in_thread or self._is_busy:
             return False  # its thread calls it
         try:
             self._owed.pop()
@@ -263,17 +266,19 @@ class AsyncFunction:
         if self.is_stepped():
             self._call()
             return
-        go = self._go
-        if go is None:
-            go = self._go = threading.Lock()
-            go.acquire()
-            threading.Thread(
-                target=self._run,
-                args=(go, self._run_number),
-                name=f"async {self._name}",
-                daemon=True,
-            ).start()
-        go.release()
+        (self._go or self._start_thread()).release()
+
+    def _start_thread(self) -> threading.Lock:
+        """Start the thread; return the lock whose release wakes it."""
+        go = self._go = threading.Lock()
+        go.acquire()
+        threading.Thread(
+            target=self._run,
+            args=(go, self._run_number),
+            name=f"async {self._name}",
+            daemon=True,
+        ).start()
+        return go
 
     def _run(self, go: threading.Lock, run_number: int) -> None:
         _step_behind_the_control_thread()
@@ -283,6 +288,8 @@ class AsyncFunction:
             if self._is_busy:
                 update_of_thread.cycle = self._begun_in
                 self._call()
+        if self._owed:
+            self._call_what_is_owed()
 
     def _call(self) -> None:
         begin = wall_time()
@@ -294,6 +301,10 @@ class AsyncFunction:
         # In this order: whatever is owed later finds that nothing is under way.
         self._is_ending = True
         self._is_busy = False
+        self._call_what_is_owed()
+
+    def _call_what_is_owed(self) -> None:
+        self._is_ending = True
         if self._owed:
             # Results and faults of what has stopped are void.
             with suppress(*CONTAINED, IndexError):

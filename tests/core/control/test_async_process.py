@@ -2,6 +2,7 @@
 
 import os
 import signal
+import threading
 import time
 
 import pytest
@@ -80,7 +81,6 @@ def running():
     bench, it, joints = make()
     yield bench, it, joints
     bench.switch(stop=["it"])
-    wait_until_idle(bench)
     bench.manager.unload_controller("it")
 
 
@@ -105,8 +105,9 @@ def step(bench, joints, cycles=2):
 
 def restart(bench):
     bench.switch(stop=["it"])
-    wait_until_idle(bench)
     bench.switch(start=["it"])
+    # A stepped station has waited for the stop, so that every run is the same.
+    assert bench.state("it") == "running"
 
 
 def test_a_stepped_station_has_its_results_after_the_declared_cycles(running):
@@ -139,6 +140,11 @@ def test_a_thread_asks_it_and_no_cycle_waits(running):
     (found,) = step(bench, joints, 1)
     assert found == 0.25 * bench.manager.get_controller("it").tunables.values["gain"]
     wait_until_idle(bench)
+    # Its thread asks for the end, too: the control thread starts none.
+    before = set(threading.enumerate())
+    bench.manager.lifecycle.find("it").beside.stopping(bench.time)
+    assert set(threading.enumerate()) <= before
+    wait_until_idle(bench)
     bench.manager.end_async_threads()
     bench.manager.pump = pump
 
@@ -152,7 +158,6 @@ def test_a_copy_of_the_station_leaves_its_process_alone(running, monkeypatch):
         context.setattr(async_process.os, "getpid", lambda: -1)
         step(bench, joints)
         assert "a copy of the station" in bench.status("it").fault
-        wait_until_idle(bench)
     bench.switch(start=["it"])
     assert step(bench, joints)[1] > 0.0
     assert it.published()["state"]["process"] == process
@@ -168,7 +173,6 @@ def test_a_killed_process_is_told_with_its_end_and_replaced(running):
     fault = bench.status("it").fault
     assert f"the process of its updates (Elsewhere, {killed}) has ended" in fault
     assert "exit code -9" in fault
-    wait_until_idle(bench)
     bench.switch(start=["it"])
     assert step(bench, joints)[1] > 0.0
     assert it.published()["state"]["process"] != killed
@@ -181,7 +185,6 @@ def test_a_process_that_hangs_is_a_fault_and_what_is_raised_is_another(monkeypat
     it.set_points.post([RAISES])
     step(bench, joints)
     assert "ValueError: no solution" in bench.status("it").fault
-    wait_until_idle(bench)
 
     bench.switch(start=["it"])
     bench.manager.pump = None
