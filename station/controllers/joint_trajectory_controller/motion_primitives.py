@@ -1,9 +1,9 @@
 """Sequences of motion primitives, PTP, LIN and CIRC, as trajectories of the joints.
 
-A primitive is a path without times. Paths of joints are straight in joint space, those
-of the tip are lines or arcs whose positions of joints follow the Jacobian. Within the
-blend radius of its end a primitive passes into the next one. Then every piece gets its
-times: the speed changes by ramps of bounded jerk and is constant in a blend.
+At first a primitive is a path without times: PTP is straight in joint space; LIN and
+CIRC lead the tip along a line or an arc; inverse kinematics gives the joints. Within
+the blend radius of its end a primitive passes into the next one. Then every piece gets
+its times: the speed changes by ramps of bounded jerk and is constant in a blend.
 
 Source: control_msgs@5.x msg/MotionPrimitive.msg; ros2_controllers@4.x
 motion_primitives_controllers; moveit2 pilz_industrial_motion_planner,

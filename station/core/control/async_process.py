@@ -1,4 +1,4 @@
-"""Controllers whose updates run in a process of their own, with an interpreter of it.
+"""Controllers whose updates run in a process, with a Python interpreter, of their own.
 
 A thread of Python that computes keeps the interpreter from the control thread. In
 another process it does not: the thread of an asynchronous update only sends the states
@@ -61,7 +61,7 @@ class _Request(NamedTuple):
         started: Station time of a start that comes first [s]; None without.
         memory: Content of all storages.
         tunables: The run-time parameters, if they have changed.
-        set_point: What has become of set-points, see `SetPointPort.take_news`.
+        set_point: Changes of the set-point, see `SetPointPort.take_news`.
     """
 
     method: str
@@ -174,7 +174,7 @@ class ProcessUpdate(AsyncUpdate):
         self._started = time
 
     def _ask(self, method: str, *arguments: float) -> None:
-        """Carry out a callback in the process, and take what it has left.
+        """Carry out a callback in the process, and take over its results.
 
         Raises:
             AsyncProcessError: The process has ended, does not answer, or is that of
@@ -274,7 +274,7 @@ def _kill(process: "subprocess.Popen[bytes]") -> None:
 
 
 def _refuse_what_has_no_way(controller: ControllerBase) -> None:
-    """Refuse what a process could not be told.
+    """Refuse a controller whose goals or references would not reach the process.
 
     Raises:
         ControllerLoadError: The controller takes goals or exports references.

@@ -56,7 +56,7 @@ PROCESS = DeclaredParameter(
     name="async_parameters/process",
     type=ParameterType.BOOLEAN,
     default=False,
-    description="update it in a process of its own, with an interpreter of it",
+    description="update it in a process, and a Python interpreter, of its own",
 )
 _WITHOUT_EFFECT = (
     "thread_priority",
