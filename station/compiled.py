@@ -38,7 +38,7 @@ class CompilationStatus:
     """State of a process: it runs the extensions or the sources.
 
     Attributes:
-        mode: Which of the two.
+        mode: `interpreted` or `compiled`.
         reason: Why, in whole sentences.
         is_forced: Whether the user has asked for it by `STATION_COMPILED`.
     """

@@ -139,7 +139,7 @@ class Agents:
     Args:
         station: The station.
         log: Takes who asked for what, and who allowed it.
-        policy: What is asked of agents.
+        policy: Limits and approvals for agents.
         now: Wall time [s since 1970].
     """
 
@@ -183,8 +183,8 @@ class Agents:
             origin: The agent, and its address.
 
         Raises:
-            AgentRefusedError: A person refused, nobody answered in time, or the robot
-                was stopped meanwhile.
+            AgentRefusedError: A person refused, no person answered in time, or the
+                robot was stopped meanwhile.
             TooManyAgentRequestsError: Too many requests of this agent wait.
         """
         operation = request.scope["route"].name
@@ -242,7 +242,7 @@ class Agents:
 
         Raises:
             AgentRequestNotFoundError: There is no such request.
-            AgentRequestDecidedError: It was decided before, or nobody waits any more.
+            AgentRequestDecidedError: It was decided before, or the agent waits no more.
         """
         asked = self._requests.get(number)
         if asked is None:

@@ -1,4 +1,4 @@
-"""Pictures of cameras: drawn by a process of its own while somebody looks at them."""
+"""Pictures of cameras: drawn by a process of its own while a client reads them."""
 
 import asyncio
 import json
@@ -59,7 +59,7 @@ class Picture:
 
 
 class Cameras:
-    """The cameras of a station. The process that draws runs while somebody looks.
+    """The cameras of a station. Their renderer runs while a client reads pictures.
 
     Args:
         cameras: The cameras by name.
@@ -168,7 +168,7 @@ class Cameras:
                 self._reader.join()
 
     def _ask(self, name: str) -> None:
-        """Tell the renderer that somebody looks; start it when there is none."""
+        """Tell the renderer that a client reads pictures; start it if necessary."""
         with self._lock:
             if self._process is None or self._process.poll() is not None:
                 if time.monotonic() - self._failed_at < AGAIN_AFTER:

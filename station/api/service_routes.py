@@ -39,7 +39,7 @@ def add_service(
     """Add the route of a service below `/{arm_id}`.
 
     Args:
-        router: Where the route goes; its routes need the viewer role.
+        router: Router that gets the route; its routes need the viewer role.
         service: The service.
         request: Model of the body; None for a service without parameters.
         reply: Model of the answer.

@@ -80,7 +80,7 @@ class ToolClient:
 
         Raises:
             ChangeRefusedError: The client is no operator, or no longer one.
-            StationError: Somebody else holds control.
+            StationError: Another client holds control.
         """
         try:
             if self.access.has_ended():
@@ -144,7 +144,7 @@ class Place:
     Attributes:
         host: Address to listen at.
         port: TCP port; 0 for any free one.
-        policy: Which hosts and origins are allowed.
+        policy: Allowed hosts and origins.
         anonymous: Whether a client without a token is a viewer.
     """
 
@@ -159,7 +159,7 @@ class ToolPort(ABC, Generic[SessionT]):
 
     Args:
         app: The application of the API, whose station, tokens and lease it shares.
-        place: Where it is served, and for whom.
+        place: Address of the port, and the clients that it admits.
 
     Attributes:
         place: As given.
@@ -309,7 +309,7 @@ async def _end_of(task: asyncio.Task[None]) -> None:
 
 
 def by_port(app: ASGIApp, ports: Sequence[ToolPort[Any]]) -> ASGIApp:
-    """Return an application that tells ports apart by the one that was connected to."""
+    """Return an application that chooses a port's routes by the connection's port."""
 
     async def serve(scope: Scope, receive: Receive, send: Send) -> None:
         server = scope.get("server")

@@ -100,7 +100,7 @@ def compose(
         config: The configuration.
         clock: Wall time; the system's when None.
         heartbeat: The page that the loop shares with a watchdog, if there is one.
-        snapshots: Where every cycle leaves its snapshot; a ring of the usual size when
+        snapshots: Ring that receives the snapshots; one of the usual size when
             None. A smaller one saves memory where many stations share a process.
         announce: Takes what is done next, before it is done: a robot or a controller
             may take long, or hang.

@@ -182,7 +182,7 @@ class InProcessStation:
         within its first 4000 cycles.
 
         Args:
-            folder: Where to.
+            folder: Folder of the recording.
             name: Name of the file: letters, digits, `_`, `.` and `-`.
             note: For the record.
 

@@ -97,7 +97,7 @@ def make_ports(
         app: The application of the API, whose tokens and lease count there, too.
         station: The station.
         config: Its configuration.
-        policy: Which hosts and origins the API allows.
+        policy: Hosts and origins that the API allows.
     """
     if not (config.foxglove.enabled or config.rosbridge.enabled):
         return []

@@ -67,7 +67,7 @@ class StationWatchdog:
         return self._process.url if self._process else ""
 
     def start(self, authenticator: Authenticator) -> None:
-        """Start the process; until `guard` it only tells which step takes long."""
+        """Start the process; until `guard` it only reports the step that takes long."""
         if self._process is None:
             return
         limits = self._config.watchdog

@@ -43,7 +43,7 @@ class Likeness:
     Attributes:
         config: The configuration, without the address of the arm and controllers.
         positions: Positions of the joints by name [rad].
-        load: The load that the arm was told of.
+        load: The load that was set in the arm.
         end_effector: NE_T_EE, 16 numbers.
         stiffness_frame: EE_T_K, 16 numbers.
         behavior: Thresholds of collisions; None for those of the configuration.

@@ -62,7 +62,7 @@ def answer_table(
 
     Args:
         options: Those of the verb.
-        found: What the table is about.
+        found: Items of the table.
         headers: Headers of the columns.
         rows: The cells.
         nothing: Printed in place of a table without rows, if not empty.

@@ -138,7 +138,7 @@ class AsyncControllersClient(ClientPart):
             timeout: How long its import, constructor and init may take [s]; None for
                 the station's default.
             unknown_params: Whether parameters that its type does not know are refused,
-                as when None, or told in its `notes`, as is right for files of ROS.
+                as when None, or listed in its `notes`, as is right for files of ROS.
             idempotency_key: Random name of the request, 1 to 200 visible ASCII
                 characters: sent again with the same key within 10 minutes, e.g. after a
                 lost connection, it is carried out once.
@@ -456,7 +456,7 @@ class AsyncControllersClient(ClientPart):
 
         Args:
             controller: A running trajectory controller.
-            target: Where joints are to go [rad or m], by name, others stay; a `Pose` of
+            target: Target positions [rad or m] by joint, others stay; a `Pose` of
                 a Franka's end effector; or the name of a pose that the robot has.
             timeout: How long to search [s], above 0 and at most 30.
             seed: Of the random numbers; another seed finds another path.

@@ -180,7 +180,7 @@ POLL = 0.05
 class AsyncGripperClient(ClientPart):
     """The gripper of an arm: `client.robot(arm_id).gripper`.
 
-    Homing, move and grasp begin and return at once; `state` tells how far they are.
+    Homing, move and grasp begin and return at once; `state` has their progress.
     `open` and `close` wait until the fingers are there.
     Every method raises what the station client's own methods raise.
 

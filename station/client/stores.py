@@ -51,7 +51,7 @@ class AsyncFilesClient(ClientPart):
         """Return the joint positions of one that has ended.
 
         Args:
-            identifier: Which one.
+            identifier: Id or name of the recording.
             rate: Cycles per second of station time [Hz].
         """
         path = self._of(identifier, "trajectory")
@@ -61,7 +61,7 @@ class AsyncFilesClient(ClientPart):
         """Write the MCAP file of one that has ended to a new file; return its path.
 
         Args:
-            identifier: Which one.
+            identifier: Id or name of the recording.
             target: The file to be; it is not there yet.
 
         Raises:
@@ -83,7 +83,7 @@ class AsyncFilesClient(ClientPart):
         """Write one that has ended as CSV to a new file; return its path.
 
         Args:
-            identifier: Which one.
+            identifier: Id or name of the recording.
             target: The file to be; it is not there yet.
             channels: Channels, or channels with a field, e.g. `joint_states/position`;
                 all when there is none.
@@ -111,7 +111,7 @@ class AsyncFilesClient(ClientPart):
         """Write a note into one that has ended; it becomes an event of the file.
 
         Args:
-            identifier: Which one.
+            identifier: Id or name of the recording.
             text: The note.
             time: Station time of the moment, or of the begin of the range [s].
             until: Station time of the end of the range [s]; None for a moment.
@@ -124,7 +124,7 @@ class AsyncFilesClient(ClientPart):
         """Read a part of one that has ended as a test of a joint, and keep the run.
 
         Args:
-            identifier: Which one.
+            identifier: Id or name of the recording.
             part: Controller, joint, kind of the test, begin and end.
         """
         path = self._of(identifier, "bench")
@@ -153,7 +153,7 @@ class AsyncRecordingsClient(AsyncFilesClient):
         """End a recording; its file is whole then.
 
         Args:
-            identifier: Which one; the one that runs when None.
+            identifier: Id or name of the recording; the running one when None.
 
         Raises:
             LookupError: None runs.
@@ -233,7 +233,7 @@ class AsyncLessonsClient(ClientPart):
 
         Args:
             name: The lesson.
-            person: Whose progress is kept; the bearer of the token when empty.
+            person: Name of the student; the name of the token when empty.
             answers: Worked-out numbers by name, in the units of the lesson.
         """
         request = LessonCheckRequest(person=person, answers=dict(answers or {}))
@@ -603,7 +603,7 @@ class AsyncAlarmsClient(ClientPart):
     _path = "/alarms"
 
     async def list(self) -> list[wire.Alarm]:
-        """Return the alarms whose cause is there or that nobody has acknowledged."""
+        """Return the alarms that have a cause or are not acknowledged."""
         return (await self._get(self._path, wire.Alarms)).alarms
 
     async def acknowledge(self, number: int) -> wire.Alarm:

@@ -165,7 +165,7 @@ class AsyncStream:
     `boot_id` in a frame means that the station restarted.
 
     Args:
-        options: Where it comes from.
+        options: Station, topic and rate of the stream.
 
     Raises:
         ApiError: While reading: the station refuses the stream, or the link broke
@@ -371,7 +371,7 @@ class AsyncCommandStream:
     controller does what its `command_timeout` parameters say, as after a lost link.
 
     Args:
-        options: Where the set-points go.
+        options: Station and controller of the stream.
 
     Attributes:
         counts: The station's last report on the set-points it has received; None

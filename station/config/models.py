@@ -301,7 +301,7 @@ class AgentsSection(_Section):
     """Programs with a token of the role `agent`.
 
     Attributes:
-        approval: `always`: a person allows each change; `never`: nobody is asked,
+        approval: `always`: a person allows each change; `never`: no person is asked,
             which is possible in a simulation alone that is paused and stepped.
         wait: How long a request waits for a person [s].
         envelope: Bounds of their motions.
@@ -327,7 +327,7 @@ class CameraSection(_Section):
         fov: Angle between the upper and the lower edge of its picture [rad].
         width: Of its picture [px].
         height: Of its picture [px].
-        rate: Pictures per second, at most, while somebody looks [Hz].
+        rate: Pictures per second, at most, while a client reads them [Hz].
     """
 
     frame: str = ""

@@ -142,7 +142,7 @@ def translate(params: Values, place: str) -> Values:
 
     Args:
         params: The parameters, `type` among them.
-        place: Where they are, for messages.
+        place: Name of the file, for messages.
 
     Raises:
         ConfigError: The commanded interfaces fit no controller of the station.

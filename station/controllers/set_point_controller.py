@@ -206,7 +206,7 @@ class DirectLaw(CommandLaw):
 
     Args:
         desired: Desired values, shape (n,).
-        commands: Where the commands are written, shape (n,).
+        commands: Receives the commands, shape (n,).
         errors: Compares the desired with the measured values for the sample; None for
             no comparison.
     """
@@ -314,9 +314,9 @@ class JointPidGroup:
         gains: First gains, in the same order.
         error: The quantity whose error the PIDs reduce.
         command: The quantity that the PIDs compute.
-        commands: Where the commands are written, shape (n,); None for new memory.
-        errors: Where the errors are found, shape (n,); None for new memory.
-        rates: Where the rates of the errors are found, shape (n,); None for new memory.
+        commands: Receives the commands, shape (n,); None for new memory.
+        errors: Receives the errors, shape (n,); None for new memory.
+        rates: Receives the rates of the errors, shape (n,); None for new memory.
 
     Attributes:
         errors: Set-points minus measured values, in the unit of the error, shape (n,);

@@ -139,7 +139,7 @@ class Parameters:
     Args:
         tree: The tree; None makes an empty one.
         path: The namespace.
-        reads: Where the full path of everything is noted that is read through this view
+        reads: Receives the full path of each parameter that is read through this view
             and its namespaces; None to note nothing.
     """
 

@@ -1,6 +1,6 @@
 """Alarms: conditions that ask for a person, kept until they are gone and seen.
 
-An alarm stays in the list until its cause is gone and somebody has acknowledged it, in
+An alarm stays in the list until its cause is gone and a person has acknowledged it, in
 either order, as in ISA-18.2. Acknowledging says "seen"; it clears and moves nothing.
 """
 
@@ -33,7 +33,7 @@ class Cause:
 
     Attributes:
         subject: Part in trouble, e.g. `stop`, `robot panda` or `controller joint_7`.
-        severity: `ERROR` for a failure, `WARNING` for what somebody wanted.
+        severity: `ERROR` for a failure, `WARNING` for a wanted state, such as a stop.
         text: The problem, a sentence for people.
         remedy: Advice to the user, in full sentences.
     """

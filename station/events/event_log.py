@@ -53,7 +53,7 @@ class EventLogState:
 
 
 class EventLog:
-    """Takes events from any thread, tells listeners, keeps the events on disk.
+    """Takes events from any thread, calls listeners, keeps the events on disk.
 
     Recording takes a lock for some microseconds and never touches the disk. It is not
     for the control thread, which must not take locks at all.

@@ -34,7 +34,7 @@ class Reporter:
 
     Args:
         results: The experiment.
-        told: Where the lines go.
+        told: Receives the lines of the report.
     """
 
     def __init__(self, results: Results, told: IO[str]) -> None:

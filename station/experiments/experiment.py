@@ -39,9 +39,9 @@ def sweep(
     Args:
         base: The trial that the points change.
         points: Parameters of each trial.
-        results: Where the trials are kept.
-        executor: Where they run.
-        watch: Is told after every trial.
+        results: File of the trials.
+        executor: Runs the trials.
+        watch: Called after every trial.
         has_seeds: Whether each trial has measurement noise of its own: its seed is
             then that of `base` plus its number.
 
@@ -125,8 +125,8 @@ class Experiment(ABC):
         """Run it to its end.
 
         Args:
-            results: Where the trials are kept.
-            executor: Where they run.
+            results: File of the trials.
+            executor: Runs the trials.
             watch: Called after every trial.
 
         Raises:
@@ -238,8 +238,8 @@ def carry_out(
 
     Args:
         experiment: Experiment to run.
-        results: Where the trials are kept.
-        executor: Where they run.
+        results: File of the trials.
+        executor: Runs the trials.
         watch: Called after every trial.
 
     Raises:

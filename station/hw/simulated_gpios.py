@@ -1,4 +1,4 @@
-"""General-purpose inputs and outputs without hardware: an output has what it is told.
+"""General-purpose inputs and outputs without hardware: an output has its command.
 
 ```yaml
 gpios:
@@ -67,7 +67,7 @@ class SimulatedGpios:
 
     Attributes:
         names: `<gpio>/<interface>` of each value, in the order of `states`.
-        states: What each input and output has now; tests may set inputs.
+        states: Present value of each input and output; tests may set inputs.
     """
 
     def __init__(self, tags: Sequence[ComponentTag]) -> None:

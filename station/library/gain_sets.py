@@ -53,7 +53,7 @@ class GainSets(Library[GainSet]):
 
     Args:
         tuning: Reads and changes the gains in force.
-        folder: Where the files are; the user's own folder when None. It is made when
+        folder: Folder of the files; the user's own folder when None. It is made when
             the first set is saved.
     """
 

@@ -49,7 +49,7 @@ class _Round:
         goal: The goal.
         begins: Number of the first waypoint of the goal.
         times: When the goal is at each of its waypoints [s], from `begins` on.
-        since: Where the way to the first waypoint of the goal began, by joint.
+        since: First positions of the motion to the goal's first waypoint, by joint.
     """
 
     goal: Goal
@@ -134,7 +134,7 @@ class PathPlayer:
         Args:
             name: The path.
             options: How it is played.
-            receipt: Where the cycle is noted that takes its first goal up.
+            receipt: Notes the cycle that takes its first goal.
 
         Raises:
             WaypointPathNotFoundError: There is no path of that name.

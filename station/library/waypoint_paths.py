@@ -37,7 +37,7 @@ class WaypointPaths(Library[WaypointPath]):
     Args:
         loop: The loop, to know the joints and where they are.
         manager: Its controller manager.
-        folder: Where the files are; the user's own folder when None.
+        folder: Folder of the files; the user's own folder when None.
     """
 
     def __init__(

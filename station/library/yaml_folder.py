@@ -56,7 +56,7 @@ class YamlFolder:
 
     Args:
         kind: Noun for the entries in messages.
-        folder: Where they are; the user's own folder when None. It is made when the
+        folder: Folder of the files; the user's own one when None. It is made when the
             first file is written.
     """
 
@@ -143,8 +143,8 @@ class YamlFolder:
             name: The file that is to be changed.
 
         Raises:
-            StationError: The folder cannot be used, or somebody else changes it for too
-                long; of the kind's own type.
+            StationError: The folder cannot be used, or another process changes it for
+                too long; of the kind's own type.
         """
         with ExitStack() as stack:
             try:
@@ -175,7 +175,7 @@ class Library(Generic[ThingT]):
 
     Args:
         kind: Noun for the things in messages.
-        folder: Where the files are; the user's own folder when None. It is made when
+        folder: Folder of the files; the user's own folder when None. It is made when
             the first thing is saved.
     """
 

@@ -92,7 +92,7 @@ def write_private(name: str, record: _Record) -> Path:
         record: A dataclass of texts and numbers.
 
     Raises:
-        RuntimeDirectoryError: The directory belongs to somebody else, or cannot be
+        RuntimeDirectoryError: The directory belongs to another user, or cannot be
             written.
     """
     directory = runtime_directory()
@@ -115,7 +115,7 @@ def write_private(name: str, record: _Record) -> Path:
 def read_private(path: Path, kind: type[RecordT]) -> RecordT | None:
     """Return the record in a file; None when the file holds something else.
 
-    Any program of the user may have left anything there: a pipe that nobody writes to,
+    Any program of the user may have left anything there: a pipe without a writer,
     a process number that means "everybody", lists a thousand levels deep.
 
     Args:

@@ -25,7 +25,7 @@ def copy_into(
     """Copy numbers.
 
     Args:
-        target: Where to, shape (>= start + size,).
+        target: Receives the values, shape (>= start + size,).
         start: Index of the first number in `target`.
         source: The numbers, shape (size,); a view if the target is one.
         size: How many there are.

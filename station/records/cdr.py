@@ -275,7 +275,7 @@ class Layout:
 class Form:
     """The numbers in messages that have the texts and lengths of one message.
 
-    Reading with a form is one call of `struct`, and skips what nobody wants.
+    Reading with a form is one call of `struct`, and skips unwanted fields.
 
     Args:
         kind: The message type.

@@ -30,7 +30,7 @@ def columns(path: Path, topics: Iterable[str] = ()) -> Columns:
 
     Args:
         path: The file.
-        topics: Which channels; all when there is none.
+        topics: Channels; all when empty.
 
     Raises:
         RecordingFileError: The file is no whole recording.

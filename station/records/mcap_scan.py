@@ -428,7 +428,7 @@ def _ending_is_whole(at: int, ending: bytes) -> bool:
     """Return whether the end of the data, the index and the footer are whole.
 
     Args:
-        at: Where the end of the data begins.
+        at: Offset of the end of the data.
         ending: All from there on.
     """
     size = HEAD.size + 20

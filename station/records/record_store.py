@@ -2,7 +2,7 @@
 
 Beside every `ID.mcap` lies `ID.json` with what a list shows, so that no file needs to
 be opened for it. A file is locked while it is written. A description that says
-`recording`, beside a file that nobody has locked, belongs to a station that was killed;
+`recording`, beside a file without a lock, belongs to a station that was killed;
 the file is recovered when the next station starts.
 """
 
@@ -108,7 +108,7 @@ class RecordStore:
     """The recordings in a folder. Any thread.
 
     Args:
-        folder: Where the files are; made when the first one is begun.
+        folder: Folder of the files; made when the first one is begun.
         quota: How much it may hold.
         now: Returns the wall time [s since 1970].
     """
@@ -219,7 +219,7 @@ class RecordStore:
         """Return one recording.
 
         Args:
-            identifier: Which one; or its name, if no other one has it.
+            identifier: Id of the recording, or its name if that is unique.
 
         Raises:
             RecordingNotFoundError: There is no such recording.
@@ -351,7 +351,7 @@ class RecordStore:
         """Recover one recording; None when another station has it.
 
         Args:
-            identifier: Which one; it has a description.
+            identifier: Id of the recording; it has a description.
             pause: Called between short pieces of work.
         """
         # Imported late: a list of recordings needs no reader of MCAP.

@@ -20,7 +20,7 @@ class Recording:
 
     Args:
         info: Information on the recording so far.
-        store: Where it is kept.
+        store: Folder of the recording.
         file: Its file.
         encoder: Makes messages.
         sources: Samples besides the snapshots; empty for an incident.

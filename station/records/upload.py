@@ -19,7 +19,7 @@ class Upload:
     """A file on its way into a store, which lists it when it is found to be whole.
 
     Args:
-        store: Where the recording is to be.
+        store: Folder of the recordings.
         name: Its name there; may be empty.
 
     Raises:

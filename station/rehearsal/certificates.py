@@ -180,7 +180,7 @@ class Tube(CycleTap[None]):
         """Look from the cycle on that takes a command up, which is still to be given.
 
         Args:
-            receipt: Where the cycle is noted.
+            receipt: Notes the cycle that takes the command.
         """
         self._receipt = receipt
         self.open()
@@ -253,7 +253,7 @@ class Certificates:
 
         Args:
             steps: The commands; all of them at the beginning.
-            conditions: What the rehearsal began with.
+            conditions: State of the station at the beginning of the rehearsal.
             positions: Positions of all joints after every cycle [rad or m], (k, n).
 
         Returns:

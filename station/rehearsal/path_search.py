@@ -50,8 +50,8 @@ class PathSearch:
         """Return the corners of a path, start and one of the goals among them.
 
         Args:
-            start: Where it begins, clear.
-            goals: Where it may end, clear; the best ones first.
+            start: First pose, without contacts.
+            goals: Possible last poses, without contacts; the best ones first.
             deadline: When the search ends [s, `time.perf_counter`].
 
         Returns:

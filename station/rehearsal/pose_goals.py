@@ -122,7 +122,7 @@ def joints_at(
     Args:
         hand: The end effector.
         target: The pose, 16 numbers.
-        start: Where the joints are [rad], shape (n,).
+        start: Present positions [rad], shape (n,).
         limits: Lower and upper ends of the joints' ranges [rad], shape (n,) each.
         names: The joints.
         seed: Of the random numbers.

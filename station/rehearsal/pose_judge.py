@@ -31,7 +31,7 @@ class PoseJudge:
     Args:
         station: The station, whose world stays in the last pose.
         joints: Names of the joints of a pose.
-        start: Where they are [rad or m]: pairs that are near there may stay so.
+        start: First pose [rad or m]: pairs that are near in it may stay so.
 
     Raises:
         NoPathError: The robot is no simulated one.

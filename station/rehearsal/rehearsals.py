@@ -135,7 +135,7 @@ class RehearsalRate:
         """Refuse one more copy for a client that has had too many made in a row.
 
         Args:
-            who: Name of the client; nobody else is bounded.
+            who: Name of the client; the bound is that of each client.
 
         Raises:
             TooManyRehearsalsError: It has.
@@ -254,7 +254,7 @@ class Rehearsals:
         real robot a model of it does both.
 
         Args:
-            wish: What is wanted.
+            wish: Target and limits of the search.
             who: Name of the client; None for the program that the station runs in.
 
         Raises:

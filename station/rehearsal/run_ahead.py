@@ -69,7 +69,7 @@ class Forecast:
 
     Attributes:
         rehearsal: The report.
-        conditions: What it began with.
+        conditions: State of the station at its beginning.
         positions: Positions of all joints after every cycle [rad or m], shape (k, n).
     """
 
@@ -85,7 +85,7 @@ def run_ahead(
 
     Args:
         station: The station; it is of no use afterwards.
-        script: What is carried out.
+        script: Commands that are carried out.
         plans: Makes inputs of further kinds of steps.
         tell: Called after each piece of work.
 

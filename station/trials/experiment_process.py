@@ -127,7 +127,7 @@ class ExperimentProcess:
 
 
 def _check(begun: Mapping[str, Any]) -> None:
-    """Raise the error that a process tells of, if it does.
+    """Raise the error that a process reports, if any.
 
     Raises:
         StationError: The process refuses what it is to do.

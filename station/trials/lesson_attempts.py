@@ -190,7 +190,7 @@ class LessonAttempts:
 
         Args:
             name: The lesson.
-            person: Whose progress it is.
+            person: Name of the student.
             answers: Typed numbers, in the units of the lesson.
 
         Raises:

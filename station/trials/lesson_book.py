@@ -116,7 +116,7 @@ class LessonText(BaseModel):
         joint: Joint of the exercise.
         text: The task, in Markdown.
         answers: Numbers that the student types.
-        checks: Conditions, in the order in which they are told.
+        checks: Conditions, in the order of the page.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
@@ -162,7 +162,7 @@ def open_book(folder: Path | None = None) -> Book:
 
     Args:
         folder: The user's lessons, one `NAME.yaml` each; the user's own folder when
-            None. A file that is no lesson is left out, and told.
+            None. A file that is no lesson is left out, and reported.
     """
     found: dict[str, LessonText] = {}
     unusable = []

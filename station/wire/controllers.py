@@ -60,7 +60,7 @@ class ControllerState(ResponseModel):
     Attributes:
         name: Its name.
         type: Its plugin type.
-        state: Where it is in its life.
+        state: State of its life cycle.
         claimed_resources: Claims, per interface.
         fault: Why the station stopped it; null if it did not.
         traceback: Traceback that belongs to `fault`; null if there is none.
@@ -420,7 +420,7 @@ class ControllerType(ResponseModel):
         base_class: Class of plugins that it belongs to.
         description: Purpose; empty where the type has no text.
         parameters: The parameters that it declares, after those of every controller;
-            a type that somebody else wrote may read more than it declares.
+            a type of another package may read more than it declares.
         error: Why its code cannot be imported; empty when it can.
     """
 

@@ -100,7 +100,7 @@ class HardwareLimits(ResponseModel):
         max_jerk: In both directions [rad/s^3 or m/s^3].
         max_effort: In both directions [Nm or N].
         soft_limits: Soft limits; null without.
-        sources: Where each kind of limit comes from; keys `position`, `velocity`,
+        sources: Source of each kind of limit; keys `position`, `velocity`,
             `acceleration`, `jerk`, `effort`, `soft`.
     """
 

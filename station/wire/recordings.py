@@ -26,7 +26,7 @@ class Recording(ResponseModel):
         started_at: When it began, ISO 8601.
         first_cycle: Number of its first cycle; 0 while it has none.
         last_cycle: Number of its last cycle; 0 while it has none.
-        cycles: Number of cycles in it; 0 after a recovery, when nobody counted.
+        cycles: Number of cycles in it; 0 after a recovery, which does not count them.
         lost: Cycles that were overwritten before they could be recorded.
         duration: Station time from its first cycle to its last [s].
         size: Bytes of the file.

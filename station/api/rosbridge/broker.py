@@ -57,12 +57,12 @@ class Member(Protocol):
 
 @dataclass(slots=True)
 class ClientTopic(Topic):
-    """A topic of clients. It exists while somebody publishes or subscribes.
+    """A topic of clients. It exists while a client publishes or subscribes.
 
     Attributes:
-        publishers: Who publishes.
-        subscribers: Who subscribes.
-        latched: What a new subscriber gets at once; None for nothing.
+        publishers: Clients that publish.
+        subscribers: Clients that subscribe.
+        latched: Message that a new subscriber gets at once; None for none.
     """
 
     publishers: set[Member] = field(default_factory=set)
@@ -212,7 +212,7 @@ class Broker:
             what: services or actions.
             written: Its name.
             type_name: Its type.
-            member: Who offers it.
+            member: The client that offers it.
 
         Raises:
             RosTypeError: The name or the type is none, the name is the station's or
@@ -262,8 +262,8 @@ class Broker:
         Args:
             offer: The service or the action.
             args: The request or the goal.
-            asker: Who asks.
-            told: Takes every answer.
+            asker: The client that asks.
+            told: Called with every answer.
 
         Raises:
             RosTypeError: The message is malformed, or too many wait for the client.

@@ -62,15 +62,15 @@ class Outbox:
     """Sends answers at once and messages of topics at their time. For one event loop.
 
     A client that does not read loses the oldest messages of each topic and learns how
-    many; nobody else waits for it.
+    many; no other client waits for it.
 
     Args:
         port: The connection.
         half_tick: Half the time between two ticks [s]: so early a message may be.
 
     Attributes:
-        subscriptions: What the client has subscribed to, by topic.
-        level: The last of `LEVELS` that the client wants to be told.
+        subscriptions: Subscriptions of the client, by topic.
+        level: The last of `LEVELS` whose messages the client wants.
         overflown: Set when too many answers wait.
     """
 
@@ -121,7 +121,7 @@ class Outbox:
 
         Args:
             level: One of `LEVELS`.
-            text: What happened.
+            text: The event, as a sentence.
             identifier: Of the client's message; None without one.
         """
         if LEVELS.index(level) <= LEVELS.index(self.level):

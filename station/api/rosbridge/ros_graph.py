@@ -32,7 +32,7 @@ class RosGraph:
 
     Attributes:
         station: The station.
-        broker: What clients offer to each other.
+        broker: Topics, services and actions that clients offer to each other.
         topics: The topics by name: the station's first, then those of clients.
         services: The services by name, likewise.
         actions: The actions by name, likewise.

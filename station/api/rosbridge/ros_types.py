@@ -145,7 +145,7 @@ def checked(type_name: str, values: object, where: str = "msg") -> Values:
     Args:
         type_name: Type of the message, as ROS 1 has it. One that the station does not
             know is left as it is: only clients have it.
-        values: What the client sent.
+        values: The message of the client.
         where: Name of the message in refusals.
 
     Raises:

@@ -69,11 +69,11 @@ class RosbridgeSession:
 
     Args:
         client: The client, and what it may change.
-        graph: What it reaches.
+        graph: Topics, services and actions that the client can reach.
         half_tick: Half the time between two ticks [s].
 
     Attributes:
-        outbox: What is on its way to the client.
+        outbox: Messages that wait to be sent to the client.
     """
 
     def __init__(self, client: ToolClient, graph: RosGraph, half_tick: float) -> None:
@@ -134,7 +134,7 @@ class RosbridgeSession:
         """Carry a message out, or say what is wrong with it.
 
         Raises:
-            RosTypeError: Never; the client is told.
+            RosTypeError: Never; the client gets a status.
         """
         found: list[object] = [None]
         with self._told(found):

@@ -85,7 +85,7 @@ class CycleFrame(NamedTuple):
     """The newest cycle.
 
     Attributes:
-        snapshot: What the cycle has left.
+        snapshot: Snapshot of the cycle.
         stamp: Its wall time [ns since 1970].
     """
 
@@ -299,7 +299,7 @@ class StationTopics:
         return filled("sensor_msgs/CompressedImage", content, self._stamp(found.stamp))
 
     def _log_line(self, _: CycleFrame) -> Values | None:
-        """Return the next event; one that nobody has read for long is left out."""
+        """Return the next event; an old one without a reader is left out."""
         if self._log.newest_id == self._logged:
             return None
         event = self._log.recent(self._logged)[-_MOST_EVENTS:][0]

@@ -224,7 +224,7 @@ def both(
     """Return a decorator that makes a route of a recording and one of an incident.
 
     Args:
-        routes: Where the routes go.
+        routes: Router that gets the routes.
         method: HTTP method.
         path: Path below that of the recording or the incident.
         name: Name of the operation, with `{}` for the noun.

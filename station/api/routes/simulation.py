@@ -86,7 +86,7 @@ def attach_scene_object(
 ) -> wire.SceneObject:
     """Let an arm carry an object: it moves with the hand and is guarded as its part.
 
-    The arm is told the load, so it must not move. A simulated body stays a body: the
+    The load of the arm is set, so it must not move. A simulated body stays a body: the
     fingers have to hold it.
     """
     asked = request or wire.AttachRequest()

@@ -195,7 +195,7 @@ class CommandStream:
         """Hand the newest message on, again and again.
 
         Raises:
-            ControlHeldError: Somebody else holds control.
+            ControlHeldError: Another client holds control.
         """
         while True:
             await self._news.wait()
@@ -221,7 +221,7 @@ class CommandStream:
         """Check a set-point and hand it on.
 
         Raises:
-            ControlHeldError: Somebody else holds control.
+            ControlHeldError: Another client holds control.
             ValueError: The message is malformed, or asks to be valid for too long.
         """
         motion, request = self._station.motion, self._request

@@ -130,7 +130,7 @@ class RingSamples(CycleSamples):
 
 
 class TapSamples(CycleSamples, Generic[SampleT]):
-    """Samples that the control thread takes while somebody reads them.
+    """Samples that the control thread takes while a client reads them.
 
     Args:
         station: The station.

@@ -32,7 +32,7 @@ class StreamClient:
 
     Args:
         port: The client's connection.
-        channel: Where the frames come from.
+        channel: Source of the frames.
         slow_after: How long the connection may take nothing [s].
     """
 

@@ -41,7 +41,7 @@ class Door(ThreadingHTTPServer):
         request_time: How long a client may send nothing [s], > 0.
 
     Attributes:
-        lock: Held by whoever uses `watch` while clients are served.
+        lock: Lock of `watch` while clients are served.
     """
 
     timeout = 0.0

@@ -37,8 +37,8 @@ class AdmittanceRule:
         centre: Chain to the frame in which the centre of gravity is given.
 
     Attributes:
-        wrench: What the sensor measures in its own axes [N, Nm], shape (6,); written by
-            the owner, as what follows.
+        wrench: Measured wrench, in the axes of the sensor [N, Nm], shape (6,); written
+            by the owner, as what follows.
         weight: Weight of the tool in the axes of the base [N], shape (3,).
         centre_of_gravity: Its centre in the frame `centre` [m], shape (3,).
         selected: 1 for each axis that a force moves, shape (6,).

@@ -39,7 +39,7 @@ class ArmConfiguration:
 
     Args:
         model: The arm's model.
-        state: Its state, which tells what the end effector is.
+        state: State of the arm, which has frame and load of the end effector.
 
     Attributes:
         motion: Motions of the joints that belong to motions of the end effector.

@@ -26,7 +26,7 @@ def resting_ways(
         accelerations: Present accelerations, each within its limit, shape (n,).
         largest: Largest accelerations, > 0, shape (n,).
         jerks: Largest jerks, > 0, shape (n,).
-        ways: Where the ways go, shape (n,).
+        ways: Receives the distances, shape (n,).
     """
     for axis in range(len(ways)):
         v, a, j = velocities[axis], accelerations[axis], jerks[axis]
@@ -71,7 +71,7 @@ def braking_peaks(
         accelerations: Present accelerations, shape (n,).
         largest: Largest accelerations, > 0, shape (n,).
         jerks: Largest jerks, > 0, shape (n,).
-        peaks: Where the accelerations go, against the velocities, shape (n,).
+        peaks: Receives the accelerations, against the velocities, shape (n,).
     """
     for axis in range(len(peaks)):
         v, a = velocities[axis], accelerations[axis]

@@ -76,10 +76,10 @@ class _Answer(NamedTuple):
     """Results of a callback.
 
     Attributes:
-        error: What it raised, and its text.
+        error: Class and text of its exception.
         memory: Content of all storages.
         sample: The sample of the controller.
-        messages: What it has published.
+        messages: Its published messages.
     """
 
     error: tuple[BaseException | None, str] | None

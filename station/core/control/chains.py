@@ -226,7 +226,7 @@ def insert_in_order(
 ) -> tuple[LoadedController, ...]:
     """Return the list with another controller, before those that it commands.
 
-    Nobody commands a controller that has just been loaded, so the order of the others
+    No controller commands one that has just been loaded, so the order of the others
     stays as it is.
     """
     place = min((loaded.index(each) for each in one.following), default=len(loaded))

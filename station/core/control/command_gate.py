@@ -1,7 +1,7 @@
 """The gate between the writers of commands and the robot.
 
 Before every `write` each command of the robot is a real finite float that its one owner
-has written, or the rest command of a resource that nobody owns:
+has written, or the rest command of a resource without an owner:
 
 1. After every call of a controller its own commands are checked and copied
    (`ControllerCommands.refused`), so that a bad value is charged to that call.
@@ -53,7 +53,7 @@ class CommandBlock:
     """Commands that lie side by side, and a copy of them.
 
     Args:
-        slots: Where each of the commands is.
+        slots: Slot of each command.
         values: The copy, shape (n,), changed in place.
     """
 
@@ -79,7 +79,7 @@ class DoublesBlock(CommandBlock):
 
     Args:
         memory: The commands, shape (n,).
-        slots: Where each of them is.
+        slots: Slot of each command.
     """
 
     def __init__(self, memory: Doubles, slots: Sequence[Slot] = ()) -> None:
@@ -116,8 +116,8 @@ class ListBlock(CommandBlock):
 
     Args:
         storage: The list.
-        place: Which of its elements.
-        slots: Where each of them is.
+        place: Range of the commands in the list.
+        slots: Slot of each command.
     """
 
     def __init__(
@@ -172,7 +172,7 @@ class CommandGate:
         running: The controllers that ran when the owners were noted last, in the order
             of loading.
         traced_cycles: For how many cycles more the gate looks after every call for
-            whoever writes commands that it does not own; 0 until a violation is found.
+            a controller that writes commands of others; 0 until a violation is found.
         violations: How often a command was found that its owner had not written.
         last_violation: The last of them as a sentence; None if there was none.
     """
@@ -202,7 +202,7 @@ class CommandGate:
     def remember(self, one: "LoadedController") -> Remembered:
         """Return every command of the robot that `one` does not own.
 
-        For a call of `one` in which nobody else writes commands.
+        For a call of `one` in which no other controller writes commands.
         """
         own = {(id(storage), index) for storage, index in one.commands.slots}
         return [

@@ -22,7 +22,7 @@ class CommandGuard:
         interface: The robot's own interface through which it is claimed.
         interface_name: Its name in the controller's claims.
         name: Name of the resource.
-        slots: Where its commands are, as (storage, index).
+        slots: Slots of the commands.
     """
 
     def __init__(

@@ -51,7 +51,7 @@ class ControllerState(Enum):
 class ControllerSample:
     """Desired values, measurements and commands of one cycle, shape (n,) each.
 
-    Nobody changes a sample. It has the fields of a named tuple, which `_fields` names
+    A sample never changes. It has the fields of a named tuple, which `_fields` names
     and `_asdict` returns.
 
     Args:
@@ -139,7 +139,7 @@ class JointStates(NamedTuple):
 
 
 class PackedSample(ControllerSample):
-    """A sample in one block of memory; its lists are made when somebody reads them.
+    """A sample in one block of memory; its lists are made when they are read.
 
     Args:
         stamp: Station time of the cycle [s].
@@ -411,7 +411,7 @@ def require_interface(
     Args:
         hw: The robot.
         interface_type: The type.
-        whose: What requires it, for the message.
+        whose: Name of the part that requires it, for the message.
 
     Raises:
         ControllerLoadError: The robot has no interface of that type.

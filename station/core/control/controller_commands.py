@@ -12,7 +12,7 @@ class ControllerCommands:
 
     Attributes:
         guards: The same.
-        slots: Where the commands are, as (storage, index).
+        slots: Slots of the commands.
         blocks: The same as few blocks; each has a copy of what `refused` looked at
             last.
         is_shared: Whether the robot lets another running controller command one of
@@ -96,7 +96,7 @@ class ControllerCommands:
     def prepare(self, taken_over: set[tuple[str, str]]) -> str | None:
         """Make the commands ready for a start; return why that is impossible.
 
-        Resources that nobody commanded until now begin at rest, so that no command of
+        Resources without a command until now begin at rest, so that no command of
         long ago reaches the robot; the others go on from the last command.
 
         Args:

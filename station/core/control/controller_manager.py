@@ -69,7 +69,7 @@ class ControllerManager:
     Args:
         hw: The robot, initialised.
         parameters: Namespace in which every controller has a namespace of its name.
-        loaders: Where controllers come from; asked in this order.
+        loaders: Source of controllers; asked in this order.
         clock: Wall time.
 
     Raises:
@@ -197,7 +197,8 @@ class ControllerManager:
         Args:
             name: Its name and namespace.
             timeout: How long to wait for it [s wall time], > 0.
-            strict: Whether a parameter that its type does not know is refused, or told.
+            strict: Whether a parameter that its type does not know is refused, or
+                noted.
 
         Raises:
             ControllerExistsError: That name is loaded already (CM-22), or being loaded.
@@ -275,7 +276,7 @@ class ControllerManager:
             ControllerNotFoundError: No such controller is loaded.
             ControllerStateError: The controller runs, or is about to, or the robot has
                 not
-                been told that it has stopped.
+                been informed of its stop.
         """
         self._refuse_control_thread("unload")
         with self._lock:

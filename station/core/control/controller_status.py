@@ -14,7 +14,7 @@ class ControllerStatus:
     Attributes:
         name: Name under which it is loaded.
         type: Its type as the parameters have it.
-        state: Where it is in its life.
+        state: State of its life cycle.
         claimed_resources: Claims, one entry per hardware interface (CM-85).
         fault: Why it was stopped by the manager; None if it was not.
         traceback: Traceback that belongs to `fault`; None if there is none.
@@ -48,7 +48,7 @@ class ControllerCondition:
     Attributes:
         name: Name under which it is loaded.
         type: Its type as the parameters have it.
-        state: Where it is in its life.
+        state: State of its life cycle.
         fault: Why it was stopped by the manager; None if it was not.
         traceback: Traceback that belongs to `fault`; None if there is none.
     """

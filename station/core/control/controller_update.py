@@ -42,8 +42,8 @@ STALL_MEMORY = 10.0
 class StateChanges:
     """Marks changes of the set of running controllers, for readers in other threads.
 
-    Nobody waits for a lock: a reader looks whether a change has begun or ended while it
-    read, and reads again. Entered for a change, also within one.
+    No thread waits for a lock: a reader looks whether a change has begun or ended
+    while it read, and reads again. Entered for a change, also within one.
 
     Attributes:
         count: Odd during a change; another number after each.

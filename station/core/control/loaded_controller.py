@@ -42,7 +42,7 @@ class LoadedController:
         is_unreleased: Whether the robot has not confirmed that the controller has
             stopped, so that the robot may still be in the controller's mode.
         fresh: Whether it was started and has not been updated yet.
-        ownership: Held while somebody starts or unloads it; never waited for.
+        ownership: Lock of a start or an unloading; never waited for.
         durations: Durations of its updates [s].
         overruns: Updates that took longer than the period, since it was loaded.
         last_overrun: Station time of the last of them [s].
@@ -50,7 +50,7 @@ class LoadedController:
         stalled_at: Station time of its last update that took very long [s]; minus
             infinity since its start.
         sampled: The columns of its sample; None if it makes samples itself.
-        place: Where its columns are in a row of the snapshots; -1 if they are not.
+        place: Index of its first column in a snapshot's row; -1 without columns.
         references: References that it exports.
         states: States that it exports.
         following: Controllers whose references it commands.

@@ -79,7 +79,7 @@ class SwitchRequest:
         dry_run: Only say what would happen.
         zero_period: Update each started controller once with a period of zero, in the
             cycle in which it is started, as after a recovery.
-        receipt: Where the cycle is noted in which the switch begins.
+        receipt: Notes the cycle in which the switch begins.
     """
 
     start: Sequence[str] = ()
@@ -175,8 +175,8 @@ class _Draft:
 
         Args:
             name: The controller.
-            problem: What is impossible.
-            remedy: What the caller can do.
+            problem: The impossible part of the request.
+            remedy: Advice for the caller.
             add: Names that would make it possible.
 
         Raises:

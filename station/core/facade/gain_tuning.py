@@ -35,8 +35,8 @@ class GainTuning:
     Args:
         loop: The loop.
         manager: Its controller manager.
-        change_lock: Held while somebody loads or unloads a controller.
-        inputs: Where changes are noted.
+        change_lock: Lock of each loading and unloading of a controller.
+        inputs: Record of changes.
     """
 
     def __init__(

@@ -32,7 +32,7 @@ class StationScene:
     Args:
         loop: The loop, not yet started.
         parameters: The root of the parameters, with `scene`.
-        robots: The robots, which are told what they carry.
+        robots: The robots, whose loads are set.
         inputs: Notes every change.
 
     Raises:
@@ -157,7 +157,7 @@ class StationScene:
         Args:
             name: The object, where it is now.
             arm_id: The arm; may be empty where there is only one.
-            load: Whether the arm is told the mass of what it carries.
+            load: Whether the load of the arm is set, too.
 
         Raises:
             SceneObjectNotFoundError: There is no object of that name.
@@ -165,7 +165,7 @@ class StationScene:
                 robot has no such arm.
             RobotDescriptionError: A mesh cannot be used.
             InvalidCommandError: The arm cannot carry that mass.
-            ArmCommandError: The arm moves, so that it cannot be told a load.
+            ArmCommandError: The arm moves, so that its load cannot be set.
             LoopError: The loop died or hangs.
         """
         with self._lock:
@@ -190,12 +190,12 @@ class StationScene:
 
         Args:
             name: The object.
-            load: Whether the arm is told the mass of what is left.
+            load: Whether the load of the arm is set to the rest.
 
         Raises:
             SceneObjectNotFoundError: There is no object of that name.
             SceneRefusedError: No arm carries it.
-            ArmCommandError: The arm moves, so that it cannot be told a load.
+            ArmCommandError: The arm moves, so that its load cannot be set.
             LoopError: The loop died or hangs.
         """
         with self._lock:
@@ -293,13 +293,13 @@ class StationScene:
         return thing.at(hand.compose(thing.grip))
 
     def entries(self) -> list[dict[str, object]]:
-        """Return the objects with a role that nobody carries, for `replace_roles`."""
+        """Return the objects with a role that no arm carries, for `replace_roles`."""
         return [
             _entry(one) for one in self._objects if not one.solid and not one.carried_by
         ]
 
     def replace_roles(self, entries: Sequence[Mapping[str, object]]) -> None:
-        """Replace all objects that are not solid, and that nobody carries.
+        """Replace all objects that are not solid, and that no arm carries.
 
         Args:
             entries: Objects, as in `scene/objects`.
@@ -494,7 +494,7 @@ def _noted(thing: SceneObject) -> dict[str, object]:
 
 
 def _repeated(noted: Mapping[str, Any]) -> SceneObject:
-    """Return the object that `_noted` has told.
+    """Return the object of an input that `_noted` has written.
 
     Raises:
         ParameterError: It is impossible, such as a mesh whose file is gone.

@@ -82,7 +82,7 @@ class CoriolisSource(ModelSource):
         dq: Its joint velocities [rad/s], shape (n,).
         center: Centre of mass of what is carried, `F_x_Ctotal` [m], shape (3,).
         inertia: Its inertia, `I_total` [kg m^2], shape (9,).
-        put_load: Gives `dynamics` the load that the state tells.
+        put_load: Gives `dynamics` the load of the state.
     """
 
     def __init__(

@@ -201,7 +201,7 @@ class Clearances:
 
         Args:
             steps: Steps of the joints [rad or m], shape (n,).
-            first: What is added to each way [m].
+            first: Distance that is added to each [m].
 
         Returns:
             The longest way [m].

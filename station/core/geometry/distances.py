@@ -63,10 +63,10 @@ class Nearness:
 
         Args:
             ends: Ends of the axes of the capsules [m].
-            i: Where those of this capsule begin.
+            i: Index of the capsule's first number.
             radius: The capsule's radius [m].
             solids: Rows of solids, 20 numbers each.
-            o: Where the row of this solid begins.
+            o: Index of the solid's first number.
             triangles: Corners of the triangles of all meshes, in the frame of their
                 solid [m], 9 numbers each; the outside is where they turn left.
         """
@@ -134,7 +134,7 @@ class Nearness:
             py: See `px`.
             pz: See `px`.
             solids: Rows of solids.
-            o: Where the row of this solid begins.
+            o: Index of the solid's first number.
             triangles: Corners of the triangles of all meshes.
         """
         kind = int(solids[o])
@@ -274,8 +274,8 @@ def nearest_points(
     Args:
         first: Ends of one segment, 6 numbers.
         second: Ends of the other segment, 6 numbers.
-        point: Where the nearest point of the first one goes, shape (3,).
-        normal: Where the direction from the second one to it goes, shape (3,).
+        point: Receives the nearest point of the first one, shape (3,).
+        normal: Receives the direction from the second one to it, shape (3,).
     """
     s, t = 0.0, 0.0
     px, py, pz, qx, qy, qz = (
@@ -323,7 +323,7 @@ def place_segments(
         capsules: The capsules, 7 numbers each.
         owners: For each capsule the index of its link; -1 for the base.
         links: Poses of the links, 16 numbers each.
-        segments: Where both ends of each segment go [m], 6 numbers per capsule.
+        segments: Receives both ends of each segment [m], 6 numbers per capsule.
     """
     for capsule in range(len(owners)):
         k = 16 * owners[capsule]
@@ -347,7 +347,7 @@ def put_capsule(
     """Write a capsule of another arm as a solid.
 
     Args:
-        row: Where the solid goes, 20 numbers.
+        row: Receives the solid, 20 numbers.
         place: Pose of the other arm's base, 16 numbers.
         ends: Ends of the axis in the frame of that base [m], shape (6,).
         radius: Radius [m].

@@ -115,7 +115,7 @@ class AsyncFunction:
     All methods but `statistics` are for the control thread.
 
     Args:
-        name: What is called, for the name of the thread.
+        name: Name of the function, for the name of the thread.
         function: Takes the station time of the cycle in which a call begins [s] and the
             time since the last call began [s].
         params: How it is called.

@@ -64,7 +64,7 @@ class SceneGuard(ABC):
 
         Raises:
             RobotDescriptionError: A mesh cannot be used.
-            SceneRefusedError: Nobody can carry an object.
+            SceneRefusedError: No robot can carry an object.
         """
 
     @abstractmethod
@@ -248,7 +248,7 @@ class HardwareComponent:
         name: Its name, unique among the components of a station.
         robot: The robot whose hooks are called.
         type: `system`, `actuator` or `sensor`.
-        plugin: What drives it, `package/Class` or `module:Class`.
+        plugin: Class of its robot, `package/Class` or `module:Class`.
         resources: Names of its resources; None for all of the robot.
         key: Name by which the hooks of the robot know it; empty for `name`.
     """

@@ -23,7 +23,7 @@ class Operation:
     Attributes:
         result: Result of `action`.
         error: Error of `action`, or why it will never run; None if neither.
-        abandoned: Nobody waits for it any more: it will not be run.
+        abandoned: Its caller waits no more: it will not be run.
         done: Released once `result` or `error` is there.
     """
 
@@ -53,7 +53,7 @@ class Operation:
             details: About the loop, for the error.
 
         Raises:
-            LoopError: Nobody did it in time; nobody will do it later.
+            LoopError: It was not run in time, and will not be run later.
         """
         if not self.done.acquire(timeout=timeout):
             # A caller that got an error must not find it carried out later.

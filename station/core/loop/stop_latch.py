@@ -23,7 +23,7 @@ class StopLatch:
     flag at its next cycle and stops every controller. Any thread may call it.
 
     Attributes:
-        state: Where it is.
+        state: State of the latch.
         flag: Not 0 while it is engaged, and not yet carried out by the loop.
         reason: Why it was engaged last, for people.
         cycle: The cycle in which the last stop was carried out; 0 if none was.

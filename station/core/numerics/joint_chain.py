@@ -18,7 +18,7 @@ class JointChain:
             last of the frame in that of the last joint, 16 numbers each.
         axes: Axis of each joint of the chain in its own frame, 3 numbers each.
         turns: 1 for each joint that turns, 0 for each that slides.
-        indices: Which of the n positions is that of each joint of the chain.
+        indices: Index among the n positions of each joint of the chain.
 
     Attributes:
         pose: Pose of the frame in the base, 16 numbers.

@@ -97,7 +97,7 @@ class JointErrors:
     Args:
         desired: Desired values, shape (n,).
         measured: Measured values, shape (n,).
-        errors: Where the differences are written, shape (n,).
+        errors: Receives the differences, shape (n,).
     """
 
     def __init__(self, desired: Doubles, measured: Doubles, errors: Storage) -> None:

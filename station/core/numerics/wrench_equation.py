@@ -98,7 +98,7 @@ class WrenchEquation:
 
         Args:
             b: The right-hand side, shape (6,).
-            x: Where the solution goes, shape (6,); may be `b`.
+            x: Receives the solution, shape (6,); may be `b`.
         """
         l10, l20, l30, l40 = self.l10, self.l20, self.l30, self.l40
         l50, l21, l31, l41 = self.l50, self.l21, self.l31, self.l41

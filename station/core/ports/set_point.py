@@ -176,7 +176,7 @@ class SetPointPort:
                 timeout.
             generation: The generation in which the sender decided on the set-point,
                 which is dropped if the generation is over. None takes the present one.
-            receipt: Where the cycle is noted that picks the set-point up.
+            receipt: Notes the cycle that takes the set-point.
         """
         limit = self.timeout if timeout is None else timeout
         deadline = self.clock.now() + limit if limit > 0.0 else inf

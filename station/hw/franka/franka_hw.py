@@ -566,7 +566,7 @@ def check_free(
         arm_id: Name of the arm.
         is_connected: Whether the arm is connected.
         has_guest: Whether a client of the Franka Control Interface moves the arm.
-        blindness: Which reading is not finite; None when all are.
+        blindness: Name of a reading that is not finite; None when all are finite.
 
     Raises:
         SwitchRefusedError: The arm is not free.

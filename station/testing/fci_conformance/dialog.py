@@ -95,7 +95,7 @@ class Outcome:
         first: The first state that showed the motion; None without one.
         last: The newest state before the end, and after it.
         errors: Names of the errors that ended the motion.
-        lowest_rate: Lowest success rate that a state told from the 100th cycle on.
+        lowest_rate: Lowest success rate of the states from the 100th cycle on.
     """
 
     started: int
@@ -158,7 +158,7 @@ class Endpoint:
         """Return a client that has connected and has seen a state.
 
         Raises:
-            OSError: Nobody listens there, or no answer comes; a `FciNetworkError`.
+            OSError: The port is closed, or no answer comes; a `FciNetworkError`.
             FciSilenceError: No state comes.
         """
         dialog = Dialog(open_network(self.host, self.port), self.protocol)
@@ -175,7 +175,7 @@ def open_network(host: str, port: int) -> FciNetwork:
     """Return the sockets to an endpoint that may not yet listen again.
 
     Raises:
-        FciNetworkError: Nobody listens there for 2 s.
+        FciNetworkError: The port stays closed for 2 s.
     """
     deadline = time.monotonic() + _REFUSED_FOR
     while True:

@@ -106,7 +106,7 @@ def storm(
 
     The loop runs in its thread, as in a station. The other threads load, unload and
     switch controllers, some of which command references of others, raise, command what
-    is no number, or command what belongs to somebody else; they stop everything,
+    is no number, or command resources of other controllers; they stop everything,
     release the stop, reload, recover the robot, and let its switching hooks refuse and
     fail. An observer looks at every cycle before `write`, and each answer is compared
     with what the observer saw.
@@ -180,7 +180,7 @@ def storm(
 
 
 class _Stopped:
-    """Nobody runs while the stop is latched."""
+    """No controller runs while the stop is latched."""
 
     def __init__(self, station: Station) -> None:
         self._station = station

@@ -85,8 +85,8 @@ class _Motion:
 class JointTeleoperation:
     """The joint commands of one person, whichever controllers take them.
 
-    It decides about the joints that it moves and about no other: somebody else may move
-    those meanwhile.
+    It decides about the joints that it moves and about no other: another client may
+    move those meanwhile.
 
     Args:
         movers: Shared by everybody who commands joints.

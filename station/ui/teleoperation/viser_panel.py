@@ -145,7 +145,7 @@ class JointSliders:
     """A slider per joint; the sliders follow the robot until a person moves one.
 
     Args:
-        gui: Where the sliders are built.
+        gui: Panel that gets the sliders.
         teleoperation: The commands of this panel.
         reporter: Shows refusals.
         limits: Position limits of the robot's joints, for disabled sliders that only
@@ -254,7 +254,7 @@ class GainSliders:
     """A slider per gain of one joint of one controller.
 
     Args:
-        gui: Where the sliders are built.
+        gui: Panel that gets the sliders.
         link: The station.
         reporter: Shows refusals.
 
@@ -388,7 +388,7 @@ class HandArrows:
     """Arrows at an end effector: it follows them when a person drags them.
 
     Args:
-        server: Where the arrows are drawn.
+        server: Viser server that draws the arrows.
         teleoperation: The commands of this panel.
         base: Scene node of the arm's base frame.
         arm: The arm of the end effector; empty where there are not several.

@@ -53,7 +53,7 @@ def nearest_pair(
         capsules: The capsules, 7 numbers each.
         segments: Their segments in the base frame, 6 numbers each.
         pairs: Indices of both capsules of each pair to compare.
-        found: Where the distance of the surfaces goes [m], the first of 7 numbers;
+        found: Receives the distance of the surfaces [m], the first of 7 numbers;
             negative when the capsules overlap, and infinite when there is no pair.
     """
     best, number = float("inf"), -1

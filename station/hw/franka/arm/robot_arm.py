@@ -125,8 +125,8 @@ class RobotArm(ABC):
         """Begin a motion. Until its first command the arm stays where it is.
 
         Args:
-            controller_mode: Which controller makes the torques.
-            motion_generator_mode: Which motion is commanded; NONE only with the
+            controller_mode: Controller that makes the torques.
+            motion_generator_mode: Kind of the commanded motion; NONE only with the
                 external controller, for torques alone.
 
         Raises:
@@ -171,7 +171,7 @@ class RobotArm(ABC):
         an error of the arm, as a commanded position would be.
 
         Args:
-            q: Where to go [rad], shape (7,).
+            q: Target positions [rad], shape (7,).
             fastest: Largest velocities, > 0 [rad/s], shape (7,); the arm's own limits
                 hold besides.
 

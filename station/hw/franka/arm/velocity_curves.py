@@ -57,8 +57,8 @@ class VelocityCurves:
 
         Args:
             q: Positions of the joints [rad], shape (n,).
-            lowest: Where the limits of negative velocities go [rad/s], shape (n,).
-            highest: Where those of positive velocities go [rad/s], shape (n,).
+            lowest: Receives the limits of negative velocities [rad/s], shape (n,).
+            highest: Receives those of positive velocities [rad/s], shape (n,).
         """
         for i in range(self.size):
             most, a, b = self.highest[i], self.a[i], self.b[i]

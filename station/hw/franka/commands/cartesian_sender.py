@@ -42,7 +42,7 @@ def limit_vector(
 
     Args:
         vector: Holds the new velocity [m/s or rad/s] in three numbers.
-        start: Where in all vectors the three numbers begin.
+        start: Index of the first of the three numbers in all vectors.
         last_velocity: The last command.
         last_acceleration: Its acceleration [m/s^2 or rad/s^2].
         bounds: Largest norms of velocity, acceleration and jerk, each > 0.

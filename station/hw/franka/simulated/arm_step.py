@@ -89,7 +89,7 @@ class ArmStep(Preparation):
         is_fresh: Whether a command has arrived since the last cycle.
         is_begun: Whether a command of this motion has been followed.
         is_lossy: Whether commands were lost in the last cycles.
-        plan: Where commands come from that the arm gives itself; None if from a client.
+        plan: Source of the arm's own commands; None if a client commands it.
         cycle: Number of cycles with or without a command since the motion began.
         time: Time of the arm at the last state [s].
     """
@@ -173,7 +173,7 @@ class ArmStep(Preparation):
         """Plan the way to positions, from the next cycle on.
 
         Args:
-            q: Where to go [rad], shape (7,).
+            q: Target positions [rad], shape (7,).
             fastest: Largest velocities, > 0 [rad/s], shape (7,).
 
         Raises:
@@ -232,7 +232,7 @@ class ArmStep(Preparation):
         Args:
             values: The command.
             size: How many numbers it must have.
-            place: Where it goes, shape (size,) or longer: torques [Nm], positions [rad]
+            place: Receives the command, shape (>= size,): torques [Nm], positions [rad]
                 or velocities [rad/s] of the joints, or what the end effector is to do.
 
         Returns:

@@ -84,7 +84,7 @@ def bend(q: Doubles, extension: float, result: Doubles) -> None:
     Args:
         q: Joint positions [rad], shape (n,).
         extension: Position of joint 4 at which the sign changes [rad].
-        result: Where the elbow goes, shape (2,).
+        result: Receives the elbow, shape (2,).
     """
     flip = q[3] - extension
     result[0] = q[2]

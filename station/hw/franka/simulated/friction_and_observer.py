@@ -55,10 +55,10 @@ class FrictionAndObserver(Preparation):
         tool: End effector in the flange frame, 16 numbers; kept.
         stiffness_frame: Stiffness frame in the end effector frame; kept.
         noise: Random numbers of mean 0 and variance 1, used over and over.
-        estimate: Where the estimated external torques go [Nm], shape (n,).
-        theta: Where the positions of the motors go [rad], shape (n,).
-        wrench: Where the wrench goes, in the axes of the base [N, Nm], shape (6,).
-        turned: Where it goes in the axes of the stiffness frame, shape (6,).
+        estimate: Receives the estimated external torques [Nm], shape (n,).
+        theta: Receives the positions of the motors [rad], shape (n,).
+        wrench: Receives the wrench, in the axes of the base [N, Nm], shape (6,).
+        turned: Receives the wrench in the axes of the stiffness frame, shape (6,).
         period: Duration of a cycle [s], > 0.
 
     Attributes:

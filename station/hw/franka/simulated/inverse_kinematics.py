@@ -31,7 +31,7 @@ class InverseKinematics:
         q: Joint positions [rad], shape (n,).
         tool: End effector in the flange frame, 16 numbers.
         target: Pose to reach, 16 numbers.
-        step: Where a step goes [rad], shape (n,).
+        step: Receives a step [rad], shape (n,).
     """
 
     def __init__(

@@ -213,7 +213,7 @@ class MotionCheck:
         """Compare one half of a twist with its limits; see `check_twist`.
 
         Args:
-            first: Where the half begins.
+            first: Index of the first number of the half.
             twist: The twist, shape (6,).
             last: Twist of the step before, shape (6,).
             last_rate: Rate of the twist in the step before, shape (6,).

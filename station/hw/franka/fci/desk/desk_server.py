@@ -71,7 +71,7 @@ class DeskServer:
         desk: The Desk.
         host: Address to listen at.
         port: TCP port.
-        folder: Where the certificate is kept; the user's own folder if None.
+        folder: Folder of the certificate; the user's own folder if None.
 
     Attributes:
         fingerprint: SHA-256 of the certificate, as hexadecimal digits.
@@ -123,7 +123,7 @@ def own_certificate(folder: Path) -> tuple[Path, Path]:
     """Return the files of a certificate and its key; make them if there are none.
 
     Args:
-        folder: Where they are kept.
+        folder: Folder of certificate and key.
 
     Raises:
         DeskCertificateError: There are none, and they cannot be made.

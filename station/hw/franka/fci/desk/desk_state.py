@@ -100,7 +100,7 @@ class ServedArm:
         return [*self._arm.state.q]
 
     def mounted(self) -> tuple[Load, tuple[float, ...]]:
-        """Return the end effector that the state tells of, and F_T_NE."""
+        """Return the end effector of the state, and F_T_NE."""
         state = self._arm.state
         load = Load(state.m_ee, (*state.F_x_Cee,), (*state.I_ee,))
         return load, (*state.F_T_NE,)
@@ -116,7 +116,7 @@ class ControlToken:
 
     Attributes:
         number: Its public number.
-        secret: What the client sends with its requests.
+        secret: Text that proves the token in requests.
         owner: Name of the client.
         since: When it was asked for [s].
     """
@@ -138,8 +138,8 @@ class Desk:
         mode: The operating mode.
         are_brakes_closed: Whether the joints are locked; at the start they are.
         is_fci_active: Whether programs of libfranka can connect; at first they cannot.
-        token: The token in force; None when nobody has control.
-        waiting: Tokens that were asked for while somebody else had control.
+        token: The token in force; None when no client has control.
+        waiting: Tokens that were asked for while another client had control.
         now: Monotonic clock [s].
     """
 
@@ -155,7 +155,7 @@ class Desk:
     _numbers: "count[int]" = field(default_factory=lambda: count(1))
 
     def request_control(self, owner: str, *, is_forced: bool = False) -> ControlToken:
-        """Return a token: in force if nobody has control, else it waits for that.
+        """Return a token: in force if no client has control, else it waits for that.
 
         Args:
             owner: Name of the client.
@@ -174,7 +174,7 @@ class Desk:
         """Give a token back; the one that waits longest comes into force.
 
         Raises:
-            DeskRefusalError: Nobody has such a token.
+            DeskRefusalError: There is no such token.
         """
         if self.token is not None and self.token.secret == secret:
             # Clients of the old interface that give up do not say so.
@@ -238,7 +238,7 @@ class Desk:
         return self.set_fci(active=False) if wanted == PROGRAMMING else None
 
     def reboot(self) -> Future[None]:
-        """Begin anew: brakes closed, FCI off, nobody has control."""
+        """Begin anew: brakes closed, FCI off, control free."""
         self.token, self.mode = None, EXECUTION
         self.waiting.clear()
         self.set_fci(active=False)

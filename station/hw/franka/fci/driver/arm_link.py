@@ -85,7 +85,7 @@ class Reconnection:
         return found
 
     def close(self) -> None:
-        """End the thread, and hang up what nobody has taken."""
+        """End the thread, and close connections that were not taken over."""
         self._word.close()
         self._thread.join()
         self._ear.close()
@@ -145,7 +145,7 @@ _NOTHING: Mapping[str, Any] = MappingProxyType({})
 class ArmLink:
     """Receives states and asks for things, until the arm is lost. Control thread.
 
-    A lost arm is connected to again when somebody asks for it, by another thread.
+    A lost arm is connected to again on request, by another thread.
 
     Args:
         network: The connection to the arm.
@@ -366,7 +366,7 @@ class ArmLink:
             raise self._told()
 
     def _lose(self, error: StationError) -> ArmCommandError:
-        """Give the arm up; return what a caller is told."""
+        """Give the arm up; return the error for the caller."""
         self.loss = error.message
         # The arm takes one client: it must see that this one has gone.
         self._network.close()

@@ -124,7 +124,7 @@ class FciClient(Generic[_Command]):
 
         Raises:
             FciNetworkError: The connection is broken, or no answer came in time.
-            FciProtocolError: What came is no answer.
+            FciProtocolError: The message is no answer.
         """
         number = self.send(command, values)
         answer = self.take_answer(number) or self.take_answer(number, TCP_TIMEOUT)
@@ -145,7 +145,7 @@ class FciClient(Generic[_Command]):
 
         Raises:
             FciNetworkError: The connection is broken.
-            FciProtocolError: What came is no answer.
+            FciProtocolError: The message is no answer.
         """
         while not (found := self._answers.get(number)):
             data = self._network.receive(timeout)

@@ -46,7 +46,7 @@ class HandOrder:
 
     Attributes:
         identifier: Number of the command, for its outcome.
-        command: What to do.
+        command: The command.
         values: The fields of the request.
     """
 
@@ -82,7 +82,7 @@ class HandLink:
         protocol: The version that is spoken.
         clock: Wall time [s].
         pause: Waits for bytes of the hand, for a word of the control thread, or as
-            long as it is told [s].
+            long as it is given [s].
 
     Attributes:
         problem: Why there is no hand; None while it is there.

@@ -32,7 +32,7 @@ class Network(Protocol):
     """The driver's interface to a network; tests put an arm in its place.
 
     Attributes:
-        udp_port: Where states are received.
+        udp_port: Port on which states arrive.
     """
 
     udp_port: int
@@ -74,7 +74,7 @@ class FciNetwork:
         sender: The address from which states come; empty until one has come.
 
     Raises:
-        FciNetworkError: Nobody answers there, or nobody who speaks FCI.
+        FciNetworkError: No answer comes, or no answer of FCI.
     """
 
     def __init__(self, host: str, port: int, *, is_strict: bool = True) -> None:

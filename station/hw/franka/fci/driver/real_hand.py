@@ -49,7 +49,7 @@ class RealHand(GripperServices):
 
     Args:
         arm_id: The arm with this hand.
-        link: The link to the hand, which somebody else starts.
+        link: The link to the hand; its owner starts it.
     """
 
     def __init__(self, arm_id: str, link: HandLink) -> None:

@@ -1,6 +1,6 @@
 """One TCP port that serves one client at a time, with the client's UDP datagrams.
 
-While a client is connected nobody listens at the port, so that a second client is
+While a client is connected no socket listens at the port, so that a second one is
 refused at once: libfranka would otherwise wait for an answer for ever.
 """
 
@@ -41,7 +41,7 @@ class ClientPort(Generic[_Session]):
     """Listens, accepts one client, and moves bytes between it and its session.
 
     Args:
-        what: What is served, for messages.
+        what: Name of the server, for messages.
         address: Host and TCP port.
         make_session: Makes the session of a new client.
 

@@ -87,7 +87,7 @@ class RelayedSession:
 
     Args:
         pipe: The pipe to the station.
-        channel: What is added to the kinds of frames.
+        channel: Offset that is added to the kinds of frames.
 
     Attributes:
         udp_port: The client's UDP port; None until it has connected.

@@ -1,7 +1,7 @@
 """Clients of the Franka Control Interface on the arm and the hand of a running station.
 
 Either the station's controllers command the arm, or the client does. The hand obeys the
-newest command, whoever gives it.
+newest command of any client.
 """
 
 from collections.abc import Callable, Sequence
@@ -41,7 +41,7 @@ class _Guest(Generic[SessionT]):
     In a cycle it copies bytes between the session and the page, and nothing else.
 
     Args:
-        page: Where messages are left and found.
+        page: Shared memory for messages in both directions.
         begin: Begins the session of a new client.
     """
 
@@ -88,8 +88,8 @@ class FciGuest(_Guest[RobotSession]):
 
     Args:
         arm: The arm.
-        page: Where messages are left and found.
-        model_library: Where model libraries come from.
+        page: Shared memory for messages in both directions.
+        model_library: Source of model libraries.
         protocols: The versions that are spoken.
         robot_model: The URDF of the arm for clients; empty if there is none.
         is_commanded: Returns whether the station's controllers command the arm.
@@ -171,7 +171,7 @@ class HandGuest(_Guest[GripperSession]):
 
     Args:
         hand: The hand.
-        page: Where messages are left.
+        page: Shared memory for messages.
         may_move: Returns whether the station lets anybody move the fingers.
     """
 

@@ -23,7 +23,7 @@ class Request(Generic[_Command]):
     """One request of a client.
 
     Attributes:
-        command: What is asked for.
+        command: The requested command.
         command_id: Number of the request, which its answers repeat.
         values: The fields of the request.
     """
@@ -74,10 +74,10 @@ class MessageReader(Generic[_Command]):
         """Return an answer as bytes.
 
         Args:
-            request: What is answered.
+            request: The request.
             status: The status, one of those that the version has for the command.
             values: The fields of the answer behind the status.
-            tail: What follows the fields, e.g. a model.
+            tail: Bytes after the fields, e.g. a model.
         """
         exchange = self._exchanges[request.command]
         number = exchange.statuses.index(status)

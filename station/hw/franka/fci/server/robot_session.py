@@ -240,10 +240,11 @@ class RobotSession:
 
     Args:
         arm: The arm.
-        model_library: Where model libraries come from.
+        model_library: Source of model libraries.
         protocols: The versions that are spoken; the client chooses one. The last one
-            is the arm's own: a client that asks for another version is told it.
-        is_free: Returns whether this client may move the arm: nobody else does.
+            is the arm's own: a client that asks for another version gets it as the
+            answer.
+        is_free: Returns whether this client may move the arm.
         robot_model: The URDF of the arm for clients; empty if there is none.
 
     Attributes:

@@ -17,8 +17,8 @@ class FciProtocolError(StationError):
     """The other side sent what the protocol does not have; the connection ends.
 
     Args:
-        message: What was sent, and what is allowed.
-        remedy: What to do about it.
+        message: The message that came, and the allowed ones.
+        remedy: Advice.
         answers: Answers to send before the connection ends.
     """
 
@@ -33,7 +33,7 @@ class FciVersionError(FciProtocolError):
     """A client asked for a version that is not spoken.
 
     Args:
-        what: What the client has connected to.
+        what: Name of the server.
         asked: The version that it asked for.
         spoken: The versions that are spoken.
         answers: The answer, which names a version that is spoken.
@@ -57,7 +57,7 @@ class Answer(Generic[_Command]):
     """One answer of a robot or a hand.
 
     Attributes:
-        command: What is answered.
+        command: The answered command.
         command_id: Number of the request.
         status: The status, one of those of the command, whatever its number is in the
             version that is spoken; `UNKNOWN` if the version does not have it.
@@ -126,7 +126,7 @@ class Messages(Generic[_Command]):
         """Return a request as bytes.
 
         Args:
-            command: What is asked for.
+            command: The requested command.
             number: Number of the request, which its answers repeat.
             values: The fields of the request.
         """
