@@ -398,7 +398,7 @@ class ExportedValue(Report):
 
 @dataclass(frozen=True, slots=True)
 class ChainedController(Report):
-    """A controller with what it exports, and with its place in chains.
+    """A controller with its exports, and with its place in chains.
 
     Attributes:
         name: Its name.

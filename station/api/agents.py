@@ -1,4 +1,4 @@
-"""The seat of agents: what a program with an agent's token may do, and who allows it.
+"""Rights of programs with an agent's token, and the requests that a person answers.
 
 An agent asks, and a person answers. A request that can move the robot waits here until
 somebody with the operator role has allowed or refused it; nothing of it has begun by
@@ -138,7 +138,7 @@ class Agents:
 
     Args:
         station: The station.
-        log: Takes who asked for what, and who allowed it.
+        log: Records each request, and the person who answered it.
         policy: Limits and approvals for agents.
         now: Wall time [s since 1970].
     """

@@ -144,7 +144,7 @@ class EventRecorder:
 
     Attributes:
         log: The same.
-        repeats: Counts what repeats.
+        repeats: Counts repeated events.
     """
 
     def __init__(

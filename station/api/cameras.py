@@ -47,7 +47,7 @@ class Picture:
 
     Attributes:
         number: Counts the pictures of all cameras.
-        stamp: Station time of what it shows [s].
+        stamp: Station time of the picture [s].
         jpeg: Its file.
         drawn_at: When it came, on the monotonic clock [s].
     """
@@ -104,7 +104,7 @@ class Cameras:
 
         Args:
             name: Its name.
-            after: Number of a picture that is too old; when None, what was drawn
+            after: Number of a picture that is too old; when None, pictures drawn
                 within the last period will do.
 
         Raises:

@@ -79,10 +79,10 @@ class Control:
     """The lease of control, if anybody holds it. Any thread.
 
     Args:
-        log: Takes what happens with the lease.
+        log: Records the changes of the lease.
         let_go: Called with the names of the controllers that a former owner commanded,
             and a sentence with the reason, when the lease was taken by force or has
-            expired: what they do is held.
+            expired: their motions are held.
         now: Monotonic clock [s].
         rehearsed: Called before a command of motion, with `is_agent`; raises when it
             has to be rehearsed and is not.
@@ -198,7 +198,7 @@ class Control:
             owner: Name of the person or program.
             ttl: How long the lease lasts without a heartbeat [s], > 0.
             force: Take the lease from its holder, also from an owner who offers
-                it; what the former owner commanded is held. An agent's lease is taken
+                it; the former owner's motions are held. An agent's lease is taken
                 without it, and an agent may not use it.
             origin: Caller, and the caller's address.
 

@@ -83,7 +83,7 @@ def _endpoint(
 def call_service(
     station: Station, arm_id: str, name: str, arguments: Mapping[str, object]
 ) -> object:
-    """Call a declared service between two cycles; return what its method returns.
+    """Call a declared service between two cycles; return its method's value.
 
     Args:
         station: The station.

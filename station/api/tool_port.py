@@ -48,7 +48,7 @@ class ChangeRefusedError(StationError, PermissionError):
 
 
 class ToolClient:
-    """A client of a port: what it may change, and the events about its changes.
+    """A client of a port: its rights, and the events about its changes.
 
     Args:
         tool: Name of the tool, for events.
@@ -125,13 +125,13 @@ class ToolSession(Protocol):
     """The conversation with one client, in the event loop of the API."""
 
     async def greet(self) -> None:
-        """Send what the protocol begins with."""
+        """Send the first messages of the protocol."""
 
     async def feed(self, slow_after: float) -> None:
-        """Send what there is; return when the client takes nothing for too long."""
+        """Send waiting messages; return when the client reads nothing for too long."""
 
     async def listen(self) -> None:
-        """Answer what the client asks; return when it is gone."""
+        """Answer the client's messages; return when it is gone."""
 
 
 SessionT = TypeVar("SessionT", bound=ToolSession)
@@ -165,7 +165,7 @@ class ToolPort(ABC, Generic[SessionT]):
         place: As given.
         host: Address to listen at.
         port: TCP port; the real one once the server listens.
-        sessions: The conversations, with what each client may do.
+        sessions: The conversations, with the rights of each client.
     """
 
     tool: ClassVar[str]

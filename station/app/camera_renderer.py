@@ -1,4 +1,4 @@
-"""Draw what the cameras of a station see, in a process of its own.
+"""Draw the pictures of a station's cameras, in a process of its own.
 
 It reads lines from its standard input: first `Assignment` as JSON, then the name of a
 camera whenever a client asks for its pictures. On its standard output each picture is a

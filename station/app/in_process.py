@@ -59,7 +59,7 @@ class InProcessStation:
     Every method raises the errors of `station.core.errors`, and changes nothing then.
 
     Args:
-        config: The station's YAML file, or what such a file would hold; None takes the
+        config: The station's YAML file, or the content of one; None takes the
             default: a simulated Panda. A configuration that `load_config` has read is
             taken as it is; `controllers` and `settings` are part of it.
         controllers: Parameter files written for ROS, added to the controllers.

@@ -1,4 +1,4 @@
-"""Build the recorder of a station from its configuration, and mend what is broken."""
+"""Build the recorder of a station from its configuration, and mend broken files."""
 
 import importlib.util
 import json
@@ -36,7 +36,7 @@ def make_recorder(
         station: The station; best before its first cycle, because a recording can be
             run again only if all is known that was asked since then.
         config: Its configuration.
-        warn: Takes a line about what was recovered, or why nothing can be recorded.
+        warn: Takes a line about a recovery, or the reason why recording is impossible.
     """
     section = config.records
     if not section.enabled:

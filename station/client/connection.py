@@ -135,7 +135,7 @@ class AsyncConnection:
             period: Time from its end to its next beginning [s], > 0.
 
         Returns:
-            What ends it; an act under way is cancelled, or waited for.
+            A function that ends it; an act under way is cancelled, or waited for.
         """
 
         async def run() -> None:
@@ -287,7 +287,7 @@ class AsyncConnection:
         Raises:
             ApiError: The station refuses; no file is made.
             StationUnreachableError: The station does not answer, or not to the end;
-                what had come is deleted.
+                the received part is deleted.
             FileExistsError: There is such a file.
         """
         try:
@@ -341,7 +341,7 @@ class AsyncConnection:
 class ClientPart:
     """The client of one part of the API.
 
-    Every method raises what the station client's own methods raise.
+    Every method raises the errors of the station client's own methods.
 
     Args:
         connection: The connection to the station.

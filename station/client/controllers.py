@@ -191,15 +191,15 @@ class AsyncControllersClient(ClientPart):
         Args:
             start: Names to start.
             stop: Names to stop.
-            strictness: `strict` for all or nothing, `best_effort` for what is possible;
-                `auto` also starts and stops what chains need, and `force_auto` stops
-                who is in the way of a start.
+            strictness: `strict` for all or nothing, `best_effort` for the possible
+                part; `auto` also starts and stops what chains need, and `force_auto`
+                stops who is in the way of a start.
             start_asap: Start each as soon as its joints are ready.
             timeout: How long the hardware may take [s], 0 to 60; 0 means as long as it
                 takes, up to `bound`.
             bound: How long a switch without a timeout may take [s of wall time]; None
                 means as long as the hardware takes.
-            dry_run: Only return what would happen.
+            dry_run: Only return the plan.
             idempotency_key: As for `load_controller`.
         """
         request = wire.SwitchRequest(

@@ -1,7 +1,7 @@
 """Errors of the client.
 
 ```
-ApiError                       the station refused; says why and what to do
+ApiError                       the station refused; has reason and remedy
 ├── MotionError                a motion or a goal did not reach its aim
 ├── StationUnreachableError    no answer at all
 └── StreamTimeoutError         no such frame came in time

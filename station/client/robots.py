@@ -21,7 +21,7 @@ class _Answer(RootModel[JsonValue]):
 class AsyncRobotClient(ClientPart):
     """One arm of a station: `client.robot(arm_id)`.
 
-    Every method raises what the station client's own methods raise.
+    Every method raises the errors of the station client's own methods.
 
     Args:
         connection: The connection to the station.
@@ -182,7 +182,7 @@ class AsyncGripperClient(ClientPart):
 
     Homing, move and grasp begin and return at once; `state` has their progress.
     `open` and `close` wait until the fingers are there.
-    Every method raises what the station client's own methods raise.
+    Every method raises the errors of the station client's own methods.
 
     Args:
         connection: The connection to the station.
@@ -279,7 +279,7 @@ class AsyncGripperClient(ClientPart):
 class AsyncSimulationClient(ClientPart):
     """The simulation of a station: `client.simulation`.
 
-    Every method raises what the station client's own methods raise.
+    Every method raises the errors of the station client's own methods.
     """
 
     _path = "/simulation"

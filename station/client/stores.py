@@ -134,7 +134,7 @@ class AsyncFilesClient(ClientPart):
 class AsyncRecordingsClient(AsyncFilesClient):
     """Recordings of every cycle on the station's disk: `client.recordings`.
 
-    Every method raises what the station client's own methods raise.
+    Every method raises the errors of the station client's own methods.
     """
 
     _path = "/recordings"
@@ -198,7 +198,7 @@ class AsyncIncidentsClient(AsyncFilesClient):
 class AsyncBenchRunsClient(NamedThings[BenchResponse]):
     """Runs of the bench that the station keeps: `client.bench_runs`.
 
-    Every method raises what the station client's own methods raise.
+    Every method raises the errors of the station client's own methods.
     """
 
     _path = "/bench-runs"
@@ -212,7 +212,7 @@ class AsyncBenchRunsClient(NamedThings[BenchResponse]):
 class AsyncLessonsClient(ClientPart):
     """Exercises that the station checks on the student's own run: `client.lessons`.
 
-    Every method raises what the station client's own methods raise.
+    Every method raises the errors of the station client's own methods.
     """
 
     _path = "/lessons"
@@ -222,14 +222,14 @@ class AsyncLessonsClient(ClientPart):
         return await self._get(self._path, Lessons, {"person": person})
 
     async def begin(self, name: str, person: str = "") -> Lesson:
-        """Begin a lesson: the station watches what the robot does from now on."""
+        """Begin a lesson: the station watches the robot from now on."""
         request = LessonBeginRequest(person=person)
         return await self._send("POST", self._of(name, "begin"), Lesson, request)
 
     async def check(
         self, name: str, person: str = "", answers: Mapping[str, float] | None = None
     ) -> LessonResult:
-        """Check what was done since the lesson was begun.
+        """Check the robot's motions since the lesson was begun.
 
         Args:
             name: The lesson.
@@ -243,7 +243,7 @@ class AsyncLessonsClient(ClientPart):
 class AsyncCamerasClient(ClientPart):
     """Cameras that look at the robots: `client.cameras`.
 
-    Every method raises what the station client's own methods raise.
+    Every method raises the errors of the station client's own methods.
     """
 
     _path = "/cameras"
@@ -273,7 +273,7 @@ class AsyncCamerasClient(ClientPart):
 class AsyncGainSetsClient(NamedThings[wire.GainSet]):
     """Named sets of gains on the station's disk: `client.gain_sets`.
 
-    Every method raises what the station client's own methods raise.
+    Every method raises the errors of the station client's own methods.
     """
 
     _path = "/gain-sets"
@@ -339,7 +339,7 @@ def _chosen(controllers: Sequence[str] | None) -> wire.GainSetRequest:
 class AsyncPlotLayoutsClient(NamedThings[wire.PlotLayout]):
     """Named layouts of plots on the station's disk: `client.plot_layouts`.
 
-    Every method raises what the station client's own methods raise.
+    Every method raises the errors of the station client's own methods.
     """
 
     _path = "/plot-layouts"
@@ -374,7 +374,7 @@ class AsyncPlotLayoutsClient(NamedThings[wire.PlotLayout]):
 class AsyncScenesClient(NamedThings[wire.SavedScene]):
     """Named scenes on the station's disk: `client.scenes`.
 
-    Every method raises what the station client's own methods raise.
+    Every method raises the errors of the station client's own methods.
 
     Args:
         connection: The connection to the station.
@@ -403,7 +403,7 @@ class AsyncScenesClient(NamedThings[wire.SavedScene]):
 class AsyncWaypointPathsClient(NamedThings[wire.WaypointPath]):
     """Waypoint paths on the station's disk, and their playing: `client.waypoint_paths`.
 
-    Every method raises what the station client's own methods raise.
+    Every method raises the errors of the station client's own methods.
     """
 
     _path = "/waypoint-paths"
@@ -489,7 +489,7 @@ class AsyncWaypointPathsClient(NamedThings[wire.WaypointPath]):
 class AsyncExperimentsClient(NamedThings[Experiment]):
     """Experiments that run beside the station: `client.experiments`.
 
-    Every method raises what the station client's own methods raise.
+    Every method raises the errors of the station client's own methods.
     """
 
     _path = "/experiments"
@@ -661,11 +661,11 @@ class AsyncAgentsClient(ClientPart):
         number: str,
         verdict: Literal["allowed", "allowed_for_a_time", "refused"],
     ) -> wire.AgentRequest:
-        """Allow or refuse what an agent asks for.
+        """Allow or refuse a request of an agent.
 
         Args:
             number: `number` of the request.
-            verdict: `allowed_for_a_time` also allows what comes in the next 10 min.
+            verdict: `allowed_for_a_time` also allows the requests of the next 10 min.
         """
         return await self._send(
             "POST",

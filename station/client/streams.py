@@ -442,14 +442,14 @@ class AsyncCommandStream:
         await self.post(written(values, epoch, rates))
 
     async def post(self, message: str) -> None:
-        """Send a set-point that is written already; raises what `send` raises."""
+        """Send a set-point that is encoded already; raises the errors of `send`."""
         try:
             await self.link().send(message)
         except (OSError, WebSocketException) as error:
             _give_up(error, self.options.base_url)
 
     def link(self) -> ClientConnection:
-        """Return the connection; raise what `send` raises when there is none.
+        """Return the connection; raise the errors of `send` when there is none.
 
         Raises:
             ApiError: The station has ended the stream.

@@ -43,7 +43,7 @@ FileName = Annotated[str, Field(min_length=1)]
 
 
 def _word_of_switch(value: object) -> object:
-    """Return `off` for what YAML 1.1 makes of the word."""
+    """Return `off` for the value that YAML 1.1 makes of the word."""
     return "off" if value is False else value
 
 

@@ -40,7 +40,7 @@ def read_ros2(
     has its namespace in front of it, as `left_arm`.
 
     Args:
-        files: The content of each; what comes later wins, as in one file.
+        files: The content of each file; later values win, as in one file.
         name: The files, for messages.
         types: Types of controllers that another place names, by name: a launch file of
             ROS 2 may have them.

@@ -266,7 +266,7 @@ class SetPointUpdate:
         set_point: The set-point.
         joints: The joints.
         law: Computes the commands.
-        sampled: Keeps what was done.
+        sampled: Keeps the sample of the update.
 
     Attributes:
         period: Time between the last two cycles [s].

@@ -52,7 +52,7 @@ class DeclaredParameter:
         type: Type of the value.
         description: Purpose, a phrase without a full stop.
         unit: Unit of the numbers, where joints are concerned that of rotating joints;
-            empty for what has no unit.
+            empty without a unit.
         default: Value when the parameter is absent; None when there is no fixed one.
         default_text: How the default follows from the robot or other parameters; empty
             when the default is fixed or the parameter is required.

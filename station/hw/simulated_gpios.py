@@ -60,7 +60,7 @@ def read_gpios(params: Parameters) -> tuple[ComponentTag, ...]:
 
 
 class SimulatedGpios:
-    """Inputs keep their initial values; outputs have what was commanded last.
+    """Inputs keep their initial values; outputs have their last command.
 
     Args:
         tags: The inputs and outputs.

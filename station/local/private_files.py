@@ -1,10 +1,10 @@
 """Directories of this user's stations, and private files in them.
 
-What ends with a station lies in `$XDG_RUNTIME_DIR/station`, or `station-<uid>` in the
-system's temporary directory; only its user can enter it. The files are written whole
-and read with suspicion.
+Files that end with a station lie in `$XDG_RUNTIME_DIR/station`, or `station-<uid>` in
+the system's temporary directory; only its user can enter it. The files are written
+whole and read with suspicion.
 
-What outlives it lies in `$XDG_STATE_HOME/control-station`, or
+Files that outlive it lie in `$XDG_STATE_HOME/control-station`, or
 `~/.local/state/control-station`, in a directory for each station that runs at the same
 time: `0`, `1`, … A station that starts takes the first that no running station has, so
 that one station always finds its own again.

@@ -60,7 +60,7 @@ def write_runtime_file(running: RunningStation) -> Path:
 def find_running() -> list[RunningStation]:
     """Return the stations of this user that run, oldest first.
 
-    Files of processes that are gone are removed; what is no such file is ignored.
+    Files of processes that are gone are removed; other files are ignored.
 
     Raises:
         RuntimeDirectoryError: The directory belongs to another user.

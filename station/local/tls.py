@@ -69,7 +69,7 @@ def trust(url: str, ca: str | os.PathLike[str] | None = None) -> ssl.SSLContext 
         url: The station.
         ca: PEM file with the certificates to trust: an authority's, or the station's
             own. When None it is `STATION_CA`, or else the certificate of the station
-            on this machine, or else what the system trusts.
+            on this machine, or else the system's.
 
     Raises:
         TlsFilesError: A file cannot be read, or holds no certificate.

@@ -64,7 +64,7 @@ class RecordingInfo:
         lost: Cycles that were overwritten before they could be recorded.
         duration: Station time from its first cycle to its last [s].
         size: Bytes of the file.
-        causes: Why an incident was kept; empty for what a user recorded.
+        causes: Causes of an incident; empty for a recording of a user.
         is_uploaded: Whether it was uploaded as a file instead of recorded here.
     """
 
@@ -305,7 +305,7 @@ class RecordStore:
         """Refuse a new recording when the folder is full.
 
         Raises:
-            RecordingRefusedError: The folder is full; the message says of what.
+            RecordingRefusedError: The folder is full of files or bytes.
         """
         count, used = len(self.infos()), self.usage()
         if count >= self.quota.count or used >= self.quota.bytes:

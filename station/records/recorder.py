@@ -1,6 +1,6 @@
 """Takes every cycle out of the ring of snapshots, in a thread of its own.
 
-The thread wakes a hundred times a second and handles what came since, so that it holds
+The thread wakes a hundred times a second and handles the new cycles, so that it holds
 the interpreter for a millisecond at most. The control thread does nothing for it that
 it does not do anyway; while a recording runs, it samples commands and arms as well.
 """

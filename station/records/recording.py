@@ -131,7 +131,7 @@ class Recording:
         """Write to the disk; return why the recording cannot go on, None if it can.
 
         Args:
-            end_chunk: Write what is in the present chunk, too.
+            end_chunk: Write the present chunk, too.
         """
         if end_chunk:
             self._file.end_chunk()

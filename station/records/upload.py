@@ -100,7 +100,7 @@ class Upload:
         return info
 
     def close(self) -> None:
-        """Delete what was written, unless it has become a recording."""
+        """Delete the written part, unless it has become a recording."""
         self._file.close()
 
 

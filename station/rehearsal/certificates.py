@@ -40,7 +40,7 @@ _AT_REST = 0.1
 
 @dataclass(frozen=True, slots=True)
 class Tolerances:
-    """Distances at which the robot still does what was rehearsed.
+    """Distances within which the robot still follows a rehearsed motion.
 
     Attributes:
         pose: At the beginning, each joint [rad or m], > 0.
@@ -99,7 +99,7 @@ class Conditions:
         )
 
     def changed(self, now: "Conditions", last_change: str) -> str | None:
-        """Return one sentence about what has changed except for the joints, or None.
+        """Return one sentence about a change other than of the joints, or None.
 
         Args:
             now: The present conditions.
@@ -234,7 +234,7 @@ class Certificates:
 
     Args:
         station: The station.
-        tolerances: How far the robot may be from what was rehearsed.
+        tolerances: Largest distances of the robot from the rehearsed motion.
     """
 
     def __init__(self, station: "Station", tolerances: Tolerances) -> None:

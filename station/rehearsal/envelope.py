@@ -46,7 +46,7 @@ class Envelope:
         Args:
             forecast: The rehearsed motion.
             joints: Names of the joints of its columns.
-            tube: How far the robot may be from what was rehearsed [rad or m]: the
+            tube: Largest distance from the rehearsed motion [rad or m]: the
                 ranges have to hold there, too.
             hands: The end effectors, for the workspace.
         """

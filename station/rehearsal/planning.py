@@ -224,7 +224,7 @@ class _Planner:
         )
 
     def _goals(self, goal: Joints, limits: tuple[Joints, Joints]) -> list[Joints]:
-        """Return positions of the joints that are what was wished for, some of many.
+        """Return some positions of the joints that reach the target.
 
         Raises:
             InvalidCommandError: The controller moves no end effector.

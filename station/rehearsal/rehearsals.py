@@ -106,7 +106,7 @@ class Rules:
         operator: For people, and for every token that is not an agent's.
         agent: For programs that decide by themselves, with tokens of the role `agent`.
         envelope: Bounds of the motions of agents.
-        tolerances: How far the robot may be from what was rehearsed.
+        tolerances: Largest distances of the robot from the rehearsed motion.
     """
 
     operator: Policy = Policy.OFF

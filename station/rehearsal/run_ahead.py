@@ -90,7 +90,7 @@ def run_ahead(
         tell: Called after each piece of work.
 
     Returns:
-        What happened; None when a cycle was under way as the copy was made.
+        The forecast; None when a cycle was under way as the copy was made.
     """
     if not station.loop.go_on_without_thread():
         return None
@@ -216,7 +216,7 @@ class _RunAhead:
             self._tell()
 
     def _look(self) -> None:
-        """Note what this cycle has brought, the first error above all."""
+        """Note contacts, margins and the first error of this cycle."""
         if self._world is not None:
             self._note_contacts()
         self._note_clearances()
@@ -394,7 +394,7 @@ def digest_of(states: "NDArray[np.float64]") -> str:
 
 
 def _stand_still(clock: Clock) -> ManualClock:
-    """Let a clock follow the cycles, wherever it is used; return what advances it."""
+    """Let a clock follow the cycles; return the function that advances it."""
     if isinstance(clock, ManualClock):
         return clock
     manual = ManualClock(clock.now())

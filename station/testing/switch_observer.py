@@ -1,6 +1,6 @@
 """An independent observer of a robot and its manager: looks before every `write`.
 
-It uses what the robot and the manager show to everybody, and none of the code that
+It uses the public methods of robot and manager, and none of the code that
 keeps the commands with their owners.
 """
 

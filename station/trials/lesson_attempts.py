@@ -1,4 +1,4 @@
-"""Attempts at lessons: what the student's robot did, measured, checked and kept."""
+"""Attempts at lessons: motions of the student's robot, measured, checked and kept."""
 
 import re
 import threading
@@ -38,7 +38,7 @@ _PERSON = re.compile(r"[^a-z0-9]+")
 
 
 class LessonWatch:
-    """Sums up what the robot does from the next cycle on.
+    """Sums up the motions of the robot from the next cycle on.
 
     Args:
         station: The station.

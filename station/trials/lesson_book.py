@@ -45,7 +45,7 @@ class Check(BaseModel):
     Attributes:
         value: The figure.
         says: The condition in words.
-        hint: The reason why it may not hold, and what to try.
+        hint: A likely reason of a failure, and advice.
         at_least: Smallest allowed value: a number, or a figure.
         at_most: Largest allowed value: a number, or a figure.
         near: Wanted value: a number, or a figure.

@@ -179,7 +179,7 @@ def make_reference(
             are when None. Trajectories begin at the desired state.
 
     Raises:
-        ExperimentError: The controller cannot do what the script asks for.
+        ExperimentError: The controller cannot carry the script out.
         UnknownParameterError: The controller has no such joint.
         InvalidCommandError: The controller takes neither set-points nor trajectories.
     """

@@ -127,7 +127,7 @@ class SwitchRequest(RequestModel):
     Attributes:
         start: Names to start.
         stop: Names to stop.
-        strictness: `strict`: all or nothing; `best_effort`: what is possible; `auto`:
+        strictness: `strict`: all or nothing; `best_effort`: the possible part; `auto`:
             as strict, and whole chains of controllers start and stop; `force_auto`: as
             auto, and controllers that hold what a start needs stop.
         start_asap: Start each as soon as its joints are ready.
@@ -135,7 +135,7 @@ class SwitchRequest(RequestModel):
             `bound`.
         bound: How long a switch without a timeout may take [s of wall time]; null
             means as long as the hardware takes, as in ros_control.
-        dry_run: Only return what would happen.
+        dry_run: Only return the plan.
 
     Example:
         {"start": ["arm"], "stop": [], "strictness": "strict"}
@@ -163,7 +163,7 @@ class SwitchResult(ResponseModel):
         ok: Every controller runs or stopped as planned.
         started: Names that were started.
         stopped: Names that were stopped.
-        outcome: How the switch ended. `committed`: what could be done was done;
+        outcome: End of the switch. `committed`: all possible parts were carried out;
             `rolled_back`: what ran before runs again; `halted`: controllers of the
             switch were stopped, because the hardware carried out neither the switch
             nor its reversal.
@@ -372,7 +372,7 @@ class DeclaredParameter(ResponseModel):
             `mappings` (a list of objects).
         description: Purpose.
         unit: Unit of the numbers, where joints are concerned that of rotating joints;
-            empty for what has no unit.
+            empty without a unit.
         required: Whether loading is refused when it is absent.
         default: Value when it is absent; null when there is no fixed one.
         default_text: How the default follows from the robot or other parameters; empty

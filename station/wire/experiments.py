@@ -144,7 +144,7 @@ class ExperimentSummary(ResponseModel):
         controller: The controller of its trials; empty when nothing says which.
         state: `running` here and now; `done`; `cancelled`; `failed`, see `reason`; or
             `unfinished`: begun, and this station does not run it.
-        reason: Why it ended, or what went wrong; empty when there is nothing to say.
+        reason: Reason of its end or failure; empty without one.
         created_at: When it was started first, ISO 8601.
         trials: How many trials it has at most, 0 when that is not known.
         ended: How many have ended, 0 or more.
@@ -242,7 +242,7 @@ class ExperimentPreview(ResponseModel):
         trial: Hash of the trial.
         differences: The gains that would change: `saved` is the new value.
         revisions: Present revision of the gains of each controller; sent along with
-            the change, they make sure that it changes what was shown.
+            the change, they make sure that no gain has changed since.
 
     Example:
         {"experiment": "better", "trial": "3f2a9c0d11e4b765", "differences":

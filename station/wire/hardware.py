@@ -162,7 +162,7 @@ class Hardware(ResponseModel):
         limits: Limits of the joints.
         transmissions: Transmissions; empty for a robot that has none.
         clamps: Commands that were cut off; empty if none ever was.
-        repairs: In what a simulated robot differs from its description.
+        repairs: Differences of a simulated robot from its description.
 
     Example:
         {"interfaces": [{"name": "hardware_interface::EffortJointInterface",

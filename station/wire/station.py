@@ -49,7 +49,7 @@ class Kernel(ResponseModel):
 
     Attributes:
         mode: Compiled modules, or their Python sources interpreted.
-        reason: Why it is this one, and what would change that.
+        reason: Reason, and the way to change it.
     """
 
     mode: Literal["compiled", "interpreted"]

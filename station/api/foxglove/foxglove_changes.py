@@ -33,7 +33,7 @@ class FoxgloveChanges:
     """The changes of one client. Its methods may wait: for worker threads.
 
     Args:
-        client: The client, and what it may do.
+        client: The client, with its rights.
     """
 
     def __init__(self, client: ToolClient) -> None:

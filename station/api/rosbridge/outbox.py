@@ -41,7 +41,7 @@ class Subscription:
     form: Form = field(default_factory=Form)
 
     def settle(self) -> None:
-        """Take what the wishes say together."""
+        """Combine the wishes of all subscriptions."""
         throttles, lengths, forms = zip(*self.wishes.values(), strict=True)
         self.throttle, self.length = min(throttles), max(lengths)
         self.form = forms[-1]
@@ -103,7 +103,7 @@ class Outbox:
             self._limit_bytes()
 
     def flush(self, now: float) -> None:
-        """Send what has waited for its time or for the client.
+        """Send the messages that waited for their time or for the client.
 
         Args:
             now: Clock of the event loop [s].

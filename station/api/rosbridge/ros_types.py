@@ -178,7 +178,7 @@ def checked(type_name: str, values: object, where: str = "msg") -> Values:
 
 
 def _check_depth(value: object, where: str, left: int = _MOST_DEPTH) -> None:
-    """Refuse what is nested so deeply that writing it would end in an exception.
+    """Refuse a value whose nesting is too deep to be written.
 
     Raises:
         RosTypeError: It is.

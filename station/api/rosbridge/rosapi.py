@@ -1,4 +1,4 @@
-"""The services of rosapi: what there is, of which type, and the parameters.
+"""The services of rosapi: lists of topics, services and nodes, types, parameters.
 
 Source: RobotWebTools/rosbridge_suite rosapi; differs: `delete_param` and `set_param`
 refuse with the reason, and the parameters are those of the station, besides which

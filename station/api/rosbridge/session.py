@@ -1,4 +1,4 @@
-"""One client of rosbridge: what it subscribes to, publishes, calls and asks for.
+"""One client of rosbridge: its subscriptions, publications, calls and goals.
 
 Source: RobotWebTools/rosbridge_suite ROSBRIDGE_PROTOCOL.md and rosbridge_library's
 capabilities.
@@ -68,7 +68,7 @@ class RosbridgeSession:
     """Talks to one client, in the event loop of the API.
 
     Args:
-        client: The client, and what it may change.
+        client: The client, with its rights.
         graph: Topics, services and actions that the client can reach.
         half_tick: Half the time between two ticks [s].
 
@@ -116,7 +116,7 @@ class RosbridgeSession:
         await self.outbox.overflown.wait()
 
     async def listen(self) -> None:
-        """Answer what the client asks; return when it is gone."""
+        """Answer the client's messages; return when it is gone."""
         try:
             while True:
                 message = await self._client.websocket.receive()
@@ -131,7 +131,7 @@ class RosbridgeSession:
                 call.cancel()
 
     async def _take(self, data: str | bytes) -> None:
-        """Carry a message out, or say what is wrong with it.
+        """Carry a message out, or send its fault to the client.
 
         Raises:
             RosTypeError: Never; the client gets a status.
@@ -162,7 +162,7 @@ class RosbridgeSession:
     def _told(
         self, identifier: list[object], answer: Callable[[str], None] | None = None
     ) -> Iterator[None]:
-        """Tell the client of what is refused in the body of a `with`.
+        """Tell the client of a refusal in the body of a `with`.
 
         Args:
             identifier: Of the message, once it is known.

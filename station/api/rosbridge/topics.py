@@ -1,4 +1,4 @@
-"""The topics of a station: what is published, and what clients may publish to."""
+"""The topics of a station: published ones, and those that take commands of clients."""
 
 import asyncio
 import re
@@ -111,8 +111,8 @@ class Topic:
         period: Time between two messages [s]; 0 for every tick, or `LATCHED`.
         in_pause: Whether messages come while station time stands still.
         is_quick: Whether `write` returns at once, so that no thread is needed; then it
-            may return what is to be awaited.
-        changes: Whether what clients publish changes something of the station.
+            may return an awaitable.
+        changes: Whether a message of a client changes something of the station.
         due: When the next message is due [s, clock of the event loop].
     """
 

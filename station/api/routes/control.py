@@ -1,4 +1,4 @@
-"""Routes of control: the lease of an operator, and what agents ask a person for."""
+"""Routes of control: the lease of an operator, and requests of agents."""
 
 import time
 
@@ -132,7 +132,7 @@ async def list_agent_requests(services: ServicesDep) -> AgentRequests:
 async def answer_agent(
     number: str, answer: AgentAnswer, services: ServicesDep, connection: Request
 ) -> AgentRequest:
-    """Allow or refuse what an agent asks for; only a person can.
+    """Allow or refuse a request of an agent; only a person can.
 
     The answer takes no control from the agent. A request without an answer in time is
     refused.

@@ -1,4 +1,4 @@
-"""Events, whose answers are pages or endless, and alarms: what asks for a person."""
+"""Events, in pages or as an endless answer, and alarms, which ask for a person."""
 
 from typing import Annotated
 

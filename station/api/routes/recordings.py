@@ -281,7 +281,7 @@ def get_table(
 ) -> StreamingResponse:
     """Return a recording or an incident that has ended as CSV, a row per cycle.
 
-    A column is called after its channel, its field and what the number belongs to, e.g.
+    A column is called after its channel, its field and the number's joint or axis, e.g.
     `joint_states/position/panda_joint1`; `cycle`, `time`, `period` and `epoch` come
     first. Where a channel has no message in a cycle, it has `nan`.
     """

@@ -72,7 +72,7 @@ def put_scene_object(
 
 @router.delete("/scene/{name}", **change(404, 409, 503))
 def delete_scene_object(name: ObjectName, station: StationDep) -> wire.Scene:
-    """Remove an object with a role; answers with what is left."""
+    """Remove an object with a role; answers with the remaining objects."""
     station.surroundings.remove(name)
     return scene(station)
 
@@ -125,7 +125,7 @@ def save_scene(
 ) -> SavedScene:
     """Save the objects that have a role now; a scene of that name is replaced.
 
-    Solid objects and what an arm carries are left out.
+    Solid and carried objects are left out.
     """
     return services.scenes.save(name, station.surroundings.entries())
 

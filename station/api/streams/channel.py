@@ -323,7 +323,7 @@ class EventChannel(Channel):
 def open_channel(
     request: StreamRequest, topic: Topic, right_of_way: RightOfWay
 ) -> Channel:
-    """Return a channel for what a client asks for."""
+    """Return the channel that a client asks for."""
     if isinstance(topic, EventsTopic):
         rate = request.rate or topic.default_rate
         return EventChannel(request, right_of_way, topic, rate)

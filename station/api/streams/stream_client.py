@@ -15,7 +15,7 @@ class StreamPort(Protocol):
         """Hand a whole WebSocket frame to the connection."""
 
     def is_writable(self) -> bool:
-        """Return whether the connection takes more: the client reads what it gets."""
+        """Return whether the connection takes more bytes."""
 
     def listen(self, resumed: Callable[[], None] | None) -> None:
         """Call `resumed` whenever the connection takes more again."""

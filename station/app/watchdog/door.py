@@ -36,7 +36,7 @@ class Door(ThreadingHTTPServer):
     Args:
         listener: Listening, loopback.
         settings: The tokens of the station that are accepted, besides named ones.
-        watch: Answers what the station does, and holds the arms on a stop.
+        watch: Knows the state of the station, and holds the arms on a stop.
         clock: Returns the monotonic time that `watch` looks at [s].
         request_time: How long a client may send nothing [s], > 0.
 
@@ -231,7 +231,7 @@ class _Client(BaseHTTPRequestHandler):
         self.wfile.write(content)
 
     def log_message(self, format: str, *args: object) -> None:  # noqa: A002 - its name
-        """Log nothing: stderr is the watchdog's, for what a user has to know."""
+        """Log nothing: stderr is for the watchdog's messages to users."""
 
 
 def _problem(code: str, detail: str) -> dict[str, object]:

@@ -65,8 +65,8 @@ class Watch:
         settings: Process to watch, and the limits.
         tell: Takes a line for the station's user.
         send: Sends the station a signal.
-        forget_stacks: Removes what the station has written on earlier stack signals.
-        read_stacks: Returns what the station has written on `stack_signal`.
+        forget_stacks: Removes the stacks that the station wrote on earlier signals.
+        read_stacks: Returns the stacks that the station wrote on `stack_signal`.
     """
 
     def __init__(

@@ -147,7 +147,7 @@ def add_view_controller_chains(parser: "Parser") -> None:
 
 
 def view_controller_chains(options: Namespace) -> int:
-    """Print the controllers in the order of their updates, with what they command."""
+    """Print the controllers in the order of their updates, with their chains."""
     with open_client(options) as client:
         chains = client.chains()
     if options.dot:

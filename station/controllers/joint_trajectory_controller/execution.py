@@ -387,7 +387,7 @@ class Request:
 
     Attributes:
         trajectory: The segments of every joint; None to stop and hold.
-        is_void: Whether what was commanded counts no longer, so that the joints hold
+        is_void: Whether earlier commands count no longer, so that the joints hold
             where they are.
         goal: The goal that ends with the trajectory; None for a trajectory without one.
         receipt: Notes the cycle that takes the request.
@@ -507,7 +507,7 @@ class TrajectoryExecution:
 
         Args:
             receipt: Notes the cycle that takes the request.
-            is_void: Whether what was commanded counts no longer, because of a stop, a
+            is_void: Whether earlier commands count no longer, because of a stop, a
                 reset or a recovery: the joints hold where they are.
         """
         self.requests.append(Request(None, None, receipt, is_void))

@@ -81,7 +81,7 @@ class TrajectoryPlanner:
     """Plans requests in the threads that make them; the next cycle takes them up.
 
     Args:
-        execution: Takes up what was planned.
+        execution: Carries the plans out.
         joints: The joints.
         allow_partial_joints_goal: Whether a trajectory may leave joints out.
 

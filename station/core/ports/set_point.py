@@ -364,7 +364,7 @@ class ActiveSetPoint:
     Args:
         port: Receives the set-points.
         action: Reaction when the newest set-point expires.
-        subject: Name of what is commanded, for messages.
+        subject: Name of the commanded thing, for messages.
         rest: Returns the set-point at which the robot rests, shape (n,).
 
     Attributes:

@@ -486,7 +486,7 @@ def state_interface(
     Args:
         arm: The arm.
         arm_id: Prefix of its names.
-        model: The arm's model, which may have what the state needs.
+        model: The arm's model, from which the state is completed.
     """
     states = FrankaStateInterface()
     name = f"{arm_id}_robot"

@@ -467,7 +467,7 @@ class MujocoRobotHW(RobotHW):
 
 
 def _read_tags(parameters: MujocoRobotParameters) -> TaggedRobot:
-    """Return the robot with what the `<ros2_control>` elements of its URDF say."""
+    """Return the robot with the settings of its URDF's `<ros2_control>` elements."""
     files = load_robot_files(parameters.robot_description)
     if not parameters.uses_ros2_control:
         return TaggedRobot(files, (), {}, {}, {}, parameters.sensors, (), ())

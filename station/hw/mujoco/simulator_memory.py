@@ -8,7 +8,7 @@ from station.memory.doubles import Doubles, given_or_zeros
 class SimulatorMemory:
     """A simulator's state of n joints side by side, each of shape (n,).
 
-    Without arguments the memory is the object's own: for tests of what uses it.
+    Without arguments the memory is the object's own: for tests of its users.
 
     Args:
         size: Number of joints.

@@ -50,7 +50,7 @@ _DEVIATIONS = (10.0, 3.12, 6.283)
 
 
 class FciSilenceError(Exception):
-    """The endpoint did not send what a client waits for."""
+    """The endpoint did not send the message that a client waits for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,7 +140,7 @@ def words(kind: type[IntEnum], status: int) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Endpoint:
-    """The address of a robot, and what may be done there.
+    """The address of a robot, and the allowed checks.
 
     Attributes:
         host: Name or address.

@@ -52,11 +52,11 @@ class Row:
     seen: str = ""
 
     def expect(self, expected: str) -> None:
-        """Note what should happen; nothing has been seen yet."""
+        """Note the expected event, before it happens."""
         self.expected = expected
 
     def see(self, seen: object) -> None:
-        """Note what has happened."""
+        """Note the observed event."""
         self.seen = str(seen)
 
 
@@ -160,7 +160,7 @@ def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool | None:
 
     Raises:
         AssertionError: The check does not hold.
-        FciSilenceError: The endpoint has not sent what a client waits for.
+        FciSilenceError: The endpoint has not sent the message that a client waits for.
     """
     row = pyfuncitem.stash.get(_row_key, None)
     if row is None:

@@ -261,7 +261,7 @@ class GainSliders:
     Attributes:
         chosen: The choice of a controller.
         group: The choice of a joint.
-        note: Says what a change does, or why there is nothing to change.
+        note: Text about the effect of a change, or the reason why there is none.
         sliders: The sliders by gain.
     """
 

@@ -436,7 +436,7 @@ class ArmModes(ArmSimulation):
         """Return the refusal of commands that do not fit the present motion.
 
         Args:
-            what: The commands.
+            what: Name of the commands.
         """
         controller = self.controller.value if self.controller else "none"
         return ArmCommandError(
@@ -449,7 +449,7 @@ class ArmModes(ArmSimulation):
         """Refuse to change a setting during a motion.
 
         Args:
-            what: The setting.
+            what: Name of the setting.
 
         Raises:
             ArmCommandError: A motion runs.

@@ -74,7 +74,7 @@ class ArmSensors:
             time: Time of the arm [s].
 
         Returns:
-            What `ArmStep.read_joints` has found.
+            The result of `ArmStep.read_joints`.
         """
         step, state = self._step, self._state
         # Before the joints are read: the state still has the velocities of the last

@@ -233,7 +233,7 @@ class ArmStep(Preparation):
             values: The command.
             size: How many numbers it must have.
             place: Receives the command, shape (>= size,): torques [Nm], positions [rad]
-                or velocities [rad/s] of the joints, or what the end effector is to do.
+                or velocities [rad/s] of the joints, or a command of the end effector.
 
         Returns:
             Whether it certainly is that many finite numbers; if not, nothing has

@@ -31,11 +31,11 @@ class SimulatedCycles:
         period: Duration of a cycle [s], > 0.
         contact: Estimates contacts; supervised while it is not quiet.
         read_disturbed: Reads the joints at a time [s] while a load or a fault acts;
-            returns what `ArmStep.read_joints` returns.
+            returns the result of `ArmStep.read_joints`.
         observer: Disturbs the readings; None for an ideal arm.
         expect_load: Gives the observer the torques for a configured load.
-        react: Does what the observer asks for, given what its `sense` has returned.
-        supervise: Finds contacts and errors, given what `read_joints` has returned.
+        react: Carries out the observer's requests, given the result of its `sense`.
+        supervise: Finds contacts and errors, given the result of `read_joints`.
 
     Attributes:
         cycle: Number of the last cycle.

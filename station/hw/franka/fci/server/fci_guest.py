@@ -71,7 +71,7 @@ class _Guest(Generic[SessionT]):
         return answers, session.udp_port
 
     def leave(self) -> None:
-        """End what the client has begun: it has gone."""
+        """End the motion of a client that has gone."""
         session, self._session, self._unsent = self._session, None, b""
         if session is not None:
             session.close()
@@ -182,7 +182,7 @@ class HandGuest(_Guest[GripperSession]):
         self._cycle = 0
 
     def after_read(self) -> None:
-        """Leave what is new for the client."""
+        """Leave new states for the client."""
         session, page = self._session, self._page
         if session is None or session.udp_port is None:
             return

@@ -137,7 +137,7 @@ class FciServer:
             action: The change; it may not wait.
 
         Returns:
-            When it was done, or what it has raised.
+            Time at which it was done, or its exception.
         """
         done: Future[None] = Future()
         self._changes.put((action, done))
@@ -214,7 +214,7 @@ class FciServer:
             port.send_datagram(port.session.state(self._message_id))
 
     def _wait(self, deadline: float) -> None:
-        """Serve the sockets until the cycle ends, and once more for what came late."""
+        """Serve the sockets until the cycle ends, and once more for late messages."""
         while (left := deadline - self._clock()) > 0.0:
             self._poll(left)
         self._poll(0.0)

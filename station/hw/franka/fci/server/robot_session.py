@@ -311,7 +311,7 @@ class RobotSession:
         return b"".join(self._answer(request) for request in self._reader.feed(data))
 
     def receive_command(self, datagram: bytes) -> None:
-        """Take a UDP datagram; what is no command, or older than the last, is dropped.
+        """Take a UDP datagram; drop it if it is no command, or older than the last.
 
         Args:
             datagram: The datagram.

@@ -14,7 +14,7 @@ _NOTHING: Mapping[str, Any] = {}
 
 
 class FciProtocolError(StationError):
-    """The other side sent what the protocol does not have; the connection ends.
+    """The other side broke the protocol; the connection ends.
 
     Args:
         message: The message that came, and the allowed ones.
@@ -88,7 +88,7 @@ class FrameCutter:
         self._received = bytearray()
 
     def feed(self, data: bytes) -> Iterator[tuple[Mapping[str, int], bytes]]:
-        """Return head and body of what is complete now; the rest waits for more.
+        """Return head and body of complete messages; the rest waits for more bytes.
 
         Args:
             data: The next bytes of the stream.
