@@ -138,7 +138,7 @@ class Percentiles(Report):
         p50: Median.
         p99: 99 of 100 are at most this.
         p999: 999 of 1000 are at most this.
-        max: Longest, even if it is not among those that the percentiles are of.
+        max: Longest, even if the percentiles do not include it.
         count: How many there were.
     """
 
@@ -576,7 +576,7 @@ class Playback(Report):
         speed: Factor of all speeds, 0.05 to 2; without a unit.
         loop: Whether it begins again at its end.
         rounds: Rounds that are complete, 0 or more.
-        waypoint: Number of the waypoint it is on the way to, from 0.
+        waypoint: Number of its present target waypoint, from 0.
         waypoints: How many waypoints a round has.
         progress: Part of the round's waypoints that are behind it, 0 to 1.
         remaining: Time to the end of the round at the present speed [s].

@@ -49,7 +49,7 @@ class Likeness:
         behavior: Thresholds of collisions; None for those of the configuration.
         roles: The objects with a role around the arm.
         controllers: Parameters of the loaded controllers, by name.
-        running: Names of those that run.
+        running: Names of the running controllers.
         gains: Gains by controller and name.
         stopped: Reason of the latched stop; None when motion is allowed.
     """

@@ -241,7 +241,7 @@ class AsyncConnection:
             method: HTTP method.
             path: Path below the prefix of the API.
             answer: Wire model of the answer.
-            body: JSON body, of which a model sends only what was set; or a file.
+            body: JSON, a model, of which only fields with a value are sent, or a file.
             headers: Extra headers.
             query: Query parameters; a list repeats its parameter.
             patience: How much longer than usual the answer may take [s]; infinite for
@@ -366,11 +366,11 @@ class NamedThings(ClientPart, Generic[ThingT]):
     _kind: type[ThingT]
 
     async def get(self, name: str) -> ThingT:
-        """Return the one of that name."""
+        """Return the item of that name."""
         return await self._get(self._of(name), self._kind)
 
     async def delete(self, name: str) -> ThingT:
-        """Delete the one of that name; return its last content."""
+        """Delete the item of that name; return its last content."""
         return await self._send("DELETE", self._of(name), self._kind)
 
 

@@ -193,7 +193,7 @@ class AsyncControllersClient(ClientPart):
             stop: Names to stop.
             strictness: `strict` for all or nothing, `best_effort` for the possible
                 part; `auto` also starts and stops what chains need, and `force_auto`
-                stops who is in the way of a start.
+                stops controllers that hold what a start needs.
             start_asap: Start each as soon as its joints are ready.
             timeout: How long the hardware may take [s], 0 to 60; 0 means as long as it
                 takes, up to `bound`.

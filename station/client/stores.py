@@ -453,7 +453,7 @@ class AsyncWaypointPathsClient(NamedThings[wire.WaypointPath]):
 
         Args:
             name: The path.
-            controller: The trajectory controller; the one that runs when None.
+            controller: The trajectory controller; the running one when None.
             speed: Factor of all speeds, 0.05 to 2.
             loop: Begin again at the end.
         """

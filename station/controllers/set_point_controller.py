@@ -640,10 +640,10 @@ class ForwardCommandController(ForwardJointGroupCommandController[CommandInterfa
 class JointPidController(JointSetPointController[CommandInterfaceT]):
     """Commands the output of one PID per joint for the error of the set-point.
 
-    The error of a position is the way that the joint can go, see `set_wrapping`; the
-    limits come from the robot description, without which positions are not controlled.
-    A set-point of positions may include velocities; the derivative gain then acts on
-    the difference to these velocities.
+    The error of a position is the distance that the joint can turn, see
+    `set_wrapping`; the limits come from the robot description, without which positions
+    are not controlled. A set-point of positions may include velocities; the derivative
+    gain then acts on the difference to these velocities.
 
     Parameters: those of the base class, and the gains of every joint, see
     `PidGains.of_joints`.
@@ -728,7 +728,7 @@ class JointPidController(JointSetPointController[CommandInterfaceT]):
 
 
 def set_wrapping(errors: JointErrors, joints: list[JointDescription]) -> None:
-    """Let the errors of positions be the ways that the joints can go.
+    """Let the errors of positions be the distances that the joints can turn.
 
     A continuous joint takes the shorter of the two ways round, a revolute joint the
     shortest way that stays within its limits.

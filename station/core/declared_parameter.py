@@ -218,7 +218,7 @@ class DeclaredParameter:
 
         Args:
             params: The namespace in which the parameter is declared.
-            value: The value, as it is shown.
+            value: The value, as text for the message.
             allowed: Allowed values, after the words "it must be".
 
         Raises:

@@ -486,7 +486,7 @@ class ConfigError(ParameterError):
     """A configuration cannot be read, or holds something that is not allowed.
 
     Args:
-        problems: One sentence each: where, which key, its value, what is allowed.
+        problems: One sentence each: place, key, value and allowed values.
         remedy: Advice to the user.
 
     Attributes:

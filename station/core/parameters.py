@@ -285,7 +285,7 @@ def unknown_parameters(
 
     Args:
         params: The namespace.
-        known: Full paths of the parameters that are known; what is below one is known.
+        known: Full paths of the known parameters; every path below one is known.
 
     Returns:
         The path of each below the namespace, and a sentence about the names that may

@@ -29,7 +29,7 @@ class AlarmNotFoundError(StationError, KeyError):
 
 @dataclass(frozen=True, slots=True)
 class Cause:
-    """Condition that asks for a person, as it is now.
+    """Present condition that asks for a person.
 
     Attributes:
         subject: Part in trouble, e.g. `stop`, `robot panda` or `controller joint_7`.

@@ -73,7 +73,7 @@ class EventFile:
         return int(found or 0)
 
     def append(self, events: Sequence[Event]) -> None:
-        """Write events, all of them or none; those that are there already stay.
+        """Write events, all of them or none; events with a known number stay.
 
         Raises:
             sqlite3.Error: They cannot be written.

@@ -123,7 +123,7 @@ class EventLog:
             severity: How much it asks for attention.
             what: Method and route, or the subject.
             result: How it ended, in one or two words.
-            details: More facts; what JSON does not have is kept as text.
+            details: More facts; types that JSON does not have are kept as text.
             origin: Person or program that did it, and its address.
         """
         stamp, cycle = self._station_time()

@@ -153,8 +153,8 @@ def _carrier(model: mujoco.MjModel, body: int) -> int:
 class CommandDelay:
     """Lets a robot receive the commands of its joints some cycles late.
 
-    What the arm does by itself, such as holding its pose, is not delayed: the delay is
-    that of the way from the controllers to the robot.
+    The arm's own control, such as that which holds its pose, is not delayed: the delay
+    is that of the way from the controllers to the robot.
 
     Args:
         loop: The robot's loop; while there is a delay, it sends older commands.
@@ -210,7 +210,7 @@ class MeasurementNoise:
     inside of a simulated arm do not.
 
     Args:
-        loop: The robot's loop; while there is noise, it adds it to what it reads.
+        loop: The robot's loop, which adds the noise to its readings.
     """
 
     def __init__(self, loop: ControlLoop) -> None:

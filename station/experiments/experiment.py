@@ -46,7 +46,7 @@ def sweep(
             then that of `base` plus its number.
 
     Raises:
-        ExperimentError: Workers die or refuse again and again; what has ended is kept.
+        ExperimentError: Workers die or refuse again and again; ended trials are kept.
     """
     trials = (
         base.with_parameters(point, base.seed + number if has_seeds else None)
@@ -363,7 +363,7 @@ def _script(world: TrialWorld, request: ExperimentRequest) -> Script:
 
     Raises:
         UnknownParameterError: The controller has no such joint.
-        ExperimentError: Nothing says what the joints shall do.
+        ExperimentError: There is no script, and no motion can be made up.
         StationError: The controller is not loaded.
     """
     world.gains(request.controller)  # refuses a controller that is not loaded

@@ -138,7 +138,7 @@ def _part_left(
     joints: Sequence[str],
     start: Sequence[float],
 ) -> float:
-    """Return the part of the way to a waypoint that is left, 0 to 1."""
+    """Return the share of the motion to a waypoint that is left, 0 to 1."""
     left = whole = 0.0
     for joint, q in zip(joints, start, strict=True):
         end = after.positions.get(joint, q)

@@ -188,7 +188,7 @@ class PathPlayer:
         return replace(path, waypoints=path.waypoints[: last + 1])
 
     def pause(self) -> Playback:
-        """Let the robot hold where it is, on its way to a waypoint.
+        """Let the robot hold its position between two waypoints.
 
         Raises:
             PathRefusedError: No path plays.
@@ -204,7 +204,7 @@ class PathPlayer:
             return self._active()
 
     def resume(self) -> Playback:
-        """Go on to the waypoint that the robot was on the way to.
+        """Resume the motion to the present waypoint.
 
         Raises:
             PathRefusedError: No path is paused.
@@ -319,7 +319,7 @@ class PathPlayer:
                 )
 
     def _since(self) -> Mapping[str, float]:
-        """Return the start of the way to the present waypoint, by joint."""
+        """Return the start of the motion to the present waypoint, by joint."""
         if self._playback is None or self._path is None or self._round is None:
             return {}
         number = self._playback.waypoint

@@ -127,8 +127,8 @@ class YamlFolder:
         """Delete a file, if there is one.
 
         Raises:
-            StationError: The name is none, or the file cannot be deleted; of the kind's
-                own types.
+            StationError: The name is not allowed, or the file cannot be deleted; of
+                the kind's own types.
         """
         try:
             self._path(name).unlink(missing_ok=True)

@@ -69,7 +69,7 @@ def process_start(pid: int) -> str:
 
 
 def is_alive(pid: int, started: str) -> bool:
-    """Return whether a process of this user runs and is the one that is meant.
+    """Return whether a process of this user runs and began at that time.
 
     Args:
         pid: Its number.

@@ -37,7 +37,7 @@ def copy_into(
 
 
 def differ(first: Doubles, second: Doubles, size: int) -> bool:
-    """Return whether a number is not equal to the other one at its place.
+    """Return whether the two vectors differ in a number.
 
     Args:
         first: Numbers, shape (size,).

@@ -171,7 +171,7 @@ class Recording:
         return self.info
 
     def give_up(self) -> None:
-        """Let go of the file as it is: a recovery makes it whole."""
+        """Let go of the unfinished file: a recovery makes it whole."""
         for source in self._sources:
             source.close()
         self._file.give_up()

@@ -16,7 +16,7 @@ from station.records.recording_table import RecordingTable
 
 
 class Upload:
-    """A file on its way into a store, which lists it when it is found to be whole.
+    """A file that is being stored; the store lists it when it is found to be whole.
 
     Args:
         store: Folder of the recordings.

@@ -326,7 +326,7 @@ class Certificates:
                 self._issued.pop(name, None)
 
     def _watch(self, tube: Tube, receipt: Receipt) -> None:
-        """Let a tube take the place of the one before."""
+        """Replace the tube that is watched."""
         if self._tube is not None:
             self._tube.close()
         self._tube = tube

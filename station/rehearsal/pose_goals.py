@@ -96,7 +96,7 @@ def target_pose(
     position: Sequence[float],
     orientation: Sequence[float] | None,
 ) -> list[float]:
-    """Return a pose, 16 numbers.
+    """Return the target pose of an end effector, 16 numbers.
 
     Args:
         present: The present pose, 16 numbers.

@@ -148,7 +148,7 @@ class SwitchObserver:
         self._unowned_since.clear()
 
     def look(self) -> None:
-        """Check the robot as it is now; called before every `write`."""
+        """Check the present state of the robot; called before every `write`."""
         cycle, running = self._manager.cycle, self._manager.running()
         self.find_wrong_commands()
         self._look_at_owners(running)

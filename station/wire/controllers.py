@@ -62,12 +62,12 @@ class ControllerState(ResponseModel):
         type: Its plugin type.
         state: State of its life cycle.
         claimed_resources: Claims, per interface.
-        fault: Why the station stopped it; null if it did not.
+        fault: Reason why the station stopped it; null if it did not.
         traceback: Traceback that belongs to `fault`; null if there is none.
         fallback: Names of the controllers that take over when it fails.
-        time: How long its update takes [s].
+        time: Duration of its updates [s].
         notes: Surprises for its user, such as a parameter that has no effect.
-        update_rate: How often it is updated while it runs [Hz].
+        update_rate: Rate of its updates while it runs [Hz].
         async_update: Its updates in a thread of its own; null if the control thread
             updates it.
     """

@@ -76,7 +76,7 @@ class ArmReport(ResponseModel):
         arm_id: Its name.
         robot_mode: Mode of the arm.
         connected: Whether the station is connected to the arm.
-        errors: Present errors, or else those that ended the last motion.
+        errors: Present errors, or else the errors that ended the last motion.
         remedy: Step needed before the arm can move; empty when it can.
         caution: Estimates of external forces near a collision's threshold,
             and what to do; empty when none is.
@@ -667,7 +667,7 @@ class GraspEpsilon(RequestModel):
 
 
 class GripperGraspRequest(RequestModel):
-    """Close, or open from within, until something is in the way, and press it.
+    """Close, or open from within, until the fingers touch an object, and press it.
 
     Attributes:
         width: Expected width of the object, less than the largest one [m].

@@ -1,8 +1,8 @@
 """Streams of set-points: a client sends, the newest wins, silence lets it expire.
 
-The set-points go the way of PUT `/controllers/{name}/command`, with its checks and
-limits. What comes faster than the event loop turns is not even parsed: of the messages
-that wait, the last one counts, and the others are reported as superseded.
+The set-points are treated like those of PUT `/controllers/{name}/command`, with its
+checks and limits. What comes faster than the event loop turns is not even parsed: of
+the messages that wait, the last one counts, and the others are reported as superseded.
 """
 
 import asyncio

@@ -89,7 +89,7 @@ class _Answer(NamedTuple):
 
 
 class _Pickler(pickle.Pickler):
-    """Pickles handles: with their memory, without what the manager does with them."""
+    """Pickles handles with their memory, without the manager's data."""
 
     @override
     def reducer_override(self, obj: object) -> Any:

@@ -91,7 +91,7 @@ class AsyncUpdate(AsyncFunction):
         controller.aborting = self.aborting  # type: ignore[method-assign]
 
     def close(self) -> None:
-        """Release what it holds besides memory; when the controller is unloaded."""
+        """Release thread and process; when the controller is unloaded."""
 
     def starting(self, time: float) -> None:
         """Start the controller, on the states of this cycle.

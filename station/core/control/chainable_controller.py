@@ -165,7 +165,7 @@ class ChainableController(MultiInterfaceController):
     """A controller that may follow another one.
 
     It exports references and states once, after `init`. While a running controller
-    claims its references the controller is in chained mode: it takes what stands in the
+    claims its references the controller is in chained mode: it takes the values of the
     storage of its references. Otherwise `update_reference_from_subscribers` brings the
     references from set-points. A controller must not change its references in chained
     mode.

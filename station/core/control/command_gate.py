@@ -66,7 +66,7 @@ class CommandBlock:
         raise NotImplementedError
 
     def has_changed(self) -> bool:
-        """Return whether a command is not what was copied."""
+        """Return whether a command differs from its copy."""
         raise NotImplementedError
 
     def write_copy(self) -> None:
@@ -98,7 +98,7 @@ class DoublesBlock(CommandBlock):
         return are_finite(self.copy, self.size)
 
     def has_changed(self) -> bool:
-        """Return whether a command is not what was copied."""
+        """Return whether a command differs from its copy."""
         if cython.compiled:
             return differ(self.memory, self.copy, self.size)
         return self.memory != self.copy
@@ -138,7 +138,7 @@ class ListBlock(CommandBlock):
         return set(map(type, copy)) == _FLOAT and not (total := sum(copy)) - total
 
     def has_changed(self) -> bool:
-        """Return whether commands are not those that were copied."""
+        """Return whether a command differs from its copy."""
         try:
             return self.storage[self.place] != self.copy
         except CONTAINED:  # e.g. an array: its comparison has no truth value
@@ -277,7 +277,7 @@ class CommandGate:
     ) -> str | None:
         """Return a command that a call of `one` has written without owning it.
 
-        Asked after every update while the gate traces. What was written is put back.
+        Called after every update while the gate traces. Foreign writes are put back.
 
         Args:
             one: The controller that was called.

@@ -92,7 +92,7 @@ class CommandGuard:
     def _steps(self) -> list[float]:
         """Return the distance of each command from the last one or from slowing down.
 
-        Slowing down is everything between rest and what keeps the present motion.
+        Slowing down is every command between rest and the present motion.
         """
         steps: list[float] = []
         for position, (storage, index) in enumerate(self.slots):

@@ -170,7 +170,7 @@ class PackedSample(ControllerSample):
         return self.packed[: 32 * self.size]  # four columns of doubles
 
     def column(self, index: int) -> list[float]:
-        """Return a column, shape (n,), also of those that the controller added."""
+        """Return a column, shape (n,), also one that the controller added."""
         return self.rest(index)[: self.size]
 
     def rest(self, index: int) -> list[float]:

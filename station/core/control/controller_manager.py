@@ -402,7 +402,7 @@ class ControllerManager:
         return [loaded.statistics(time) for loaded in self.lifecycle.loaded]
 
     def end_async_threads(self) -> None:
-        """End the threads of what is asynchronous; while no thread runs the loop.
+        """End the threads of asynchronous controllers and robots. The loop must not run.
 
         Controllers and hardware go on: a loop that runs again makes new threads.
         """
@@ -487,7 +487,7 @@ class ControllerManager:
             )
 
     def _refuse_lost_exports(self, loaded: LoadedController) -> None:
-        """Refuse a controller that claims what was unloaded while it was loading.
+        """Refuse a controller whose claimed exports were unloaded while it was loading.
 
         Raises:
             ControllerLoadError: It does.

@@ -152,7 +152,7 @@ class LoadedController:
         return elapsed
 
     def actual_rate(self) -> float:
-        """Return the rate of its updates [Hz]; 0 while no loop is known."""
+        """Return the controller's update rate [Hz]; 0 before a loop runs it."""
         every = self.every if self.beside is None else self.beside.every
         period = self.loop_period * every
         return round(1.0 / period, 6) if period > 0.0 else 0.0
@@ -207,7 +207,7 @@ class LoadedController:
             self.controller.goals.abort(reason)
 
     def excessive_jump(self) -> str | None:
-        """Return the command that is too far from the one before; None if none is."""
+        """Return a command that is too far from the previous one; None if none is."""
         return None if self.may_jump else self.commands.excessive_jump()
 
     def missing_following(self) -> "LoadedController | None":

@@ -1,4 +1,4 @@
-"""A switch on its way from the caller to the control thread and back."""
+"""A switch that passes from the caller to the control thread and back."""
 
 import threading
 from enum import Enum

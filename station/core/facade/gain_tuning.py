@@ -117,7 +117,7 @@ class GainTuning:
                 it does not name.
 
         Returns:
-            What changed, by controller.
+            The changes, by controller.
 
         Raises:
             ControllerNotFoundError: A controller is not loaded; nothing changed.
@@ -149,7 +149,7 @@ class GainTuning:
             )
 
     def undo(self) -> dict[str, GainsChange]:
-        """Take the last change back that was not taken back; return what changed.
+        """Take the last change back that was not taken back; return the new values.
 
         Raises:
             NothingToUndoError: There is no such change, or a controller of it was

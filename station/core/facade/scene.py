@@ -101,7 +101,7 @@ class StationScene:
 
         Args:
             name: Its name.
-            values: Keys of `scene/objects`; what is left out keeps its value.
+            values: Keys of `scene/objects`; other keys keep their values.
 
         Raises:
             ParameterError: A value is impossible.
@@ -242,7 +242,7 @@ class StationScene:
         return self._objects[names.index(name)]
 
     def _refuse_carried(self, thing: SceneObject) -> None:
-        """Refuse to change what an arm carries.
+        """Refuse to change an object that an arm carries.
 
         Raises:
             SceneRefusedError: An arm carries it.
@@ -330,7 +330,7 @@ class StationScene:
 
         Args:
             changed: The objects that changed, as `_noted` returns them.
-            removed: Names of those that there are no more.
+            removed: Names of removed objects.
             placed: Names of the bodies of the simulated world that were moved.
 
         Raises:

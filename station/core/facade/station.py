@@ -109,7 +109,7 @@ class HardwareReport:
         limits: The joints' limits.
         transmissions: Transmissions between actuators and joints.
         clamps: Commands that limits have cut off.
-        repairs: In what the robot differs from its description.
+        repairs: Differences of the robot from its description.
     """
 
     interfaces: tuple[HardwareInterface, ...]

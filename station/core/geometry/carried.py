@@ -18,7 +18,7 @@ _MOST_STRIPS = 4
 
 
 def enclosing_capsules(thing: SceneObject, grip: Pose) -> list[LinkCapsule]:
-    """Return capsules around an object, in the frame of what carries it.
+    """Return capsules around an object, in the frame of the hand that carries it.
 
     Args:
         thing: The object.

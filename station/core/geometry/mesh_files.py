@@ -1,4 +1,4 @@
-"""Mesh files of objects around robots, and convex hulls of what they hold."""
+"""Mesh files of objects around robots, and their convex hulls."""
 
 from itertools import combinations
 from pathlib import Path

@@ -1,6 +1,6 @@
 """One cycle of the control loop: waiting operations, read, update, write.
 
-The order of a cycle and of what happens while time stands still is here alone; the loop
+The order of a cycle, also while time stands still, is here alone; the loop
 decides when a cycle begins.
 """
 

@@ -98,7 +98,7 @@ class LoopMeter:
 
         Args:
             state: Whether the thread runs.
-            failure: Traceback of what ended it; empty if nothing did.
+            failure: Traceback of the error that ended it; empty without an error.
             period: Nominal period in station time [s], > 0.
             real_time_factor: Station time over wall time, as asked for, > 0.
             scheduler: Scheduling class granted to the thread, in words.
@@ -156,7 +156,7 @@ class ControlLoop:
         heartbeat: The page shared with a watchdog; one of this process alone when None.
 
     Attributes:
-        control_cycle: Runs the cycles, and what waits between them.
+        control_cycle: Runs the cycles, and operations between them.
         stop_latch: The latched stop; carried out between two cycles.
         pace: Whether time passes in the thread, and how fast.
         heartbeat: Page that has the time of every wake-up, and in which a

@@ -59,7 +59,7 @@ class RightOfWay:
     def wait_for_begun_cycle(self) -> None:
         """Wait until the next cycle has begun, so that its period is still to come.
 
-        For what takes most of a period, whenever it is done: it then makes the next
+        For work that takes most of a period, at any moment: it then makes the next
         cycle as little late as possible.
         """
         begins = self._beats[0] + self._period / self._pace.real_time_factor

@@ -314,7 +314,7 @@ class SnapshotRing:
         return [rows.record(k) for k in range(len(rows))], rows.lost
 
     def rows_since(self, cycle: int) -> Rows:
-        """Return the cycles after `cycle` as they are; see `read_since`.
+        """Return the rows of the cycles after `cycle`; see `read_since`.
 
         Args:
             cycle: Number of the last cycle the reader has seen; 0 for none.

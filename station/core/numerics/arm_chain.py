@@ -221,7 +221,7 @@ def measure_accelerations(
     sensors: Doubles,
     result: Doubles,
 ) -> None:
-    """Write what accelerometers measure that are fixed to the base and to links.
+    """Write the readings of accelerometers that are fixed to the base and to links.
 
     An accelerometer measures the acceleration of its point less that of gravity, in its
     own axes: at rest 9.81 m/s^2 upwards.

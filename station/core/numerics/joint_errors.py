@@ -1,4 +1,4 @@
-"""Differences between desired and measured values of joints, the way they can go.
+"""Differences between desired and measured values of joints, within their range.
 
 Source: angles@1.9.13 include/angles/angles.h.
 """

@@ -188,8 +188,8 @@ class SetPointPort:
     def expire(self) -> None:
         """Let the set-point in force expire now, and drop the one in the slot.
 
-        What was not picked up yet never is. Without a set-point in force, nothing else
-        happens.
+        A set-point that was not picked up is dropped. Without one in force, nothing
+        else happens.
         """
         self._newest = None
         self._slot.append((None, -inf, self.generation, None))
@@ -238,7 +238,7 @@ class SetPointPort:
         return True
 
     def take_news(self) -> tuple[bool, list[float] | None, bool]:
-        """Take what has changed, for a port that follows this one. In an update only.
+        """Take the changes, for a port that follows this one. In an update only.
 
         Returns:
             Whether set-points became void, the set-point that was picked up or None,
@@ -247,7 +247,7 @@ class SetPointPort:
         return self.take_void(), self.take(), self.take_expiry()
 
     def follow_news(self, news: tuple[bool, list[float] | None, bool]) -> None:
-        """Take what has changed of the port that this one follows."""
+        """Take the changes of the port that this one follows."""
         was_void, values, has_expired = news
         if was_void:
             self.clear()

@@ -70,7 +70,7 @@ class SpeedLaw:
 
         Args:
             begin: Speed at the beginning.
-            end: Speed at the end, which a ramp of that length reaches.
+            end: Speed at the end; a ramp of that length must be able to reach it.
             length: Length of the path, > 0.
             bounds: Its bounds.
         """

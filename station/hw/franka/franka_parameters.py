@@ -88,7 +88,7 @@ class FrankaParameters:
             late (`realtime_config`): 20, which stops it, if `enforce`; 19 if `ignore`.
         collision_behavior: Thresholds at the start (`collision_config`).
         limit_mode: How joint commands are limited.
-        thresholds: Those that Franka does not publish (`supervisor`).
+        thresholds: Thresholds that Franka does not publish (`supervisor`).
         service_limits: The largest loads and pushes (`service_limits`).
         is_realistic: Whether a simulated arm has friction, noise and an observer
             (`realism: typical`), or none of them (`ideal`).

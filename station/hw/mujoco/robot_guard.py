@@ -370,7 +370,7 @@ def _pose(place: _Matrix, axes: _Matrix) -> _Matrix:
 
 
 def _turned_to(axis: _Matrix) -> _Matrix:
-    """Return axes of which z is the one that is given."""
+    """Return axes with the given z axis."""
     across = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
     across /= np.linalg.norm(across)
     return np.column_stack([across, np.cross(axis, across), axis])

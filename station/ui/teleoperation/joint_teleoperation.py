@@ -35,7 +35,7 @@ UNKNOWN_START = (
 
 
 class Movers:
-    """The mover of each joint: of two, the one that asked last. Any thread."""
+    """The mover of each joint; the last request wins. Any thread."""
 
     def __init__(self) -> None:
         self._of: dict[str, object] = {}
@@ -67,7 +67,7 @@ class SetPoint:
 
 @dataclass(slots=True)
 class _Motion:
-    """A joint on its way.
+    """A joint that moves to a value.
 
     Attributes:
         target: The wanted value.

@@ -28,7 +28,7 @@ class Receiver:
         return False
 
     def receive_pose(self, pose: Doubles) -> bool:
-        """Return whether a pose without an elbow, 16 numbers, was taken."""
+        """Take a pose, 16 numbers, without an elbow; return whether it was taken."""
         return False
 
     def rests_at_pose(self) -> bool:

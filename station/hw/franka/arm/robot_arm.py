@@ -164,7 +164,7 @@ class RobotArm(ABC):
         """
 
     def plan_joint_positions(self, q: Storage, fastest: Sequence[float]) -> None:
-        """Let the arm plan its way to positions itself, instead of commanding it.
+        """Let the arm plan a motion to positions itself, instead of commanding it.
 
         One call is enough for the whole way: the cycles after it need no command. The
         next call changes the target wherever the arm is. A target beyond the limits is

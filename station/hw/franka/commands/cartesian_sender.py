@@ -240,7 +240,7 @@ class CartesianSender:
         filters_first: Whether the low-pass acts on the first pose of a motion, too.
 
     Attributes:
-        guard: Keeps the arm clear of what is around it; None where nothing is.
+        guard: Keeps the arm clear of its scene; None without a scene.
     """
 
     def __init__(

@@ -59,7 +59,7 @@ class CommandSender:
         is_active: Whether controllers give any command.
         is_waiting: Whether the arm is coming to rest before it follows them.
         refusal: Why a command was not sent and the motion ended; None if all were sent.
-        guard: Keeps the arm clear of what is around it; None where nothing is.
+        guard: Keeps the arm clear of its scene; None without a scene.
     """
 
     def __init__(

@@ -317,7 +317,7 @@ class ArmModes(ArmSimulation):
         return True
 
     def _find_returns(self) -> dict[int, float]:
-        """Return the way back of each joint beyond a limit [rad]."""
+        """Return the distance back of each joint beyond a limit [rad]."""
         found: dict[int, float] = {}
         memory, limits = self._memory, self._limits
         ranges = zip(limits.lower, limits.upper, strict=True)

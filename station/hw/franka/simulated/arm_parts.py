@@ -40,7 +40,7 @@ class ArmSensors:
         joints: The arm's joints in the world.
         state: The arm's state; time, measured positions, velocities and torques are
             written.
-        positions: Positions of the joints as they are [rad], shape (7,); written.
+        positions: True positions of the joints [rad], shape (7,); written.
         step: Reads the joints.
         load: The configured load.
         faults: The faults that change readings.

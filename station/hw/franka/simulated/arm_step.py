@@ -170,7 +170,7 @@ class ArmStep(Preparation):
             _refuse("joint commands", self.size, values)
 
     def plan_joints(self, q: Storage, fastest: Sequence[float]) -> None:
-        """Plan the way to positions, from the next cycle on.
+        """Plan the motion to positions, from the next cycle on.
 
         Args:
             q: Target positions [rad], shape (7,).

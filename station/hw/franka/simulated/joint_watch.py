@@ -232,7 +232,7 @@ class JointWatch:
             self.violations.add(DEVIATION, 2, bend, self.elbow)
 
     def place(self, q: Doubles, pose: Doubles) -> None:
-        """Write the poses of the links, and the one of the end effector to `pose`."""
+        """Write the poses of the links, and that of the end effector to `pose`."""
         place_links(self.chain, q, self.links)
         compose(self.flange, self.tool, pose)
 

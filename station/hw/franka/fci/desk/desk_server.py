@@ -1,6 +1,6 @@
 """Desk on a port of its own, with TLS and a certificate of its own.
 
-The requests are answered in a thread; what they change of the arm is done by the
+The requests are answered in a thread; changes of the arm are made by the
 server of libfranka's programs between two of its cycles.
 """
 

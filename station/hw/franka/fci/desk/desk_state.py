@@ -33,7 +33,7 @@ Profile = dict[str, Any]
 
 
 class DeskRefusalError(StationError):
-    """Desk does not do what a request asks for.
+    """Desk refuses a request.
 
     Args:
         status: The HTTP status of the answer.
@@ -171,7 +171,7 @@ class Desk:
         return token
 
     def release_control(self, secret: str) -> None:
-        """Give a token back; the one that waits longest comes into force.
+        """Give a token back; the token that has waited longest comes into force.
 
         Raises:
             DeskRefusalError: There is no such token.

@@ -273,7 +273,7 @@ class ArmLink:
         time.sleep(CYCLE_TIME)
 
     def send_command(self, message: bytearray) -> None:
-        """Send a command; what the network does not take is lost."""
+        """Send a command; a datagram that the network does not take is lost."""
         self._network.send_datagram(message)
 
     def send(self, command: Command) -> int:
@@ -357,7 +357,7 @@ class ArmLink:
             self._lose(FciNetworkError("libfranka: UDP receive: Timeout"))
 
     def check(self) -> None:
-        """Refuse what needs an arm.
+        """Refuse a request that needs an arm.
 
         Raises:
             ArmCommandError: The arm is lost.

@@ -75,7 +75,7 @@ class RealRobot:
         return services
 
     def close(self) -> None:
-        """Stop what moves, and hang up."""
+        """Stop the motion, and close the connection."""
         if self._hand is not None:
             self._hand.close()
         self.arm.close()

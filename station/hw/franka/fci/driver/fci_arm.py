@@ -436,7 +436,7 @@ class FciArm(RobotArm):
         self._link.close()
 
     def _take_state(self) -> None:
-        """Look what a new state says of the motion."""
+        """Follow the motion by a new state."""
         if self._motion is not None:
             self._commands.note_state()
             if not self._commands.is_shown():

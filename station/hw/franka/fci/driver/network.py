@@ -47,7 +47,7 @@ class Network(Protocol):
         """Return the next bytes of the TCP stream; none if none came in time [s]."""
 
     def send_datagram(self, data: bytearray) -> None:
-        """Send a command; what the network does not take is lost."""
+        """Send a command; a datagram that the network does not take is lost."""
 
     def wait(self, buffer: bytearray) -> int:
         """Wait for a datagram, `SLICE` at most; return its size, 0 without one."""
@@ -135,7 +135,7 @@ class FciNetwork:
         return data
 
     def send_datagram(self, data: bytearray) -> None:
-        """Send a command; what the network does not take is lost."""
+        """Send a command; a datagram that the network does not take is lost."""
         try:
             self._udp.send(data, socket.MSG_DONTWAIT)
         except OSError:
