@@ -165,7 +165,7 @@ class Agents:
         """Refuse an operation that no agent has.
 
         Raises:
-            AgentRefusedError: It is none of theirs.
+            AgentRefusedError: Agents may not call the operation.
         """
         if operation not in FREE | ASKED:
             raise AgentRefusedError(

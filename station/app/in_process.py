@@ -298,7 +298,7 @@ class InProcessStation:
             duration: How long it takes [s]; a calm time when None.
 
         Raises:
-            MotionError: The joints did not arrive, and why.
+            MotionError: The joints did not arrive; with the reason.
         """
         name = self._trajectory_controller()
         motion = self.facade.motion

@@ -163,8 +163,8 @@ def run_model(
         work: Called with the model, in a process of its own.
 
     Raises:
-        RehearsalError: There is no model, or it came to no result.
-        StationError: The work ended with it.
+        RehearsalError: There is no model, or its process ended without a result.
+        StationError: The work raised it.
     """
     question = pickle.dumps((Likeness.of(config, station), work))
     # Without `close_fds` the process is spawned: nothing of this one is copied.

@@ -209,7 +209,7 @@ class AsyncGripperClient(ClientPart):
             timeout: Longest wait [s].
 
         Raises:
-            MotionError: The width was not reached, and why.
+            MotionError: The width was not reached; with the reason.
         """
         if width is None:
             width = (await self.state()).max_width
@@ -230,7 +230,7 @@ class AsyncGripperClient(ClientPart):
             The state; its `width` is that of the object, 0 without one.
 
         Raises:
-            MotionError: The fingers did not close, and why.
+            MotionError: The fingers did not close; with the reason.
         """
         # Closed fingers are a hair beyond zero or not, hence the inner tolerance.
         whatever = wire.GraspEpsilon(inner=0.005, outer=(await self.state()).max_width)

@@ -270,7 +270,7 @@ class AsyncStationClient(AsyncControllersClient):
             plan: Go by a path of the joints that touches nothing, as `start_move`.
 
         Raises:
-            MotionError: The arm did not arrive, and why.
+            MotionError: The arm did not arrive; with the reason.
             ValueError: A motion to a `Pose` was given a duration.
         """
         sleep = self._connection.sleep

@@ -76,7 +76,7 @@ class Mechanics:
         return str(self._model.body(self._carrier).name)
 
     def restore(self) -> None:
-        """Put the model back as it was, bit for bit."""
+        """Restore the original values of the model, bit for bit."""
         for name, value in self._pristine.items():
             getattr(self._model, name)[...] = value
 

@@ -231,7 +231,7 @@ class TrialWorld:
         """Refuse a controller that is not loaded, and say why it is not.
 
         Raises:
-            StationError: The error of its loading, or that there is none.
+            StationError: It was not loaded; the error of its loading, if any.
         """
         not_loaded = self.station.not_loaded.get(controller)
         if not_loaded is not None:
@@ -241,7 +241,7 @@ class TrialWorld:
     def _play(
         self, script: Script, reference: Reference
     ) -> tuple[Trace, Counts, str | None]:
-        """Play the script; return the cycles, the counts, and why it ended early.
+        """Play the script; return cycles, counts, and the reason of an early end.
 
         Raises:
             StationError: The controller runs, and refuses a command.

@@ -90,7 +90,7 @@ def tunable_gains(
         suffixes: Ends of their names, after a `/`, or whole names.
 
     Raises:
-        UnknownParameterError: There is none.
+        UnknownParameterError: No gain can be tuned.
     """
     found = {
         name: value

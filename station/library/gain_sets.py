@@ -69,7 +69,7 @@ class GainSets(Library[GainSet]):
             controllers: Controllers; all loaded controllers when None.
 
         Raises:
-            GainSetError: The name is none, or the file cannot be written.
+            GainSetError: The name is not allowed, or the file cannot be written.
             ControllerNotFoundError: A controller is not loaded.
         """
         if controllers is None:

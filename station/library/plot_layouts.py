@@ -43,7 +43,7 @@ class PlotLayouts(Library[PlotLayout]):
             docks: Folds and sizes of the docks; None keeps those of the layout.
 
         Raises:
-            PlotLayoutNotFoundError: The name is none.
+            PlotLayoutNotFoundError: The name is not allowed.
             PlotLayoutError: The file cannot be written.
         """
         with self._files.changing(name):

@@ -31,7 +31,7 @@ class SavedScenes(Library[SavedScene]):
             objects: The objects.
 
         Raises:
-            SavedSceneNotFoundError: The name is none.
+            SavedSceneNotFoundError: The name is not allowed.
             SavedSceneError: The file cannot be written.
         """
         entries = [dict(one) for one in objects]

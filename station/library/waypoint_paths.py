@@ -51,7 +51,7 @@ class WaypointPaths(Library[WaypointPath]):
         """Save a path; one of that name is replaced.
 
         Raises:
-            WaypointPathNotFoundError: The name is none.
+            WaypointPathNotFoundError: The name is not allowed.
             WaypointPathError: The file cannot be written.
             InvalidTrajectoryError: A joint is unknown, or a number is impossible.
         """
@@ -72,7 +72,7 @@ class WaypointPaths(Library[WaypointPath]):
             duration: Time to it from the waypoint before [s], > 0.
 
         Raises:
-            WaypointPathNotFoundError: The name is none.
+            WaypointPathNotFoundError: The name is not allowed.
             WaypointPathError: The file cannot be read or written.
             InvalidTrajectoryError: The duration is impossible, or there are too many.
             LoopError: No cycle has run yet.

@@ -36,7 +36,7 @@ class FileKind:
     Attributes:
         noun: Noun for an entry in messages, e.g. `gain set`.
         folder: Name of the folder among the data of the control station.
-        not_found: Raised when there is none of a name, or a name is none.
+        not_found: Raised when no file has a name, or a name is not allowed.
         unusable: Raised when a file cannot be read or written, or is malformed.
     """
 
@@ -104,8 +104,8 @@ class YamlFolder:
         """Write a file; one of that name is replaced.
 
         Raises:
-            StationError: The name is none, or the file cannot be written; of the kind's
-                own types.
+            StationError: The name is not allowed, or the file cannot be written; of
+                the kind's own types.
         """
         path = self._path(name)
         text = yaml.safe_dump(dict(data), sort_keys=False)
@@ -195,7 +195,7 @@ class Library(Generic[ThingT]):
         """Return a thing.
 
         Raises:
-            StationError: There is none of that name, or its file cannot be read or is
+            StationError: No item has that name, or its file cannot be read or is
                 malformed; of the kind's own types.
         """
         data = self._files.read(name)
@@ -213,7 +213,7 @@ class Library(Generic[ThingT]):
         """Delete a thing and return it.
 
         Raises:
-            StationError: There is none of that name, or its file cannot be read or
+            StationError: No item has that name, or its file cannot be read or
                 deleted; of the kind's own types.
         """
         with self._files.changing(name):

@@ -94,7 +94,7 @@ def _trust_only(text: str, path: str | os.PathLike[str]) -> ssl.SSLContext:
     """Return a context that trusts the certificates in a PEM text.
 
     Raises:
-        TlsFilesError: There is none.
+        TlsFilesError: The file has no certificate.
     """
     try:
         context = ssl.create_default_context(cadata=text)

@@ -292,7 +292,7 @@ class RecordStore:
         """Refuse a name that cannot be a part of a file's name.
 
         Raises:
-            RecordingRefusedError: It cannot; an empty name is none, and allowed.
+            RecordingRefusedError: The name is not allowed; an empty name is.
         """
         if name and not NAME.fullmatch(name):
             raise RecordingRefusedError(
@@ -420,7 +420,7 @@ class RecordStore:
         return sorted(self.folder.glob("*.json"), key=lambda path: path.stem)
 
     def _presented(self, path: Path) -> RecordingInfo | None:
-        """Return a description as it holds now; None when there is none to be used."""
+        """Return a description in its present state; None when it is unusable."""
         try:
             info = self._read(path)
         except (OSError, ValueError):

@@ -129,7 +129,7 @@ def joints_at(
         accept: Whether a solution is good; the search ends with enough of them.
 
     Returns:
-        The good ones; others when there is none.
+        The reachable poses; others if none is reachable.
 
     Raises:
         NoPathError: The hand cannot get there.

@@ -30,7 +30,7 @@ class ExperimentProcess:
         order: Request, setup and gains of the experiment.
 
     Raises:
-        StationError: The process refuses it, and why.
+        StationError: The process refuses the experiment.
         ExperimentError: The process cannot be started, or ended before it began.
     """
 

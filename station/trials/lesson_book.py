@@ -136,7 +136,7 @@ class Book:
 
     Attributes:
         lessons: Lessons by name, in their order.
-        unusable: Files that are no lessons, and why.
+        unusable: Files that are no lessons, with their faults.
     """
 
     lessons: Mapping[str, LessonText]

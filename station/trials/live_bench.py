@@ -195,7 +195,7 @@ class LiveBench:
             ControllerStateError: The controller does not run.
             UnknownParameterError: The controller commands no such joint.
             BenchRefusedError: The controller has no set-point yet, or a joint moves.
-            StationError: The excitation is not possible, and why.
+            StationError: The excitation is not possible.
         """
         station, excitation = self._station, request.excitation
         name = excitation.joint

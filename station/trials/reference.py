@@ -206,7 +206,7 @@ def _begin(facade: Station, controller: str, element: SetPointElement) -> float:
     """Return the value of a set-point at which nothing moves.
 
     Raises:
-        ExperimentError: There is none that is known.
+        ExperimentError: The set-point is the position of no joint.
     """
     if element.unit not in POSITION_UNITS:
         return 0.0  # no velocity, no effort

@@ -68,7 +68,7 @@ class Lessons(ResponseModel):
 
     Attributes:
         lessons: The lessons.
-        unusable: Files of the user's folder that are no lessons, and why.
+        unusable: Files of the user's folder that are no lessons, with their faults.
     """
 
     lessons: Items[Lesson]

@@ -159,7 +159,8 @@ class Broker:
         """Return a new topic that clients publish to.
 
         Raises:
-            RosTypeError: The name or the type is none, or the name is the station's.
+            RosTypeError: The name or the type is malformed, or the name is the
+                station's.
         """
         kind, _ = self._checked_name(name, type_name)
 
@@ -215,8 +216,8 @@ class Broker:
             member: The client that offers it.
 
         Raises:
-            RosTypeError: The name or the type is none, the name is the station's or
-                another client's, or the client offers too much.
+            RosTypeError: The name or the type is malformed, the name is the station's
+                or another client's, or the client offers too much.
         """
         name = f"/{written.strip('/')}"
         kind, is_ros2 = self._checked_name(name, type_name)
@@ -337,7 +338,8 @@ class Broker:
         """Return the type as ROS 1 names it, and whether it was given as ROS 2 does.
 
         Raises:
-            RosTypeError: The name or the type is none, or the name is the station's.
+            RosTypeError: The name or the type is malformed, or the name is the
+                station's.
         """
         for pattern, what, given in ((_NAME, "name", name), (_TYPE, "type", type_name)):
             if len(given) > _MOST_CHARACTERS or not pattern.fullmatch(given):

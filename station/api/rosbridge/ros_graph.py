@@ -110,7 +110,7 @@ class RosGraph:
             type_name: Its type in either style; any when empty.
 
         Raises:
-            RosTypeError: There is none of that name, or it has another type.
+            RosTypeError: The name is unknown, or it has another type.
         """
         name, known = path_of(name), getattr(self, what)
         # Looking anew costs a millisecond, and a client may ask for anything.

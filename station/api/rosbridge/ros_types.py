@@ -251,7 +251,7 @@ def _checked_time(kind: str, value: object, where: str) -> Values:
     """Return a time or a duration, from the names of ROS 1 or of ROS 2.
 
     Raises:
-        RosTypeError: It is none.
+        RosTypeError: The value is no time.
     """
     given = {} if value is None else value
     if not isinstance(given, Mapping) or given.keys() - {

@@ -189,7 +189,7 @@ class RosbridgeSession:
         """Return a topic; with its type, one that clients have not had yet.
 
         Raises:
-            RosTypeError: There is none, or it has another type.
+            RosTypeError: The topic is unknown, or it has another type.
         """
         name, kind = path_of(message["topic"]), str(message.get("type") or "")
         try:
@@ -367,7 +367,7 @@ class RosbridgeSession:
         """Return the response of another client.
 
         Raises:
-            RosTypeError: The request is malformed, or there is none.
+            RosTypeError: The request is malformed, or its service is unknown.
         """
         answered: asyncio.Future[Answer] = asyncio.get_running_loop().create_future()
 
@@ -573,7 +573,7 @@ def _number(message: Message, key: str, most: int) -> int:
     """Return a whole number of a message; 0 without one.
 
     Raises:
-        RosTypeError: It is none, or out of range.
+        RosTypeError: The value is no number, or out of range.
     """
     value = message.get(key) or 0
     if not isinstance(value, int | float) or not 0 <= value <= most:

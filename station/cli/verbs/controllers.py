@@ -252,7 +252,7 @@ def _find_type(types: "list[ControllerType]", name: str) -> "ControllerType":
     """Return the type of that name.
 
     Raises:
-        UsageError: There is none.
+        UsageError: The type is unknown.
     """
     for each in types:
         if each.type == name:

@@ -402,7 +402,7 @@ class ControllerManager:
         return [loaded.statistics(time) for loaded in self.lifecycle.loaded]
 
     def end_async_threads(self) -> None:
-        """End the threads of asynchronous controllers and robots. The loop must not run.
+        """End the threads of asynchronous controllers and robots, without a loop.
 
         Controllers and hardware go on: a loop that runs again makes new threads.
         """

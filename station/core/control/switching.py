@@ -127,7 +127,7 @@ class SwitchResult:
         started: Names that were started and run, in load order.
         stopped: Names that were stopped and do not run, in load order.
         outcome: How the switch ended.
-        failed: Why a controller of the request is not as requested, and why one that
+        failed: Reason why a controller is not as requested, and why one that
             ran before does not run again, by name.
         jump: Distance of the first commands from the last ones, by
             resource, in the unit of the command.

@@ -60,7 +60,7 @@ class InputLog:
         self._inputs: deque[Input] = deque(maxlen=CAPACITY)
 
     def note(self, kind: str, **arguments: object) -> None:
-        """Note an input that takes effect now, between two cycles or outside of cycles."""
+        """Note an input that takes effect now, between two cycles or outside."""
         cycle = self._loop.cycle
         self._add(kind, arguments, lambda: cycle)
 

@@ -258,7 +258,7 @@ class StationScene:
         """Return the guard of an arm, or the only one.
 
         Raises:
-            SceneRefusedError: There is none, or more than one and no name.
+            SceneRefusedError: There is no guard, or more than one and no name.
         """
         names = [one.arm_id for one in self._guards]
         if arm_id in names:

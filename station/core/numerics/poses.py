@@ -59,7 +59,7 @@ def twist_between(
 
 
 def pose_of(position: Sequence[float], quaternion: Sequence[float]) -> list[float]:
-    """Return the target pose of an end effector, 16 numbers.
+    """Return the pose of a position and a quaternion, 16 numbers.
 
     Args:
         position: Position of the origin [m], shape (3,).

@@ -153,7 +153,7 @@ class JointSliders:
 
     Attributes:
         teleoperation: The commands of this panel.
-        state: Says whether the sliders command, and why not.
+        state: Text that says whether the sliders command, or why not.
         speed: The highest speed of the joints [rad/s].
         sliders: The sliders by joint.
     """

@@ -362,7 +362,7 @@ class RobotArm(ABC):
         """Return the present errors, or else the errors that ended the last motion."""
 
     def failure(self) -> str:
-        """Return the arm's own words on the end of its last motion; may be empty."""
+        """Return the arm's message about the end of its last motion; may be empty."""
         return ""
 
     @abstractmethod

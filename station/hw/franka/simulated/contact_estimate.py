@@ -149,7 +149,7 @@ class ContactEstimate:
         """Take over the torques for the configured load; `update` asks for them."""
 
     def react_to(self, found: int) -> bool:
-        """Serve the requests of an observer; there is none here.
+        """Serve the requests of an observer; here there is no observer.
 
         Args:
             found: Result of `FrictionAndObserver.sense`, not 0.

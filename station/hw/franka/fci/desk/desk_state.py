@@ -248,7 +248,7 @@ class Desk:
         """Return an end effector.
 
         Raises:
-            DeskRefusalError: There is none of the name.
+            DeskRefusalError: No profile has the name.
         """
         if name not in self.profiles:
             raise DeskRefusalError(404, "NotFound", f"There is no profile {name!r}.")
@@ -273,7 +273,8 @@ class Desk:
         """Forget an end effector.
 
         Raises:
-            DeskRefusalError: There is none, it is Desk's own, or it counts now.
+            DeskRefusalError: No profile has the name, it is Desk's own, or it is
+                active.
         """
         self.find_profile(name)
         self._check_own(name)
@@ -285,7 +286,7 @@ class Desk:
         """Let an end effector count.
 
         Raises:
-            DeskRefusalError: There is none of the name.
+            DeskRefusalError: No profile has the name.
         """
         load, frame = load_of(self.find_profile(name))
         self.active = name
@@ -307,7 +308,7 @@ def load_of(profile: Mapping[str, Any]) -> tuple[Load, tuple[float, ...]]:
     """Return mass properties and F_T_NE of a profile.
 
     Raises:
-        DeskRefusalError: A number is missing, or is none.
+        DeskRefusalError: A number is missing, or malformed.
     """
     try:
         inertial, tcp = profile["inertial"], profile["tcp"]

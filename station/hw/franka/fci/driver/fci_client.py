@@ -96,7 +96,7 @@ class FciClient(Generic[_Command]):
         Raises:
             FciNetworkError: No answer came.
             IncompatibleVersionError: The other side speaks another version.
-            FciProtocolError: The answer is none.
+            FciProtocolError: The answer is malformed.
         """
         own, port = self._version, self._network.udp_port
         answer = self.ask(self._connect, {"version": own, "udp_port": port})
