@@ -110,7 +110,7 @@ def compiled_modules() -> dict[str, Path]:
 
 
 def recipe_digest() -> str | None:
-    """Return the digest of `setup.py`; None in an installed package, which has none."""
+    """Return the digest of `setup.py`; None in an installed package."""
     recipe = PACKAGE.parent / "setup.py"
     return file_digest(recipe) if recipe.is_file() else None
 

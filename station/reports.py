@@ -955,7 +955,7 @@ class AgentRequest(Report):
         number: Name of the request, for the answer.
         agent: Name of the agent.
         operation: Operation of the API that it asks for.
-        target: Name of its object, e.g. of a controller; may be empty.
+        target: Name of the controller or other thing to change; may be empty.
         request: Body of the request; null without one.
         asked_at: Wall time when it came [s since 1970].
         expires_at: Wall time when it is refused without an answer [s since 1970].

@@ -341,7 +341,7 @@ class AsyncStationClient(AsyncControllersClient):
         return (await self._get("/scene", wire.Scene)).clearances
 
     async def put_object(self, name: str, /, **values: JsonValue) -> wire.SceneObject:
-        """Add an object that arms keep clear of, or change the one of that name.
+        """Add an object that arms keep clear of, or change the object of that name.
 
         Args:
             name: Its name.

@@ -209,8 +209,8 @@ class EventLog:
         Args:
             after: Number of the last event that the reader has; 0 for none.
             limit: Most events that are returned, >= 1.
-            kinds: Only these; all when empty.
-            severity: Only those of at least this severity.
+            kinds: Kinds of the events; all when empty.
+            severity: Least severity of the events.
         """
         with self._lock:
             file = None if self._covers(after) else self._file
@@ -245,8 +245,8 @@ class EventLog:
 
         Args:
             limit: Most events that are returned, >= 1.
-            kinds: Only these; all when empty.
-            severity: Only those of at least this severity.
+            kinds: Kinds of the events; all when empty.
+            severity: Least severity of the events.
         """
         with self._lock:
             recent, file = list(self._recent), self._file

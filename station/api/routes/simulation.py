@@ -65,7 +65,7 @@ def scene(station: StationDep) -> wire.Scene:
 def put_scene_object(
     name: ObjectName, request: wire.SceneObjectRequest, station: StationDep
 ) -> wire.SceneObject:
-    """Add an object with a role, or change, move or drag the one of that name."""
+    """Add an object with a role, or change, move or drag an object of that name."""
     values = request.model_dump(exclude_unset=True)
     return wire.SceneObject.model_validate(station.surroundings.put(name, values))
 

@@ -97,7 +97,7 @@ class StationScene:
         return [one for one in found if one is not None]
 
     def put(self, name: str, values: Mapping[str, object]) -> SceneObjectReport:
-        """Add an object, or change the one of that name.
+        """Add an object, or change the object of that name.
 
         Args:
             name: Its name.
