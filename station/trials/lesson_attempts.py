@@ -178,7 +178,7 @@ class LessonAttempts:
             self._name, self._watch = "", None
 
     def take(self) -> None:
-        """Read the cycles since the last call; the thread of the lessons does so, too."""
+        """Read the cycles since the last call, as the thread of the lessons does."""
         with self._lock:
             if self._watch is not None:
                 self._watch.take()
