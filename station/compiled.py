@@ -280,7 +280,7 @@ def _lock_path() -> Path:
 
 @contextmanager
 def building(*, waits: bool = True) -> Iterator[int]:
-    """Let one process at a time build, and everybody see that it does.
+    """Let one process at a time build, behind a lock that others can read.
 
     Args:
         waits: Whether to wait for a build that is under way.

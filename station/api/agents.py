@@ -66,7 +66,7 @@ MOST_KEPT = 200
 
 
 def seat_of(method: str, operation: Mapping[str, Any]) -> str | None:
-    """Return the seat of an operation for agents; None when they are not offered it.
+    """Return the agents' right to an operation; None when agents cannot use it.
 
     Args:
         method: HTTP method, in small letters.

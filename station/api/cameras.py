@@ -152,7 +152,7 @@ class Cameras:
         return newest if newest and newest.drawn_at > fresh else None
 
     async def pictures(self, name: str) -> AsyncIterator[Picture]:
-        """Yield the pictures of a camera, each once, until it has no more."""
+        """Yield the pictures of a camera, each once, until the camera ends."""
         number = -1
         while True:
             found = await self.picture(name, number)

@@ -171,7 +171,7 @@ class StationWatchdog:
             self._process.finish(FINISH_TIMEOUT)
 
     def check_end(self, cause: StationError | None = None) -> None:
-        """Refuse to call the end of the station an orderly one when it was not.
+        """Raise if the watchdog has ended the station.
 
         Args:
             cause: Error of the station's end, if there was one.

@@ -128,7 +128,7 @@ class AsyncConnection:
     def repeat(
         self, act: Callable[[], Coroutine[Any, Any, bool]], period: float
     ) -> Callable[[], Awaitable[None]]:
-        """Do something again and again beside the program, until it returns False.
+        """Repeat a function beside the program until it returns False.
 
         Args:
             act: Action to repeat, first after a period.

@@ -290,7 +290,7 @@ class AsyncControllersClient(ClientPart):
         relay_gain: float | None = None,
         run: str | None = None,
     ) -> BenchResponse:
-        """Excite one joint through a running controller, and return how it follows.
+        """Excite one joint through a running controller, and return its response.
 
         The answer comes when the joint is back where it began. What is too large, too
         fast or too near a limit is refused before anything moves.

@@ -60,7 +60,7 @@ class _Section(BaseModel):
 
 
 def _within(lower: float, upper: float) -> Callable[[float], float]:
-    """Return a check of a number that names both ends of its range when it refuses."""
+    """Return a check of a number, whose refusal names both ends of the range."""
 
     def check(value: float) -> float:
         if not lower <= value <= upper:

@@ -423,7 +423,7 @@ class JointPidGroup:
     def _keep_integral_part(
         self, index: int, before: PidGains, after: PidGains
     ) -> None:
-        """Let the integral part of one joint's command go on from where it is.
+        """Keep the integral part of one joint's command.
 
         The integral part often carries a load. If the integral itself stayed, twice the
         gain would be twice the torque in the next cycle.
@@ -568,7 +568,7 @@ class JointSetPointController(Controller[CommandInterfaceT]):
         )
 
     def rest(self) -> list[float]:
-        """Return the set-point at which the joints rest where they are, shape (n,)."""
+        """Return the set-point at which the joints keep their positions, shape (n,)."""
         if self.quantity is JointQuantity.POSITION:
             return self.group.get_positions()
         return [0.0] * len(self.joints)

@@ -153,7 +153,7 @@ class Alarms:
         return alarm
 
     def _keep(self, alarm: Alarm) -> None:
-        """Put a changed alarm into the list, or take it out when it is done with."""
+        """Put a changed alarm into the list, or remove one that is over."""
         self._alarms[alarm.id] = alarm
         # Gone and seen: only the event log keeps it.
         if alarm.cleared_at is not None and alarm.acknowledged_at is not None:

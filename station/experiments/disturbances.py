@@ -83,7 +83,7 @@ class Mechanics:
     def change(
         self, load: float, friction: Mapping[str, float], damping: Mapping[str, float]
     ) -> None:
-        """Change the model as it was; `restore` comes first.
+        """Change the original model; call `restore` first.
 
         Args:
             load: Mass at the centre of mass of the carrier [kg], >= 0. Neither the

@@ -234,7 +234,7 @@ def carry_out(
     executor: Executor,
     watch: Watcher = lambda _: None,
 ) -> Progress:
-    """Run an experiment to its end, and note in its results how it ended.
+    """Run an experiment to its end, and note the reason of the end in its results.
 
     Args:
         experiment: Experiment to run.

@@ -260,7 +260,7 @@ class PathPlayer:
             return self._playback
 
     def _goes_on(self, play: int) -> bool:
-        """Look at a path; return whether it is to be looked at again."""
+        """Advance a path; return whether it has not ended."""
         with self._lock:
             if play != self._play:
                 return False

@@ -409,7 +409,7 @@ class _Reader:
         return bytes(text).decode()
 
     def pass_over(self, code: str) -> int:
-        """Go past a number; return where it ends.
+        """Skip a number; return the offset of its end.
 
         Raises:
             struct.error: The data end too early.

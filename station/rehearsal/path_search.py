@@ -103,7 +103,7 @@ class PathSearch:
     def _connect(
         self, tree: tuple[list[Joints], list[int]], wanted: Joints, deadline: float
     ) -> bool:
-        """Grow a tree towards a pose as far as it gets; return whether it is there."""
+        """Grow a tree towards a pose as far as possible; return whether it arrived."""
         while True:
             reached = self._grow(tree, wanted, deadline)
             if reached is None:

@@ -186,7 +186,7 @@ class LessonAttempts:
     def check(
         self, name: str, person: str, answers: Mapping[str, float]
     ) -> LessonResult:
-        """Check the attempt under way, and keep that it is solved.
+        """Check the attempt under way, and keep a success.
 
         Args:
             name: The lesson.

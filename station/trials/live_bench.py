@@ -345,7 +345,7 @@ class LiveBench:
     def _check_on_the_way(
         self, joint: int, start: float, allowed: float, deadline: float
     ) -> None:
-        """End a measurement that does not go as it should.
+        """End a measurement that leaves its bounds.
 
         Raises:
             BenchRefusedError: The joint is too far away, or time does not pass.
@@ -369,7 +369,7 @@ class LiveBench:
     def _brake(
         self, controller: str, begin: list[float], admit: Callable[[], None]
     ) -> None:
-        """Let the joints stay where they are: their last command is further away."""
+        """Let the joints keep their positions; their last command is further away."""
         station = self._station
         if station.manager.get_controller(controller).trajectories is None:
             here = dict(

@@ -124,7 +124,7 @@ class RequestModel(WireModel):
 
 
 def check_depth(values: dict[str, JsonValue]) -> dict[str, JsonValue]:
-    """Return `values` as they are when they are not nested too deep.
+    """Return `values` unchanged when their nesting is not too deep.
 
     Raises:
         ValueError: The nesting is deeper than `MAX_DEPTH`.

@@ -281,7 +281,7 @@ class StationTopics:
         return replace(urdf, joints=fixed), replace(urdf, joints=moving)
 
     def _clock(self, frame: CycleFrame) -> Values | None:
-        """Return the time, while it does not pass as on the wall."""
+        """Return station time while it is paused or differs in speed from wall time."""
         found = self._station.simulation.find()
         if found is None or (not found.paused and found.real_time_factor == 1.0):
             return None

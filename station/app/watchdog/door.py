@@ -156,7 +156,7 @@ class Door(ThreadingHTTPServer):
             self._open.remove(client)
 
     def handle_error(self, request: object, client_address: object) -> None:
-        """Print the error of a thread, if it is one."""
+        """Print the error of a thread, unless a client has gone."""
         # A client that is gone is no error, and nobody may read stderr any more.
         if not isinstance(sys.exception(), OSError):
             with suppress(OSError):

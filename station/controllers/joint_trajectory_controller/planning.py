@@ -295,7 +295,7 @@ class TrajectoryPlanner:
         tolerances: Mapping[str, JointTolerances] | None,
         present: _Present,
     ) -> tuple[JointTrajectory, Mapping[str, JointTolerances] | None]:
-        """Return a request for where the joints stand as one for where they are held.
+        """Replace a request for the measured positions by one for the held positions.
 
         A loaded joint stands below where it is commanded to be. If it were commanded to
         the place where it stands, it would sink instead of staying there.

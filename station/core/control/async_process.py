@@ -114,7 +114,7 @@ class ProcessUpdate(AsyncUpdate):
 
     Args:
         controller: The controller, initialised over private copies.
-        params: How it is updated.
+        params: Policy, cycles and time limit of the updates.
         private: The copies.
         outputs: (storage, index) of the commands that it has claimed.
         namespace: The controller's namespace.

@@ -62,7 +62,7 @@ class AsyncUpdate(AsyncFunction):
 
     Args:
         controller: The controller, initialised over private copies.
-        params: How it is updated.
+        params: Policy, cycles and time limit of the updates.
         storages: Every storage that it uses, with its private copy.
         outputs: (storage, index) of the commands that it has claimed.
     """

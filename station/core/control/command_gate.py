@@ -230,7 +230,7 @@ class CommandGate:
         return changed
 
     def forget_rest(self) -> None:
-        """Let resources without an owner rest where they are when owners are noted.
+        """Let resources without an owner keep their positions when owners are noted.
 
         For a world that was put somewhere else.
         """

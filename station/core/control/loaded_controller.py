@@ -174,7 +174,7 @@ class LoadedController:
         self.last_overrun = 0.0
 
     def watch_first_update(self) -> None:
-        """Note that it was started and has not been updated yet."""
+        """Note that the controller was started and has not been updated yet."""
         controller = self.controller
         port = controller.set_points
         self.fresh = True
@@ -211,7 +211,7 @@ class LoadedController:
         return None if self.may_jump else self.commands.excessive_jump()
 
     def missing_following(self) -> "LoadedController | None":
-        """Return a controller that it commands and that does not run; None without."""
+        """Return a following controller that does not run; None without."""
         for one in self.following:
             if one.controller.state is not ControllerState.RUNNING:
                 return one

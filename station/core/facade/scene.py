@@ -286,7 +286,7 @@ class StationScene:
         return thing.pose()
 
     def _moved(self, thing: SceneObject) -> SceneObject:
-        """Return an object where it is now; control thread."""
+        """Return an object at its present pose; control thread."""
         if not thing.carried_by or thing.solid:
             return thing.at(self._pose_of(thing)) if thing.carried_by else thing
         hand = self._guard_of(thing.carried_by).hand()
@@ -488,7 +488,7 @@ def _entry(thing: SceneObject) -> dict[str, object]:
 
 
 def _noted(thing: SceneObject) -> dict[str, object]:
-    """Return an object with all that it is, as JSON has it."""
+    """Return all properties of an object as JSON."""
     grip = [*thing.grip.xyz, *thing.grip.quaternion]
     return {**_entry(thing), "carried_by": thing.carried_by, "grip": grip}
 

@@ -234,7 +234,7 @@ class Guard:
                 row += 1
 
     def commit(self, q: Doubles, share: float) -> None:
-        """Note where the arm is and where it would come to rest.
+        """Note the present pose of the arm and the pose in which it would rest.
 
         Args:
             q: Joint positions [rad], shape (n,).

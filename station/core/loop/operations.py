@@ -106,7 +106,7 @@ class Operations:
 
 
 def guarded(check: Callable[[], None], action: Callable[[], T]) -> Callable[[], T]:
-    """Return `action` behind a check that raises when it must not be done.
+    """Return `action` behind a check that raises when the action is not allowed.
 
     The check comes when the action does, because a stop may come after the request.
 

@@ -39,11 +39,11 @@ class StopLatch:
 
     @property
     def pending(self) -> bool:
-        """Return whether it is engaged, and not yet carried out by the loop."""
+        """Return whether the stop is engaged, and not yet carried out by the loop."""
         return self.flag[0] != 0
 
     def engage(self, reason: str) -> None:
-        """Stop everything; again when it is stopped already changes nothing else."""
+        """Engage the stop; a second call changes only the reason."""
         # Counted before the state changes, so that `_change` sees a stop that comes in
         # between.
         self._engagements += 1

@@ -112,7 +112,7 @@ class Outcome:
 
     @property
     def is_clean(self) -> bool:
-        """Return whether it has done so, and the states report no error."""
+        """Return whether the motion succeeded, and the states report no error."""
         return self.is_success and not self.errors
 
     @override

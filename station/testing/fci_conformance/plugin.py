@@ -61,7 +61,7 @@ class Row:
 
 
 def needs(is_there: bool) -> None:  # noqa: FBT001 - a condition
-    """Leave the check out if the version that is spoken has nothing of the kind."""
+    """Skip the check if the spoken version of the protocol lacks the feature."""
     if not is_there:
         pytest.skip(NOT_IN_VERSION)
 

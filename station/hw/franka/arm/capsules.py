@@ -30,7 +30,7 @@ class LinkDistances:
         self.closest = -1
 
     def measure(self, links: Storage) -> float:
-        """Return the distance between the closest two [m]; negative if they overlap.
+        """Return the distance of the closest pair [m]; negative if it overlaps.
 
         Args:
             links: Poses of the links, 16 numbers each.

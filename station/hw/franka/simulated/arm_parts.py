@@ -177,7 +177,7 @@ class ArmFrames:
         self._refreshed_at = -1.0
 
     def refresh(self) -> bool:
-        """Bring the derived fields up to date; return False when they were."""
+        """Update the derived fields; return False when they were up to date."""
         state = self._state
         # Few cycles have a reader of poses: they are computed for the first one that
         # asks.

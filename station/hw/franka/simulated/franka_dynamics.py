@@ -143,7 +143,7 @@ class FrankaDynamics:
         ]
 
     def is_new(self, what: int, arguments: bytes = b"") -> bool:
-        """Return whether something must be computed anew; note that it is.
+        """Return whether a quantity must be computed anew; note that it is computed.
 
         Two controllers that ask the same in a cycle cost one computation.
 

@@ -223,7 +223,7 @@ class ArmLink:
             self._reconnection.ask(settings)
 
     def receive_return(self) -> bool:
-        """Take a new connection over if it is there; return whether it is.
+        """Take a new connection over, if any; return whether there was one.
 
         When none could be made, `loss` is why.
         """
