@@ -333,7 +333,7 @@ class AsyncStationClient(AsyncControllersClient):
         return AsyncRobotClient(self._connection, arm_id)
 
     async def scene(self) -> list[wire.SceneObject]:
-        """Return the objects around a simulated robot, where they are now."""
+        """Return the objects around a simulated robot at their present poses."""
         return (await self._get("/scene", wire.Scene)).objects
 
     async def clearances(self) -> list[wire.Clearance]:

@@ -430,7 +430,7 @@ class AsyncWaypointPathsClient(NamedThings[wire.WaypointPath]):
     async def capture(
         self, name: str, waypoint: str | None = None, duration: float = 2.0
     ) -> wire.WaypointPath:
-        """Add where the joints are now to the end of a path; the first one makes it.
+        """Add the present positions to the end of a path; make the path if it is new.
 
         Args:
             name: The path.

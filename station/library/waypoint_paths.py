@@ -61,7 +61,7 @@ class WaypointPaths(Library[WaypointPath]):
     def capture(
         self, name: str, waypoint: str = "", duration: float = 2.0
     ) -> WaypointPath:
-        """Add where the joints are now to the end of a path, and return the path.
+        """Add the present positions to the end of a path, and return the path.
 
         Captured are the joints that loaded trajectory controllers move; without such a
         controller all joints.

@@ -112,7 +112,7 @@ class WaypointPathRequest(RequestModel):
 
 
 class CaptureRequest(RequestModel):
-    """Add where the joints are now to a path.
+    """Add the present positions of the joints to a path.
 
     Attributes:
         name: Name of the waypoint; `point N` when null or left out.

@@ -92,7 +92,7 @@ class SceneObjectRequest(RequestModel):
 
 
 class SceneObject(ResponseModel):
-    """A thing, where it is now.
+    """An object at its present pose.
 
     Attributes:
         name: Its name.

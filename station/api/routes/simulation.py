@@ -101,7 +101,7 @@ def attach_scene_object(
 def detach_scene_object(
     name: ObjectName, station: StationDep, request: wire.DetachRequest | None = None
 ) -> wire.SceneObject:
-    """Let an object that an arm carries stay where it is now."""
+    """Let an object that an arm carries stay at its present pose."""
     asked = request or wire.DetachRequest()
     found = station.surroundings.detach(name, load=asked.load)
     return wire.SceneObject.model_validate(found)

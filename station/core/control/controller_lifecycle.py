@@ -214,7 +214,7 @@ class ControllerLifecycle:
             self.fall_back(one, time)
 
     def _is_to_move(self, one: LoadedController) -> bool:
-        """Return whether it, or a controller before it, got a set-point since its start."""
+        """Return whether a set-point came since the start, here or further in front."""
         return one.got_set_point() or any(
             self._is_to_move(other)
             for other in self.loaded

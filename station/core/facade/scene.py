@@ -155,7 +155,7 @@ class StationScene:
         """Let an arm carry an object: it moves with the hand, and is guarded with it.
 
         Args:
-            name: The object, where it is now.
+            name: The object; it is attached at its present pose.
             arm_id: The arm; may be empty where there is only one.
             load: Whether the load of the arm is set, too.
 
@@ -186,7 +186,7 @@ class StationScene:
         return next(one for one in self.report() if one.name == name)
 
     def detach(self, name: str, *, load: bool = True) -> SceneObjectReport:
-        """Let an object stay where it is now; no arm carries it any more.
+        """Let an object stay at its present pose; no arm carries it any more.
 
         Args:
             name: The object.

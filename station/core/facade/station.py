@@ -273,7 +273,7 @@ class Station:
         return [] if world is None else list(self.loop.run_in_cycle(world.bases))
 
     def scene(self) -> list[SceneObjectReport]:
-        """Return the objects around the robots, solid ones where they are now.
+        """Return the objects around the robots, solid ones at their present poses.
 
         Raises:
             LoopError: The loop died or hangs.

@@ -321,7 +321,7 @@ class Dialog:
         """Return the newest state: wait for one that is not older than this call.
 
         Raises:
-            FciSilenceError: None comes.
+            FciSilenceError: No state comes.
         """
         self._drain()
         return self.next_state()

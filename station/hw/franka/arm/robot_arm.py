@@ -112,7 +112,7 @@ class RobotArm(ABC):
     def is_stopping(self) -> bool:
         """Return whether the arm still refuses a motion because it ends the last one.
 
-        An arm that takes a motion over at once never does.
+        Always False for an arm that takes a new motion over at once.
         """
         return False
 

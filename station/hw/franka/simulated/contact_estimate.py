@@ -143,7 +143,7 @@ class ContactEstimate:
         self._update_levels()
 
     def renew(self) -> None:
-        """Take new frames over; nothing is kept that depends on them."""
+        """Take new frames over, and drop every value that depends on them."""
 
     def expect_load(self) -> None:
         """Take over the torques for the configured load; `update` asks for them."""
