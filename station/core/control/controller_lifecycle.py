@@ -214,7 +214,7 @@ class ControllerLifecycle:
             self.fall_back(one, time)
 
     def _is_to_move(self, one: LoadedController) -> bool:
-        """Return whether a set-point came since the start, here or further in front."""
+        """Return whether the controller or one that commands it got a set-point."""
         return one.got_set_point() or any(
             self._is_to_move(other)
             for other in self.loaded
