@@ -52,6 +52,7 @@ function pushTools(tell) {
   const made = group("Push", h("span", { class: "hint" }, "Pull a link with the pointer, or hold:"), arm, ...buttons, force, "N");
   made.hidden = true;
   let beating = null;
+  const arms = () => (store.docks?.simulation ? store.docks.arms.map((one) => one.arm_id) : []);
   const toggle = button("Push", PULL, () => {
     made.hidden = !made.hidden;
     toggle.ariaPressed = !made.hidden;
@@ -59,14 +60,12 @@ function pushTools(tell) {
     // The push goes on only while this page says that it lives.
     beating = made.hidden ? null : setInterval(() => send("POST", "/ui/alive").catch(() => {}), ALIVE_MS);
     tell();
-  }, { ariaPressed: false });
+  }, { ariaPressed: false, needs: "change", off: () => !arms().length });
   const refresh = () => {
-    const arms = store.docks?.simulation ? store.docks.arms.map((one) => one.arm_id) : [];
-    toggle.disabled = !arms.length || !store.isOperator;
     const without = store.isOperator ? "" : "This session only watches. An operator's session can push.";
-    toggle.title = (arms.length ? without : "Only a simulated Franka arm can be pushed.") || PULL;
-    arm.hidden = arms.length < 2;
-    offer(arm, arms, "no arm");
+    toggle.title = (arms().length ? without : "Only a simulated Franka arm can be pushed.") || PULL;
+    arm.hidden = arms().length < 2;
+    offer(arm, arms(), "no arm");
   };
   store.addEventListener("docks", refresh);
   refresh();

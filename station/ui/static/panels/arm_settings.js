@@ -43,7 +43,7 @@ class ArmSettings extends Panel {
   build() {
     this.inputs = []; // {input, of: what the arm says, or null}
     this.state = h("p", { class: "hint" }, "Refused while the arm moves. Vectors are typed with commas; one number fills all thresholds. The arm does not tell the thresholds that hold.");
-    this.guide = button("Guiding on", "Press the guiding buttons, so that the simulated arm can be pushed by hand.", () => act("POST", `/robots/${this.armName}/guiding`, { pressed: !this.isGuided }).then(() => store.refresh()));
+    this.guide = button("Guiding on", "Press the guiding buttons, so that the simulated arm can be pushed by hand.", () => act("POST", `/robots/${this.armName}/guiding`, { pressed: !this.isGuided }).then(() => store.refresh()), { needs: "change", off: () => this.isMoving });
     this.details = h("details", { class: "arm" }, h("summary", {}, "Arm: collision thresholds, load, end effector"), this.state, line(this.guide), ...SETTINGS.map((setting) => this.group(setting)));
     this.details.addEventListener("toggle", () => this.details.open && this.read());
     this.append(this.details);
@@ -58,7 +58,7 @@ class ArmSettings extends Panel {
       this.inputs.push({ input, of });
       return { input, row: h("label", {}, `${label} `, input, ` ${unit}`) };
     });
-    const set = button("Set", undefined, () => this.set(setting, inputs.map(({ input }) => input)), { ariaLabel: `Set ${title}` });
+    const set = button("Set", undefined, () => this.set(setting, inputs.map(({ input }) => input)), { ariaLabel: `Set ${title}`, needs: "change", off: () => this.isMoving || inputs.some(({ input }) => !input.value.trim()) });
     return h("div", { class: "group" }, h("b", {}, title), ...inputs.map(({ row }) => row), set);
   }
 
@@ -95,13 +95,21 @@ class ArmSettings extends Panel {
     }
   }
 
+  /** What the station says of the arm. */
+  get told() {
+    return store.docks?.arms.find((arm) => arm.arm_id === this.armName);
+  }
+
+  get isMoving() {
+    return this.told?.robot_mode === "move";
+  }
+
   get isGuided() {
-    return store.docks.arms.find((arm) => arm.arm_id === this.armName)?.robot_mode === "guiding";
+    return this.told?.robot_mode === "guiding";
   }
 
   refresh() {
     this.guide.hidden = !store.docks?.simulation;
-    this.guide.disabled = !store.isOperator;
     this.guide.ariaPressed = this.isGuided;
     show(this.guide, this.isGuided ? "Guiding off" : "Guiding on");
   }

@@ -15,12 +15,11 @@ class Gripper extends Panel {
   async lookAt(arm) {
     const told = await api("GET", `/robots/${arm}/gripper`);
     if (!this.arms.has(arm)) this.add(arm, told);
-    const { state, buttons } = this.arms.get(arm);
+    const state = this.arms.get(arm);
     const last = told.command ?? told.last;
     const doing = told.command ? `${told.command.action} …` : last ? `${last.action} ${last.status}${last.message ? `: ${last.message}` : ""}` : told.activity;
     const held = told.is_grasped ? `holds an object with ${number(Math.abs(told.force), 0)} N` : "holds nothing";
     show(state, `${number(told.width * 1e3, 1)} mm of ${number(told.max_width * 1e3, 0)} mm · ${held} · ${doing}`);
-    for (const each of buttons) each.disabled = !store.isOperator;
   }
 
   add(arm, told) {
@@ -43,14 +42,15 @@ class Gripper extends Panel {
         })),
       ],
       ["Home", "Close and open all the way, to learn the width", go("homing")],
-      ["Hold still", "Stop the fingers; releases an object", go("stop")],
+      ["Hold still", "Stop the fingers; releases an object", go("stop"), "change"],
     ];
-    const buttons = actions.map(([label, title, run]) => button(label, title, run, { class: label === "Grasp" ? "s primary" : "s", ariaLabel: store.docks.arms.length > 1 ? `${label}, ${arm}` : label }));
+    const several = store.docks.arms.length > 1;
+    const buttons = actions.map(([label, title, run, needs = "motion"]) => button(label, title, run, { needs, class: label === "Grasp" ? "s primary" : "s", ariaLabel: several ? `${label}, ${arm}` : label }));
     const state = h("p", { class: "state" });
-    const title = store.docks.arms.length > 1 ? h("b", {}, arm) : null;
+    const title = several ? h("b", {}, arm) : null;
     const [open, close, grasp, home, hold] = buttons;
     this.append(h("div", {}, title, state, line(open, close, home, hold), line(grasp, width.label, tolerance.label, force.label)));
-    this.arms.set(arm, { state, buttons });
+    this.arms.set(arm, state);
   }
 }
 

@@ -24,8 +24,8 @@ const FIRST_TURN = 3;
 class Hand extends Panel {
   build() {
     this.state = h("p", { class: "hint" });
-    this.startJog = button("Start hand jog", undefined, () => this.start(JOG));
-    this.startTarget = button("Start hand targets", undefined, () => this.start(TARGETS));
+    this.startJog = button("Start hand jog", undefined, () => this.start(JOG), { needs: "motion" });
+    this.startTarget = button("Start hand targets", undefined, () => this.start(TARGETS), { needs: "motion" });
     const hold = (axis, i, sign) => holdButton(`${sign < 0 ? "−" : "+"} ${axis}`, "", () => this.press(i, sign), () => this.letGo());
     this.handButtons = AXES.flatMap((axis, i) => [hold(axis, i, -1), hold(axis, i, 1)]);
     this.targets = AXES.slice(0, FIRST_TURN).map((axis) => valueField(`Hand ${axis} [m]`, () => this.go()));
@@ -34,12 +34,14 @@ class Hand extends Panel {
     this.step = choice("Step of the hand", [], () => kept.set("hand-step", Number(this.step.value)), { title: "How far one press of a button moves the hand; while the hand takes targets." });
     this.listSteps(kept.get("hand-step", 1));
     units.addEventListener("change", () => this.changeUnit());
-    this.reach = button("Go there", "Move the hand there; without angles it keeps its orientation.", () => this.go());
+    const isEmpty = () => this.targets.some((input) => !input.value.trim());
+    const reach = button("Go there", "Move the hand there; without angles it keeps its orientation.", () => this.go(), { needs: "motion", off: () => !this.isStepping || isEmpty() });
     this.axes = choice("Axes of the jog", FRAMES.map((frame, i) => [i, frame]), () => this.setFrame(), { title: "Frame along whose axes the buttons move the hand." });
     this.forecast = new Forecast();
-    this.trials = [
-      button("Rehearse", "Try to move the joints straight to the pose in a copy of the station: how it would end, and a ghost of it. Starts a trajectory controller; nothing moves.", () => this.tryOut(false)),
-      button("Go around", "Search for a way that touches nothing, try it, and show its ghost. Starts a trajectory controller; nothing moves yet.", () => this.tryOut(true)),
+    const trial = { needs: "change", off: isEmpty };
+    const trials = [
+      button("Rehearse", "Try to move the joints straight to the pose in a copy of the station: how it would end, and a ghost of it. Starts a trajectory controller; nothing moves.", () => this.tryOut(false), trial),
+      button("Go around", "Search for a way that touches nothing, try it, and show its ghost. Starts a trajectory controller; nothing moves yet.", () => this.tryOut(true), trial),
     ];
     const here = button("Here", "Fill in where the hand is.", () => this.fillIn());
     teleoperation.addEventListener("change", () => this.isShown && this.refresh());
@@ -54,7 +56,7 @@ class Hand extends Panel {
       line(h("label", {}, "axes of ", this.axes), h("label", {}, "step ", this.step)),
       h("div", { class: "jog" }, ...this.handButtons),
       line(...named(this.targets, AXES), " m"),
-      line(...named(this.angles, ANGLES), this.angleUnit, here, this.reach, ...this.trials),
+      line(...named(this.angles, ANGLES), this.angleUnit, here, reach, ...trials),
       this.forecast.element,
     );
     this.append(details);
@@ -240,10 +242,7 @@ class Hand extends Panel {
       button.title = button.ariaLabel = way;
     });
     this.step.disabled = !this.isStepping;
-    const isEmpty = this.targets.some((input) => !input.value.trim());
-    this.reach.disabled = !isOf(target);
-    for (const each of this.trials) each.disabled = !store.isOperator || isEmpty;
-    this.axes.disabled = (!isOf(jog) && !this.isStepping) || !store.isOperator;
+    this.axes.disabled = (!isOf(jog) && !this.isStepping) || !store.can("change");
     this.startJog.hidden = Boolean(jog.controller) || !store.isOperator;
     this.startTarget.hidden = Boolean(target.controller) || !store.isOperator;
     if (isOf(jog) && jog.controller !== this.framed) this.askFrame(jog.controller);

@@ -2,7 +2,7 @@
 import { Forecast } from "../lib/forecast.js";
 import { hideGhost, showGhost } from "../lib/ghost.js";
 import { JointSlider } from "../lib/joint_slider.js";
-import { act, api, button, choice, DEGREES, follow, h, holdButton, kept, line as lineOf, nameField, number, offer, Panel, refusals, shortNames, show, store, teleoperation, typed, units, valueField } from "../lib/panel.js";
+import { act, api, button, choice, decide, DEGREES, follow, h, holdButton, kept, line as lineOf, nameField, number, offer, Panel, refusals, shortNames, show, store, teleoperation, typed, units, valueField } from "../lib/panel.js";
 
 const NEAR_LIMIT = 0.05; // part of the range at each end
 const POSITIONS = ["rad", "m"]; // units of what a held button can move
@@ -41,21 +41,21 @@ class Joints extends Panel {
 
   /** The poses are the waypoints of a path at the station. */
   poses() {
-    this.poseName = nameField("Name of the pose", "name", () => this.savePose(), { title: "Name under which the station keeps the present joints.", oninput: () => this.showPoses() });
-    this.poseList = choice("Pose", [], undefined, { title: "Poses that the station keeps, as the waypoints of the path “poses”.", onpointerdown: () => this.readPoses() });
-    this.goButton = button("Go", "Move all joints to the pose, at the top speed above.", () => this.isAgreed(this.pose) && this.move(this.pose));
-    this.trialButtons = this.trials(() => this.pose);
-    this.saveButton = button("Save pose", "Keep where the joints are under this name.", () => this.savePose());
-    this.forgetButton = button("Forget", "Delete the pose from the station.", () => this.writePoses(this.kept.filter(({ name }) => name !== this.poseList.value)));
     this.kept = [];
-    return lineOf("Poses", this.poseList, this.goButton, ...this.trialButtons, this.forgetButton, this.poseName, this.saveButton);
+    this.poseName = nameField("Name of the pose", "name", () => this.savePose(), { title: "Name under which the station keeps the present joints." });
+    this.poseList = choice("Pose", [], undefined, { title: "Poses that the station keeps, as the waypoints of the path “poses”.", onpointerdown: () => this.readPoses() });
+    const go = button("Go", "Move all joints to the pose, at the top speed above.", () => this.isAgreed(this.pose) && this.move(this.pose), { needs: "motion", off: () => !this.kept.length || !this.may });
+    const off = () => !this.kept.length;
+    const save = button("Save pose", "Keep where the joints are under this name.", () => this.savePose(), { needs: "change", off: () => !this.poseName.value.trim() });
+    const forget = button("Forget", "Delete the pose from the station.", () => this.writePoses(this.kept.filter(({ name }) => name !== this.poseList.value)), { needs: "change", off });
+    return lineOf("Poses", this.poseList, go, ...this.trials(() => this.pose, off), forget, this.poseName, save);
   }
 
-  /** The buttons that try a motion before it is made; `targets()` are its ends. */
-  trials(targets) {
+  /** The buttons that try a motion before it is made; `targets()` are its ends, and they do nothing while `off()`. */
+  trials(targets, off) {
     return [
-      button("Rehearse", "Try the motion in a copy of the station: how it would end, and a ghost of it. Nothing moves.", () => this.forecast.rehearseMove(targets(), this.wantedSpeed.joints)),
-      button("Go around", "Search for a way that touches nothing, try it, and show its ghost. Nothing moves yet.", () => this.forecast.goAround(targets())),
+      button("Rehearse", "Try the motion in a copy of the station: how it would end, and a ghost of it. Nothing moves.", () => this.forecast.rehearseMove(targets(), this.wantedSpeed.joints), { needs: "change", off }),
+      button("Go around", "Search for a way that touches nothing, try it, and show its ghost. Nothing moves yet.", () => this.forecast.goAround(targets()), { needs: "change", off }),
     ];
   }
 
@@ -73,10 +73,7 @@ class Joints extends Panel {
 
   showPoses() {
     offer(this.poseList, this.kept.map(({ name }) => name));
-    this.goButton.disabled = !this.kept.length || !this.may;
-    for (const each of this.trialButtons) each.disabled = !this.kept.length || !store.isOperator;
-    this.forgetButton.disabled = !this.kept.length || !store.isOperator;
-    this.saveButton.disabled = !this.poseName.value.trim() || !store.isOperator;
+    decide();
   }
 
   async writePoses(waypoints) {

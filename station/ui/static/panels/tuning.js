@@ -2,7 +2,7 @@
 import "./bench.js";
 import "./gain_sets.js";
 import "./tune_search.js";
-import { act, api, button, choice, h, line, offer, Panel, Refusal, refusals, sharedPrefix, show, store, typed } from "../lib/panel.js";
+import { act, api, button, choice, decide, h, line, offer, Panel, Refusal, refusals, sharedPrefix, show, store, typed } from "../lib/panel.js";
 
 class Tuning extends Panel {
   build() {
@@ -13,16 +13,16 @@ class Tuning extends Panel {
     };
     this.choice = choice("Controller to tune", [], () => this.read(), { title: "Controller whose gains are shown." });
     this.joint = choice("Joint to tune", [], another, { title: "Joint of tests and of the search." });
-    this.undo = button("Undo", "Take the last change of gains back.", () => act("POST", "/gain-sets/undo").then(() => this.reread()));
-    this.apply = button("Apply", "All changed values take effect in the same cycle.", () => this.patch(), { class: "s primary" });
-    this.fields = h("div", { class: "gains", oninput: () => this.showApply() });
+    const undo = button("Undo", "Take the last change of gains back.", () => act("POST", "/gain-sets/undo").then(() => this.reread()), { needs: "change", off: () => !this.sets.undoable });
+    const apply = button("Apply", "All changed values take effect in the same cycle.", () => this.patch(), { class: "s primary", needs: "change", off: () => !this.isTyped });
+    this.fields = h("div", { class: "gains" });
     this.state = h("p", { class: "hint state" }, "");
     this.sets = h("st-gain-sets");
     this.bench = h("st-bench", { class: "bench" });
     this.bench.tuning = this;
     this.search = h("st-tune-search");
     this.search.tuning = this;
-    this.append(line(this.choice, this.joint, this.apply, this.undo), this.fields, this.state, this.sets, this.bench, this.search);
+    this.append(line(this.choice, this.joint, apply, undo), this.fields, this.state, this.sets, this.bench, this.search);
     // Gains are changed by scripts and other pages, too, and are others after a restart.
     store.addEventListener("gains", () => {
       if (!this.isShown) return (this.names = null); // read when the dock is opened
@@ -113,12 +113,11 @@ class Tuning extends Panel {
       this.markJoint();
       this.showHint(keys);
     }
-    this.undo.disabled = !store.isOperator;
-    this.showApply();
     this.search.hidden = !keys.length && !this.search.name;
     this.bench.choose();
     this.bench.refresh();
     this.bench.drawProposals();
+    decide();
   }
 
   showHint(keys) {
@@ -140,10 +139,6 @@ class Tuning extends Panel {
   /** Show which joint tests and the search move. */
   markJoint() {
     for (const row of this.fields.querySelectorAll("tr[data-joint]")) row.classList.toggle("chosen", row.dataset.joint === this.joint.value);
-  }
-
-  showApply() {
-    this.apply.disabled = !store.isOperator || !this.isTyped;
   }
 
   titleOf(key) {
