@@ -5,6 +5,8 @@ import { toAngles } from "../lib/pose_maths.js";
 const LOOK_MS = 500;
 /** The kinds that can be added, with their size at first and what it is [m]. */
 const SIZES = { box: ["0.2, 0.2, 0.2", "edges"], sphere: ["0.1", "radius"], cylinder: ["0.05, 0.3", "radius, height"], capsule: ["0.05, 0.3", "radius, length"], half_space: ["", "none"] };
+/** Where a new one is [m]: in the middle of the picture that all begin with, and beside an arm at rest. */
+const PLACE = [0.4, -0.4, 0.3];
 const pathOf = (name) => `/scene/${encodeURIComponent(name)}`;
 const rounded = (list) => list.map((value) => number(value, 3)).join(", ");
 
@@ -17,7 +19,7 @@ class SceneObjects extends Panel {
     this.roleChoice = select("Role of the new object", ["keep_out", "fence"]);
     this.size = field("size", "", "m", "Size of the new object [m]");
     this.name = h("input", { class: "name", placeholder: "name", ariaLabel: "Name of the new object" });
-    this.addButton = button("Add", "Add it 0.6 m in front of the world's middle; arms keep clear of it at once.", () => this.add(), { needs: "change" });
+    this.addButton = button("Add", "Add it 0.6 m from the world’s middle, at its front and right; arms keep clear of it at once.", () => this.add(), { needs: "change" });
     this.size.input.classList.add("wide");
     this.append(this.place, line(h("b", {}, "New"), this.kind, this.roleChoice, this.size.label, this.name, this.addButton));
     this.objects = [];
@@ -100,7 +102,7 @@ class SceneObjects extends Panel {
     const size = this.numbers(this.size.input.value);
     if (!size) return;
     const name = this.free(this.name.value.trim() || this.kind.value);
-    if (!(await this.change("PUT", name, { type: this.kind.value, size, role: this.roleChoice.value, position: [0.6, 0, 0.3] }))) return;
+    if (!(await this.change("PUT", name, { type: this.kind.value, size, role: this.roleChoice.value, position: PLACE }))) return;
     this.name.value = "";
     this.choose(name);
   }
