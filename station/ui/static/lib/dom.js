@@ -44,9 +44,28 @@ export function button(label, title, run, { needs, off, ...props } = {}) {
 }
 
 /** Return a field for a number, `input`, and a label around it with its name and unit; `read()` is the number or null. */
-export function field(name, value, unit, label = `${name} [${unit}]`) {
-  const input = h("input", { class: "value", value, inputMode: "decimal", autocomplete: "off", ariaLabel: label });
+export function field(name, value, unit, label = `${name} [${unit}]`, input = h("input", { class: "value", inputMode: "decimal", autocomplete: "off", ariaLabel: label })) {
+  input.value = value;
   return { input, label: h("label", {}, `${name} `, input, ` ${unit}`), read: () => typed(input.value), put: (number) => (input.value = number) };
+}
+
+/**
+ * Return a slider, `input`, and a label around it with `words` and its value as `textOf` says
+ * it; `tell()` says it anew, and `changed` is called with a value that somebody has chosen.
+ */
+export function ranged(words, textOf, changed, props) {
+  const input = h("input", { type: "range", ...props });
+  const text = h("output", {});
+  const tell = () => {
+    show(text, textOf(Number(input.value)));
+    input.ariaValueText = text.textContent;
+  };
+  input.addEventListener("input", () => {
+    tell();
+    changed(Number(input.value));
+  });
+  tell();
+  return { input, tell, label: h("label", { class: "speed" }, `${words} `, input, text) };
 }
 
 /** Return a field for a name that Enter sends. */

@@ -2,7 +2,7 @@
 import { Forecast } from "../lib/forecast.js";
 import { hideGhost, showGhost } from "../lib/ghost.js";
 import { JointSlider } from "../lib/joint_slider.js";
-import { act, api, button, choice, decide, DEGREES, follow, h, holdButton, kept, line as lineOf, nameField, number, offer, Panel, refusals, shortNames, show, store, teleoperation, typed, units, valueField } from "../lib/panel.js";
+import { act, api, button, choice, decide, DEGREES, follow, h, holdButton, kept, line as lineOf, nameField, number, offer, Panel, ranged, refusals, shortNames, show, store, teleoperation, typed, units, valueField } from "../lib/panel.js";
 
 const NEAR_LIMIT = 0.05; // part of the range at each end
 const POSITIONS = ["rad", "m"]; // units of what a held button can move
@@ -19,13 +19,12 @@ class Joints extends Panel {
     this.desired = new Map(); // what each joint is told, by its controller
     this.endsOfSamples = [];
     this.units = ["deg", "rad"].map((unit) => button(unit, undefined, () => units.choose(unit), { data: { unit } }));
-    this.speed = h("input", { type: "range", min: 2, max: 85, step: 1, value: kept.get("speed", 29), title: "Top speed of a joint on its way to a typed value, or while its button is held.", ariaLabel: "Top speed in degrees per second" });
-    this.speedText = h("output", {});
-    this.speed.addEventListener("input", () => {
-      this.showSpeed();
+    const choose = (value) => {
+      kept.set("speed", value);
       teleoperation.mention(this.wantedSpeed); // for a motion that runs
-    });
-    this.tools.append(...this.units, h("label", { class: "speed" }, "top speed ", this.speed, this.speedText));
+    };
+    this.speed = ranged("top speed", (value) => this.speedText(value), choose, { min: 2, max: 85, step: 1, value: kept.get("speed", 29), title: "Top speed of a joint on its way to a typed value, or while its button is held.", ariaLabel: "Top speed in degrees per second" });
+    this.tools.append(...this.units, this.speed.label);
     this.head = h("tr", {});
     this.body = h("tbody", {});
     this.state = h("p", { class: "hint state" }, "Waiting for the station …");
@@ -34,7 +33,6 @@ class Joints extends Panel {
     this.append(h("div", { class: "scroll" }, h("table", { class: "joints" }, h("thead", {}, this.head), this.body)), this.far, this.forecast.element, this.state, this.poses());
     units.addEventListener("change", () => this.showUnit());
     this.showUnit();
-    this.showSpeed();
     this.drawWithJoints(12, () => this.draw());
     teleoperation.addEventListener("change", () => this.isShown && this.showState());
   }
@@ -145,7 +143,7 @@ class Joints extends Panel {
   }
 
   get wantedSpeed() {
-    return { do: "speed", joints: Number(this.speed.value) / DEGREES };
+    return { do: "speed", joints: Number(this.speed.input.value) / DEGREES };
   }
 
   move(targets) {
@@ -165,15 +163,13 @@ class Joints extends Panel {
       row.sent = null;
       this.showLimits(row);
     }
-    this.showSpeed();
+    this.speed.tell();
   }
 
-  showSpeed() {
-    const value = Number(this.speed.value);
-    kept.set("speed", value);
+  speedText(value) {
     const number = (value / DEGREES).toFixed(2);
     const slides = [...this.rows.keys()].some((joint) => store.docks.sliding.includes(joint));
-    show(this.speedText, (units.angle === "deg" ? `${value} °/s` : `${number} rad/s`) + (slides ? `, ${number} m/s` : ""));
+    return (units.angle === "deg" ? `${value} °/s` : `${number} rad/s`) + (slides ? `, ${number} m/s` : "");
   }
 
   refresh() {
@@ -229,7 +225,7 @@ class Joints extends Panel {
   buildRows(names) {
     this.rows.clear();
     this.body.replaceChildren(...[...shortNames(names)].flatMap(([joint, label]) => this.makeRow(joint, label)));
-    this.showSpeed();
+    this.speed.tell();
   }
 
   /** Return the two lines of a joint: its values, and its slider between its limits. */

@@ -1,6 +1,6 @@
 // "Tune for me": a search for better gains in a simulated copy of the station, its
 // progress and its best so far; nothing is applied before a person has seen the change.
-import { act, angleField, api, drawn, field, figure, h, html, number, Panel, press, refusals, store } from "../lib/panel.js";
+import { act, angleField, api, drawn, field, figure, h, html, number, Panel, press, refusals } from "../lib/panel.js";
 import { Plot, responseTraces } from "../lib/plot.js";
 
 const LOOK_MS = 1000;
