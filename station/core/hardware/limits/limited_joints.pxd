@@ -34,5 +34,5 @@ cdef class LimitedRun:
 
 cdef class EnforcedLimits:
     cdef public list runs, singles
-    @cython.locals(run=LimitedRun, joints=LimitedJoints, mask=long)
+    @cython.locals(run=LimitedRun, mask=long)
     cpdef enforce(self, double period)
