@@ -26,7 +26,7 @@ from tests.both_modes import (
     ],
 )
 def test_the_first_number_that_is_not_finite_is_found(values, bad):
-    check = interpreted("finite_check").FiniteCheck(doubles(values))
+    check = interpreted("vectors").FiniteCheck(doubles(values))
     assert check.first_bad() == bad
 
 
@@ -153,7 +153,7 @@ def test_both_modes_give_the_same_bits(values, target, step):
         ]
 
     assert_same("vectors", at_once)
-    assert_same("finite_check", finite)
+    assert_same("vectors", finite)
     assert_same("command_gate", blocks)
     assert_same("durations", durations)
     assert_same("world_step", speeds)
