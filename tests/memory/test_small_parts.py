@@ -43,7 +43,7 @@ def test_a_block_of_commands_tells_what_changed_and_writes_it_back():
 
 
 def test_durations_keep_the_last_and_sum_up_all():
-    durations = interpreted("durations").Durations(2)
+    durations = interpreted("durations").DurationRing(2)
     for value in (1.0, 3.0, 2.0):
         durations.add(value)
     assert list(durations.values) == [2.0, 3.0]
@@ -121,7 +121,7 @@ def test_both_modes_give_the_same_bits(values, target, step):
         return [block.copy_commands(), block.has_changed(), *block.values]
 
     def durations(module):
-        kept = module.Durations(3)
+        kept = module.DurationRing(3)
         for value in values:
             kept.add(value)
         times = module.CycleTimes(1)

@@ -1,5 +1,5 @@
 from station.core.control.sample_columns cimport SampleColumns
-from station.core.numerics.durations cimport Durations
+from station.core.numerics.durations cimport DurationRing
 
 cdef class LoadedController:
     cdef readonly object controller, info, commands, ownership
@@ -15,7 +15,7 @@ cdef class LoadedController:
     cdef public long countdown, place
     cdef public bint is_unreleased, fresh
     cdef object last_set_point, last_goal
-    cdef readonly Durations durations
+    cdef readonly DurationRing durations
     cdef public long long overruns, late_updates
     cdef long long overruns_before
     cpdef double take_turn(self, double period)

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 from station.core.declared_parameter import DeclaredParameter, ParameterType
 from station.core.faults import CONTAINED
-from station.core.numerics.statistics import DurationRing
+from station.core.numerics.durations import DurationRing
 from station.core.parameters import Parameters
 from station.core.ports.receipt import update_of_thread
 from station.core.scheduling import ROUND_ROBIN_PRIORITY
