@@ -35,7 +35,7 @@ from station.core.hardware.interfaces import (
     VelocityJointInterface,
 )
 from station.core.hardware.robot_hw import RobotHW
-from station.core.numerics.joint_chain import JointChain
+from station.core.numerics.arm_chain import JointChain
 from station.core.parameters import Parameters
 from station.core.ports.set_point import (
     timeout_parameters,

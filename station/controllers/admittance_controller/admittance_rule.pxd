@@ -1,8 +1,7 @@
 from station.core.numerics.arm_chain cimport (
-    torques_of, turn_to_inner_axes, turn_to_outer_axes, twist_of)
-from station.core.numerics.joint_chain cimport JointChain
+    JointChain, WrenchEquation, torques_of, turn_to_inner_axes, turn_to_outer_axes,
+    twist_of)
 from station.core.numerics.rigid_motion cimport twist_between
-from station.core.numerics.wrench_equation cimport WrenchEquation
 
 cdef class AdmittanceRule:
     cdef Py_ssize_t size

@@ -15,14 +15,14 @@ of J is that of kinematics_interface_kdl.
 """
 
 from station.core.numerics.arm_chain import (
+    JointChain,
+    WrenchEquation,
     torques_of,
     turn_to_inner_axes,
     turn_to_outer_axes,
     twist_of,
 )
-from station.core.numerics.joint_chain import JointChain
 from station.core.numerics.rigid_motion import twist_between
-from station.core.numerics.wrench_equation import WrenchEquation
 from station.memory.doubles import Doubles, doubles, zeros
 
 

@@ -2,7 +2,7 @@ from station.memory.vectors cimport copy_into
 from station.memory.functions cimport square_root
 from station.controllers.cartesian_motion.pose_motion cimport PoseMotion
 from station.core.numerics.rigid_motion cimport twist_between
-from station.core.numerics.wrench_equation cimport WrenchEquation
+from station.core.numerics.arm_chain cimport WrenchEquation
 
 cdef double _ROUNDING, _DAMPING, _NEAR
 

@@ -7,8 +7,8 @@ others follow the end effector by a damped inverse of the Jacobian.
 from collections.abc import Iterable
 
 from station.controllers.cartesian_motion.pose_motion import PoseMotion
+from station.core.numerics.arm_chain import WrenchEquation
 from station.core.numerics.rigid_motion import twist_between
-from station.core.numerics.wrench_equation import WrenchEquation
 from station.memory.doubles import Doubles, Storage, own, zeros
 from station.memory.functions import square_root
 from station.memory.vectors import copy_into

@@ -16,10 +16,9 @@ src/cartesian_impedance_example_controller.cpp and
 dual_arm_cartesian_impedance_example_controller.cpp, the part that both share.
 """
 
-from station.core.numerics.arm_chain import torques_of, twist_of
+from station.core.numerics.arm_chain import WrenchEquation, torques_of, twist_of
 from station.core.numerics.command_rates import limit_steps
 from station.core.numerics.rigid_motion import quaternion_of
-from station.core.numerics.wrench_equation import WrenchEquation
 from station.memory.doubles import Doubles, zeros
 from station.memory.functions import arctangent, sine, square_root
 

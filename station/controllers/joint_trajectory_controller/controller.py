@@ -58,7 +58,7 @@ from station.core.hardware.interfaces import (
     VelocityJointInterface,
 )
 from station.core.hardware.interfaces.interface_manager import interface_type_name
-from station.core.numerics.joint_chain import JointChain
+from station.core.numerics.arm_chain import JointChain
 from station.core.numerics.pid import PidGains
 from station.core.parameters import Parameters
 from station.core.ports.goal import GoalStatus
