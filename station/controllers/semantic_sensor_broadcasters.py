@@ -13,7 +13,14 @@ from typing_extensions import override
 
 from station.controllers.force_torque_sensor_controller import FRAME_ID, SENSOR_NAME
 from station.core.control.controller import Controller
-from station.core.declared_parameter import DeclaredParameter, ParameterType
+from station.core.declared_parameter import (
+    DeclaredParameter,
+    ParameterType,
+    declare_boolean,
+    declare_number,
+    declare_numbers,
+    declare_strings,
+)
 from station.core.errors import ParameterError, ResourceNotFoundError, suggest
 from station.core.hardware.interfaces import (
     BatterySensorInterface,
@@ -27,22 +34,12 @@ from station.core.parameters import Parameters
 
 
 def _number(name: str, default: float, unit: str, text: str) -> DeclaredParameter:
-    return DeclaredParameter(
-        name=name,
-        type=ParameterType.NUMBER,
-        unit=unit,
-        default=default,
-        description=text,
-    )
+    return declare_number(name, text, default, unit)
 
 
 def _covariance(name: str) -> DeclaredParameter:
-    return DeclaredParameter(
-        name=name,
-        type=ParameterType.NUMBERS,
-        default=(0.0,) * 9,
-        size=9,
-        description="covariance, row-major about x, y, z",
+    return declare_numbers(
+        name, "covariance, row-major about x, y, z", (0.0,) * 9, size=9
     )
 
 
@@ -127,11 +124,10 @@ class MagnetometerBroadcaster(ValuesBroadcaster):
 _COVARIANCES = tuple(
     f"{each}_covariance" for each in ("latitude", "longitude", "altitude")
 )
-_READS_COVARIANCE = DeclaredParameter(
-    name="read_covariance_from_interface",
-    type=ParameterType.BOOLEAN,
+_READS_COVARIANCE = declare_boolean(
+    "read_covariance_from_interface",
+    "whether the sensor measures the covariance",
     default=False,
-    description="whether the sensor measures the covariance",
 )
 _DIAGONAL_KNOWN, _KNOWN = 2, 3
 """Numbers of sensor_msgs/NavSatFix."""
@@ -172,11 +168,7 @@ class GPSSensorBroadcaster(ValuesBroadcaster):
         self.messages = {self.topic: message}
 
 
-_BATTERIES = DeclaredParameter(
-    name="batteries",
-    type=ParameterType.STRINGS,
-    description="the batteries",
-)
+_BATTERIES = declare_strings("batteries", "the batteries")
 _MEANS = ("temperature", "current", "percentage")
 """Of several batteries the means are published; charges and capacities are added."""
 _FLAGS = (*_MEANS, "charge", "power_supply_status", "power_supply_health", "present")

@@ -35,7 +35,11 @@ from station.core.control.controller import (
     MultiInterfaceController,
     require_interface,
 )
-from station.core.declared_parameter import DeclaredParameter, ParameterType
+from station.core.declared_parameter import (
+    DeclaredParameter,
+    declare_number,
+    declare_numbers,
+)
 from station.core.franka import FrankaModelInterface, FrankaPoseCartesianInterface
 from station.core.hardware.interfaces import EffortJointInterface
 from station.core.hardware.robot_hw import RobotHW
@@ -52,19 +56,11 @@ _DOF = 7
 
 
 def _number(name: str, unit: str, default: float, text: str) -> DeclaredParameter:
-    return DeclaredParameter(
-        name=name,
-        type=ParameterType.NUMBER,
-        unit=unit,
-        default=default,
-        description=text,
-    )
+    return declare_number(name, text, default, unit)
 
 
 def _seven(name: str, unit: str, text: str) -> DeclaredParameter:
-    return DeclaredParameter(
-        name=name, type=ParameterType.NUMBERS, unit=unit, size=_DOF, description=text
-    )
+    return declare_numbers(name, text, unit=unit, size=_DOF)
 
 
 _K_GAINS = _seven("k_gains", "Nm/rad", "stiffness of the seven joints")
