@@ -26,7 +26,6 @@ cdef class Guard:
     cdef public bint is_committing
     cdef readonly Clearances clearances
     cdef readonly list others, neighbours, places, arms
-    cpdef take(self, Clearances clearances, names)
     cpdef look(self)
     @cython.locals(number=long, other=Guard, place=double[::1])
     cpdef place_others(self)
