@@ -21,9 +21,6 @@ cdef class EffortSoftLimits(LimitedJoints):
 cdef class VelocitySoftLimits(LimitedJoints):
     cdef double[::1] before
 
-cdef class VelocitySaturation(VelocitySoftLimits):
-    pass
-
 cdef class PositionLimits(LimitedJoints):
     pass
 
