@@ -33,10 +33,6 @@ from station.core.hardware.interfaces.resource_manager import HardwareResourceMa
 from station.core.parameters import Parameters
 
 
-def _number(name: str, default: float, unit: str, text: str) -> DeclaredParameter:
-    return declare_number(name, text, default, unit)
-
-
 def _covariance(name: str) -> DeclaredParameter:
     return declare_numbers(
         name, "covariance, row-major about x, y, z", (0.0,) * 9, size=9
@@ -89,11 +85,15 @@ class RangeSensorBroadcaster(ValuesBroadcaster):
     topic = "range"
     fields: ClassVar = {"range": "range"}
     constants: ClassVar = {
-        "radiation_type": _number("radiation_type", 0.0, "", "0: sound, 1: infrared"),
-        "field_of_view": _number("field_of_view", 0.52, "rad", "size of the arc"),
-        "min_range": _number("min_range", 0.52, "m", "smallest distance"),
-        "max_range": _number("max_range", 4.0, "m", "largest distance"),
-        "variance": _number("variance", 0.0, "m^2", "variance of the distance"),
+        "radiation_type": declare_number(
+            "radiation_type", "0: sound, 1: infrared", 0.0
+        ),
+        "field_of_view": declare_number(
+            "field_of_view", "size of the arc", 0.52, "rad"
+        ),
+        "min_range": declare_number("min_range", "smallest distance", 0.52, "m"),
+        "max_range": declare_number("max_range", "largest distance", 4.0, "m"),
+        "variance": declare_number("variance", "variance of the distance", 0.0, "m^2"),
     }
     own_parameters = (*constants.values(),)
 

@@ -51,10 +51,6 @@ from station.memory.doubles import doubles, put, zeros
 _AXES = ("x", "y", "z", "rx", "ry", "rz")
 
 
-def _text(name: str, description: str) -> DeclaredParameter:
-    return declare_string(name, description)
-
-
 def _numbers(
     name: str, text: str, size: int, least: float, most: float = inf
 ) -> DeclaredParameter:
@@ -75,20 +71,24 @@ _REFERENCES = declare_strings(
     "the references: `position`, or `position` and `velocity`",
     ("position", "velocity"),
 )
-_BASE = _text("kinematics/base", "the link that carries the arm")
-_TIP = _text("kinematics/tip", "the link at the end of the arm")
+_BASE = declare_string("kinematics/base", "the link that carries the arm")
+_TIP = declare_string("kinematics/tip", "the link at the end of the arm")
 _ALPHA = _number("kinematics/alpha", "damping of the inverse of the Jacobian", 0.01)
-_SENSOR = _text("ft_sensor/name", "the force-torque sensor")
-_SENSOR_FRAME = _text("ft_sensor/frame/id", "the link in whose frame it measures")
+_SENSOR = declare_string("ft_sensor/name", "the force-torque sensor")
+_SENSOR_FRAME = declare_string(
+    "ft_sensor/frame/id", "the link in whose frame it measures"
+)
 _SMOOTHING = _number(
     "ft_sensor/filter_coefficient",
     "share of a new measurement in the force",
     0.05,
     most=1.0,
 )
-_CONTROL_FRAME = _text("control/frame/id", "the link whose axes the rule has")
-_WORLD_FRAME = _text("fixed_world_frame/frame/id", "a link whose z axis points upwards")
-_CENTRE_FRAME = _text(
+_CONTROL_FRAME = declare_string("control/frame/id", "the link whose axes the rule has")
+_WORLD_FRAME = declare_string(
+    "fixed_world_frame/frame/id", "a link whose z axis points upwards"
+)
+_CENTRE_FRAME = declare_string(
     "gravity_compensation/frame/id", "the link in whose frame the centre of gravity is"
 )
 _CENTRE = declare_numbers(

@@ -260,10 +260,6 @@ def _number(
     )
 
 
-def _flag(name: str, text: str, *, default: bool) -> DeclaredParameter:
-    return declare_boolean(name, text, default=default)
-
-
 def _frame(name: str, default: str) -> DeclaredParameter:
     return declare_string(name, "name of a frame in the topic `odom`", default)
 
@@ -303,17 +299,19 @@ _VALIDITY_AND_ACTION = (
 _WINDOW = _number(
     "velocity_rolling_window_size", "", 10.0, "cycles over which velocity is averaged"
 )
-_OPEN_LOOP = _flag(
+_OPEN_LOOP = declare_boolean(
     "open_loop", "whether the odometry follows the commands", default=False
 )
-_PUBLISH_CMD = _flag("publish_cmd", "whether there is `cmd_vel_out`", default=False)
-_ENABLE_TF = _flag("enable_odom_tf", "accepted; there is no tf", default=True)
-_MULTIPLE = _flag(
+_PUBLISH_CMD = declare_boolean(
+    "publish_cmd", "whether there is `cmd_vel_out`", default=False
+)
+_ENABLE_TF = declare_boolean("enable_odom_tf", "accepted; there is no tf", default=True)
+_MULTIPLE = declare_boolean(
     "allow_multiple_cmd_vel_publishers",
     "accepted; leases decide who commands",
     default=True,
 )
-_PUBLISH_STATE = _flag(
+_PUBLISH_STATE = declare_boolean(
     "publish_joint_trajectory_controller_state",
     "whether there is `joint_trajectory_controller_state`, of the wheels",
     default=False,
