@@ -12,6 +12,5 @@ cdef class AdmittanceRule:
     cdef readonly double[::1] damping, stiffness, force, error, velocity
     cdef readonly double[::1] positions, velocities, accelerations
     cdef public double smoothing, inverse_damping, joint_damping
-    cdef void smooth_force(self) noexcept
     cpdef void compute_motion(
         self, double[::1] q, double[::1] q_ref, double period) noexcept

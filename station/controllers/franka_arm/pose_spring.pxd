@@ -14,6 +14,5 @@ cdef class PoseSpring:
     cdef readonly double[::1] stiffness, wanted, error, rest
     cdef WrenchEquation equation
     cpdef void compute_torques(self) noexcept
-    cpdef void measure_error(self) noexcept
     cpdef void balance_error(self) noexcept
     cpdef void approach_targets(self) noexcept

@@ -96,11 +96,9 @@ def place_tree(tree: Doubles, q: Storage, links: Storage) -> None:
             cx, cy, cz = links[p + 8], links[p + 9], links[p + 10]
             ox, oy, oz = links[p + 12], links[p + 13], links[p + 14]
         for axis in range(4):
-            x, y, z = (
-                tree[r + 3 * axis + 5],
-                tree[r + 3 * axis + 6],
-                tree[r + 3 * axis + 7],
-            )
+            x = tree[r + 3 * axis + 5]
+            y = tree[r + 3 * axis + 6]
+            z = tree[r + 3 * axis + 7]
             i = k + 4 * axis
             links[i] = ax * x + bx * y + cx * z
             links[i + 1] = ay * x + by * y + cy * z
@@ -182,16 +180,12 @@ def twist_of(jacobian: Doubles, rates: Doubles, result: Doubles) -> None:
     a, b, c, d, e, f = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for joint in range(len(rates)):
         rate, k = rates[joint], 6 * joint
-        a, b, c = (
-            a + jacobian[k] * rate,
-            b + jacobian[k + 1] * rate,
-            c + jacobian[k + 2] * rate,
-        )
-        d, e, f = (
-            d + jacobian[k + 3] * rate,
-            e + jacobian[k + 4] * rate,
-            f + jacobian[k + 5] * rate,
-        )
+        a = a + jacobian[k] * rate
+        b = b + jacobian[k + 1] * rate
+        c = c + jacobian[k + 2] * rate
+        d = d + jacobian[k + 3] * rate
+        e = e + jacobian[k + 4] * rate
+        f = f + jacobian[k + 5] * rate
     result[0], result[1], result[2], result[3], result[4], result[5] = a, b, c, d, e, f
 
 
@@ -266,21 +260,17 @@ def measure_accelerations(
             wx, wy, wz = wx + rate * zx, wy + rate * zy, wz + rate * zz
         k = 16 * link
         x, y, z = sensors[k + 12], sensors[k + 13], sensors[k + 14]
-        rx, ry, rz = (
-            xx * x + yx * y + zx * z,
-            xy * x + yy * y + zy * z,
-            xz * x + yz * y + zz * z,
-        )
+        rx = xx * x + yx * y + zx * z
+        ry = xy * x + yy * y + zy * z
+        rz = xz * x + yz * y + zz * z
         sx, sy, sz = wy * rz - wz * ry, wz * rx - wx * rz, wx * ry - wy * rx
         x = ax + uy * rz - uz * ry + wy * sz - wz * sy
         y = ay + uz * rx - ux * rz + wz * sx - wx * sz
         z = az + ux * ry - uy * rx + wx * sy - wy * sx
         # From the axes of the base to those of the link, then to those of the sensor.
-        rx, ry, rz = (
-            xx * x + xy * y + xz * z,
-            yx * x + yy * y + yz * z,
-            zx * x + zy * y + zz * z,
-        )
+        rx = xx * x + xy * y + xz * z
+        ry = yx * x + yy * y + yz * z
+        rz = zx * x + zy * y + zz * z
         for axis in range(3):
             k = 16 * link + 4 * axis
             result[3 * link + axis] = (

@@ -7,7 +7,6 @@ cdef class ArmDynamics:
     cdef bint is_weighed
     cdef readonly long changes
     cdef readonly long long version
-    cpdef void move_to(self, object q) except *
     cpdef void move_links(self, double[::1] q) noexcept
     cpdef void weigh(self) noexcept
     cpdef void mass(self, double[::1] result) noexcept

@@ -28,6 +28,14 @@ class DurationRing:
         self.added = 0
         self.reset()
 
+    def reset(self) -> None:
+        """Forget all durations; only the thread that adds may call this."""
+        self.place = 0
+        self.count = 0
+        self.largest = 0.0
+        self.total = 0.0
+        self.squares = 0.0
+
     def add(self, duration: float) -> None:
         """Add a duration [s]."""
         place = self.place
@@ -39,14 +47,6 @@ class DurationRing:
         self.squares += duration * duration
         if duration > self.largest:
             self.largest = duration
-
-    def reset(self) -> None:
-        """Forget all durations; only the thread that adds may call this."""
-        self.place = 0
-        self.count = 0
-        self.largest = 0.0
-        self.total = 0.0
-        self.squares = 0.0
 
     def percentiles(self) -> Percentiles:
         """Return the percentiles of the durations in the ring."""
@@ -94,6 +94,15 @@ class CycleTimes:
         self.last = 0.0
         self.reset()
 
+    def reset(self) -> None:
+        """Forget all cycles; only the thread that adds may call this."""
+        self.at = 0
+        self.count = 0
+        self.longest_read = 0.0
+        self.longest_update = 0.0
+        self.longest_write = 0.0
+        self.longest_total = 0.0
+
     def add(self, begun: float, read: float, updated: float, written: float) -> None:
         """Add a cycle.
 
@@ -124,12 +133,3 @@ class CycleTimes:
         if total > self.longest_total:
             self.longest_total = total
         self.last = written
-
-    def reset(self) -> None:
-        """Forget all cycles; only the thread that adds may call this."""
-        self.at = 0
-        self.count = 0
-        self.longest_read = 0.0
-        self.longest_update = 0.0
-        self.longest_write = 0.0
-        self.longest_total = 0.0
