@@ -5,7 +5,7 @@ from station.core.hardware.limits.limited_joints cimport EnforcedLimits
 from station.hw.franka.arm.receiver cimport Receiver
 from station.hw.franka.arm.velocity_curves cimport VelocityCurves
 from station.hw.franka.commands.cartesian_sender cimport CartesianSender
-from station.memory.finite_check cimport FiniteCheck
+from station.memory.vectors cimport FiniteCheck
 
 cdef int _MOVE
 

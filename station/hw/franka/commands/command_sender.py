@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from station.hw.franka.commands.cartesian_commands import CartesianCommands
     from station.hw.franka.commands.command_settings import CommandSettings
     from station.hw.franka.commands.joint_commands import JointCommands
-    from station.memory.finite_check import FiniteCheck
+    from station.memory.vectors import FiniteCheck
 
 _MOVE = codes.MOVE  # as a C number, by the .pxd
 

@@ -1,9 +1,8 @@
 from station.core.franka.joint_memory cimport JointMemory
 from station.hw.mujoco.simulator_memory cimport SimulatorMemory
 from station.hw.mujoco.world_step cimport Preparation
-from station.core.numerics.arm_chain cimport place_links, zero_jacobian
+from station.core.numerics.arm_chain cimport WrenchEquation, place_links, zero_jacobian
 from station.core.numerics.rigid_motion cimport compose
-from station.core.numerics.wrench_equation cimport WrenchEquation
 from station.memory.functions cimport exponential
 
 cdef int _WEAK, _TOUCHED, _LOST

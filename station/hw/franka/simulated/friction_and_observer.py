@@ -21,9 +21,13 @@ the wrench there as far as errors explain it, and what is sudden shows in full.
 """
 
 from station.core.franka.joint_memory import JointMemory
-from station.core.numerics.arm_chain import new_links, place_links, zero_jacobian
+from station.core.numerics.arm_chain import (
+    WrenchEquation,
+    new_links,
+    place_links,
+    zero_jacobian,
+)
 from station.core.numerics.rigid_motion import compose
-from station.core.numerics.wrench_equation import WrenchEquation
 from station.hw.mujoco.simulator_memory import SimulatorMemory
 from station.hw.mujoco.world_step import Preparation
 from station.memory.doubles import Doubles, own, zeros

@@ -1,7 +1,7 @@
-from station.core.numerics.arm_chain cimport place_links, torques_of, zero_jacobian
+from station.core.numerics.arm_chain cimport (
+    WrenchEquation, place_links, torques_of, zero_jacobian)
 from station.memory.vectors cimport copy_into
 from station.core.numerics.rigid_motion cimport compose, twist_between
-from station.core.numerics.wrench_equation cimport WrenchEquation
 
 cdef double _LARGEST_STEP
 

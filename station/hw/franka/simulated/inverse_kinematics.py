@@ -5,13 +5,13 @@ position of one joint, the elbow, is therefore given too, which makes the motion
 """
 
 from station.core.numerics.arm_chain import (
+    WrenchEquation,
     new_links,
     place_links,
     torques_of,
     zero_jacobian,
 )
 from station.core.numerics.rigid_motion import compose, twist_between
-from station.core.numerics.wrench_equation import WrenchEquation
 from station.memory.doubles import Doubles, own
 from station.memory.vectors import copy_into
 
