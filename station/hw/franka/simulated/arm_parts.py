@@ -11,16 +11,17 @@ from station.hw.franka.arm.supervisor_limits import SupervisorLimits
 from station.hw.franka.simulated.arm_motors import ArmMotors
 from station.hw.franka.simulated.arm_step import ArmStep
 from station.hw.franka.simulated.arm_supervisor import ArmSupervisor
-from station.hw.franka.simulated.cartesian_step import CartesianStep
+from station.hw.franka.simulated.cartesian_step import (
+    CartesianStep,
+    EndEffectorState,
+)
 from station.hw.franka.simulated.contact_estimate import (
     ContactEstimate,
     MomentumObserver,
 )
 from station.hw.franka.simulated.cycle_log import CycleLog
 from station.hw.franka.simulated.desired_motion import DesiredMotion
-from station.hw.franka.simulated.end_effector_state import EndEffectorState
 from station.hw.franka.simulated.franka_dynamics import ArmLoad
-from station.hw.franka.simulated.inverse_kinematics import InverseKinematics
 from station.hw.franka.simulated.joint_motors import JointMotors
 from station.hw.franka.simulated.joint_watch import JointWatch
 from station.hw.franka.simulated.motion_check import MotionCheck
@@ -28,7 +29,7 @@ from station.hw.franka.simulated.realism import Realism
 from station.hw.franka.simulated.sensor_faults import SensorFaults
 from station.hw.mujoco.world import World
 from station.hw.mujoco.world_joints import WorldJoints
-from station.memory.doubles import Doubles, put, zeros
+from station.memory.doubles import Doubles, put
 
 _ZEROS = [0.0] * 7
 
@@ -110,10 +111,6 @@ class ArmSensors:
         return self._load.torques(list(self._positions), state.dtheta, self._ddq)
 
 
-MAX_EXTENSION = -0.467002423653011
-"""Position of joint 4 at which the arm is stretched out most [rad]."""
-
-
 class ArmFrames:
     """Keeps the derived fields of a state. Control thread only.
 
@@ -127,7 +124,7 @@ class ArmFrames:
 
     def __init__(self, state: RobotState) -> None:
         self._state = state
-        self._end_effector = EndEffectorState(state.doubles, CHAIN, MAX_EXTENSION)
+        self._end_effector = EndEffectorState(state.doubles, CHAIN)
         self._refreshed_at = -1.0
         self.is_cartesian = False
 
@@ -210,25 +207,6 @@ def new_joint_memory(state: RobotState, *, is_rigid: bool = True) -> JointMemory
     )
 
 
-def new_cartesian_step(
-    state: RobotState, memory: JointMemory, check: MotionCheck, period: float
-) -> CartesianStep:
-    """Return a new follower of an arm's poses and twists.
-
-    Args:
-        state: The arm's state.
-        memory: State and commands of its joints.
-        check: Compares commanded motions with the limits.
-        period: Duration of a cycle [s], > 0.
-    """
-    field = state.doubles
-    kinematics = InverseKinematics(
-        CHAIN, field("q_d"), field("F_T_EE"), zeros(16), zeros(memory.size)
-    )
-    end_effector = EndEffectorState(field, CHAIN, MAX_EXTENSION)
-    return CartesianStep(memory, kinematics, check, end_effector, period)
-
-
 class ArmParts:
     """The parts of one arm in a world. Control thread only.
 
@@ -297,7 +275,7 @@ class ArmParts:
             memory,
             state,
             motion=self.motion,
-            cartesian=new_cartesian_step(state, memory, check, period),
+            cartesian=CartesianStep(memory, check, state.doubles, CHAIN, period),
             motors=joint_motors,
             actuators=self.motors,
             load=self.load,

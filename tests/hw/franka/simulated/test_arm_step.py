@@ -109,12 +109,8 @@ class Arm:
         self.watch.room = 1.0
         self.log = part("cycle_log").CycleLog(state.motion(), SIZE)
         check = part("motion_check").MotionCheck(self.memory, LIMITS, PERIOD)
-        kinematics = part("inverse_kinematics").InverseKinematics(
-            CHAIN, state.doubles("q_d"), tool, zeros(16), zeros(SIZE)
-        )
-        hand = part("end_effector_state").EndEffectorState(state.doubles, CHAIN, -0.467)
         self.cartesian = part("cartesian_step").CartesianStep(
-            self.memory, kinematics, check, hand, PERIOD
+            self.memory, check, state.doubles, CHAIN, PERIOD
         )
         self.calls: list[str] = []
         self.errors: list[object] = []
