@@ -7,7 +7,7 @@ from station.memory.functions cimport square_root
 from station.memory.vectors cimport copy_into
 
 cdef double _TINY
-cdef int _SLOWED
+cdef int _SLOWED, _CARTESIAN
 
 cpdef void limit_vector(
     double[::1] vector, Py_ssize_t start, double[::1] last_velocity,

@@ -11,6 +11,7 @@ from station.core.errors import InvalidCommandError
 from station.core.geometry.guard import SLOWED
 from station.core.numerics.command_rates import limited, low_pass
 from station.core.numerics.rigid_motion import displace, rotation_between, twist_between
+from station.hw.franka.arm.arm_codes import CARTESIAN
 from station.hw.franka.commands.pose_bridge import PoseBridge
 from station.memory.doubles import Doubles, own, zeros
 from station.memory.functions import square_root
@@ -23,7 +24,9 @@ if TYPE_CHECKING:
 
 # A shorter vector has no direction.
 _TINY = 1e-15
-_SLOWED = SLOWED  # as a C number, by the .pxd
+# As C numbers, by the .pxd.
+_SLOWED = SLOWED
+_CARTESIAN = CARTESIAN
 
 
 def limit_vector(
@@ -321,7 +324,7 @@ class CartesianSender:
             rates.filter_elbow(elbow, passes)
             bent = [rates.sent_elbow[0], rates.sent_elbow[1]]
             self.arm.command_cartesian_pose(rates.sent_pose, bent)
-        elif not self.receiver.receive_pose(rates.sent_pose):
+        elif not self.receiver.receive(rates.sent_pose, _CARTESIAN):
             self.arm.command_cartesian_pose(rates.sent_pose)
 
     def send_twist(self) -> None:

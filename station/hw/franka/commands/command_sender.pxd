@@ -7,7 +7,7 @@ from station.hw.franka.arm.velocity_curves cimport VelocityCurves
 from station.hw.franka.commands.cartesian_sender cimport CartesianSender
 from station.memory.finite_check cimport FiniteCheck
 
-cdef int _MOVE
+cdef int _MOVE, _TORQUES, _POSITIONS, _VELOCITIES
 
 cdef class CommandSender:
     cdef object arm, joints, cartesian, hand, write_fingers
