@@ -445,7 +445,7 @@ class ArmStep(Preparation):
                     and not was_lossy
                     and not self.has_load
                     and not self.has_faults
-                    and not check.has_curves
+                    and not check.curves.size
                     and not self.motors.is_cartesian
                     and not self.cartesian.has_elbow
                 )
