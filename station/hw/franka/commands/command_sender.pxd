@@ -27,7 +27,6 @@ cdef class CommandSender:
     cpdef write(self, double time, double period)
     @cython.locals(check=FiniteCheck, limits=EnforcedLimits)
     cpdef send_commands(self, double period)
-    cpdef resend_commands(self)
     cpdef send_all(self, bint is_new)
     cpdef send_positions(self)
     cpdef send_velocities(self)

@@ -1,4 +1,3 @@
-cimport cython
 from station.memory.vectors cimport any_of, are_finite, copy_into
 from station.hw.franka.arm.receiver cimport Receiver
 from station.hw.franka.simulated.cartesian_step cimport CartesianStep
@@ -48,7 +47,6 @@ cdef class ArmStep(Preparation):
     cpdef bint receive(self, double[::1] values, Py_ssize_t size, double[::1] place)
     cdef Py_ssize_t follow_command(self)
     cdef advance_motion(self, bint arrived, bint was_lossy)
-    @cython.locals(result=int)
     cpdef int read_joints(self, double time)
 
 cdef class StepReceiver(Receiver):

@@ -532,18 +532,19 @@ class ArmStep(Preparation):
             self.note_accelerations()
         self.time = time
         self.motors.sense()
-        result, mode = 0, self.mode[0]
+        mode = self.mode[0]
+        contact = violation = 0
         if any_of(self.simulator.constraint_forces, self.size):
-            result = _CONTACT
+            contact = _CONTACT
         # In the other modes an error is present, or a person holds the arm: there is no
         # motion that another error could end.
         is_supervised = mode == _MOVE or mode == _IDLE or mode == _RECOVERY
         if is_supervised and self.watch.check_readings(self.is_following, True):  # noqa: FBT003 - C
-            result += _VIOLATION
+            violation = _VIOLATION
         self.state.time = time
         if self.has_faults:
             self.faults.disturb(self.state)
-        return result
+        return contact | violation
 
     def note_accelerations(self) -> None:
         """Note how the velocities change in this step."""
@@ -582,8 +583,9 @@ class StepReceiver(Receiver):
         """Return whether a command was taken."""
         step = self.step
         if kind == _NO_MOTION:
-            memory = step.memory.torques
-            return step.wants_torques and step.receive(values, step.size, memory)
+            return step.wants_torques and step.receive(
+                values, step.size, step.memory.torques
+            )
         if kind != step.generator:
             return False
         if kind == _CARTESIAN:

@@ -28,13 +28,9 @@ cdef class FrictionAndObserver(Preparation):
     cdef public Py_ssize_t weak
     cdef Py_ssize_t drawn
     cdef public long cycles_to_loss
-    cpdef settle(self)
-    cpdef rest(self)
-    cpdef bint renew_jacobian(self)
-    cpdef bint factorise_jacobian(self)
     cpdef int sense(self)
-    cpdef disturb(self)
-    cpdef observe(self)
-    cpdef compute_wrench(self)
-    cpdef doubt_wrench(self)
-    cpdef bint is_touched(self)
+    cdef disturb(self)
+    cdef observe(self)
+    cdef compute_wrench(self)
+    cdef doubt_wrench(self)
+    cdef bint is_touched(self)

@@ -1,4 +1,3 @@
-cimport cython
 from station.core.numerics.arm_chain cimport place_links, twist_of, zero_jacobian
 from station.hw.franka.arm.capsules cimport LinkDistances
 from station.hw.franka.arm.velocity_curves cimport VelocityCurves
@@ -22,7 +21,6 @@ cdef class JointWatch:
     cdef LinkDistances distances
     cdef public double room
     cdef public bint is_alert
-    @cython.locals(away=double, is_slow=bint)
     cpdef bint check_readings(self, bint is_following, bint has_moved)
     cdef check_distances(self)
     cdef check_speed(self)

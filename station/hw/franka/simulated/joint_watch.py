@@ -147,8 +147,9 @@ class JointWatch:
             total += velocity
             power += velocity * torque
             if is_following:
-                away += abs(position - q_d[i])
-        is_slow = total * _REACH < self.speed
+                distance = position - q_d[i]
+                away += distance if distance > 0.0 else -distance
+        is_fast = not total * _REACH < self.speed
         is_close = not is_following or not (
             away * _REACH > self.translation
             or away > self.rotation
@@ -160,9 +161,9 @@ class JointWatch:
         self.room -= total * reach
         if not self.room > 0.0:
             self.check_distances()
-        if not (is_slow and is_close):
+        if is_fast or not is_close:
             self.place(q, self.pose)
-        if not is_slow:
+        if is_fast:
             self.check_speed()
         if power > self.power:
             violations.add(POWER, 0, power, self.power)
