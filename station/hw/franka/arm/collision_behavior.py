@@ -54,6 +54,21 @@ def collision_behavior_problem(behavior: CollisionBehavior) -> ThresholdProblem 
     return None
 
 
+def thresholds_of(
+    behavior: CollisionBehavior, bound: str, phase: str
+) -> tuple[float, ...]:
+    """Return the thresholds of the torques, then of the wrench, shape (13,).
+
+    Args:
+        behavior: All thresholds.
+        bound: `lower` or `upper`.
+        phase: `nominal` or `acceleration`.
+    """
+    torques: tuple[float, ...] = getattr(behavior, f"{bound}_torque_thresholds_{phase}")
+    forces: tuple[float, ...] = getattr(behavior, f"{bound}_force_thresholds_{phase}")
+    return (*torques, *forces)
+
+
 def collision_error(signal: int, value: float, bound: float) -> ArmError:
     """Return the error of an estimate that is above its threshold.
 
@@ -77,10 +92,7 @@ def near_collisions(state: RobotState, behavior: CollisionBehavior) -> list[ArmE
         behavior: The thresholds in force.
     """
     values = (*state.tau_ext_hat_filtered, *state.K_F_ext_hat_K)
-    bounds = (
-        *behavior.upper_torque_thresholds_nominal,
-        *behavior.upper_force_thresholds_nominal,
-    )
+    bounds = thresholds_of(behavior, "upper", "nominal")
     return [
         collision_error(signal, value, bound)
         for signal, (value, bound) in enumerate(zip(values, bounds, strict=True))

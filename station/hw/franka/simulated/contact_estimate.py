@@ -9,7 +9,7 @@ those of the simulation, so nothing is estimated but the load.
 """
 
 import random
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from math import pi
 
 import numpy as np
@@ -25,6 +25,7 @@ from station.hw.franka.arm.collision_behavior import (
     DEFAULT_COLLISION_BEHAVIOR,
     NEAR,
     collision_error,
+    thresholds_of,
 )
 from station.hw.franka.arm.franka_kinematics import CHAIN, frame_pose, zero_jacobian
 from station.hw.franka.simulated.friction_and_observer import (
@@ -195,58 +196,37 @@ class ContactEstimate:
         as a collision that fades: noise alone may lift it over the threshold.
         """
         state = self._state
-        torques, forces = self._thresholds(upper=True)
         return [
             max(_FADING, abs(value) - bound)
             if abs(value) > self.release * bound
             else 0.0
             for value, bound in zip(
                 (*state.tau_ext_hat_filtered, *state.K_F_ext_hat_K),
-                (*torques, *forces),
+                self._thresholds("upper"),
                 strict=True,
             )
         ]
 
-    def _thresholds(
-        self, *, upper: bool
-    ) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        chosen = self.behavior
-        if any(
-            abs(ddq) > bound
-            for ddq, bound in zip(self._state.ddq_d, self._accelerating, strict=True)
-        ):
-            if upper:
-                return (
-                    chosen.upper_torque_thresholds_acceleration,
-                    chosen.upper_force_thresholds_acceleration,
-                )
-            return (
-                chosen.lower_torque_thresholds_acceleration,
-                chosen.lower_force_thresholds_acceleration,
-            )
-        if upper:
-            return (
-                chosen.upper_torque_thresholds_nominal,
-                chosen.upper_force_thresholds_nominal,
-            )
-        return (
-            chosen.lower_torque_thresholds_nominal,
-            chosen.lower_force_thresholds_nominal,
-        )
+    def _thresholds(self, bound: str) -> tuple[float, ...]:
+        pairs = zip(self._state.ddq_d, self._accelerating, strict=True)
+        is_accelerating = any(abs(ddq) > most for ddq, most in pairs)
+        phase = "acceleration" if is_accelerating else "nominal"
+        return thresholds_of(self.behavior, bound, phase)
 
     def _update_levels(self) -> list[ArmError]:
         state = self._state
-        torques, forces = self._thresholds(upper=False)
-        state.joint_contact = _levels(state.tau_ext_hat_filtered, torques)
-        state.cartesian_contact = _levels(state.K_F_ext_hat_K, forces)
-        torques, forces = self._thresholds(upper=True)
         values = (*state.tau_ext_hat_filtered, *state.K_F_ext_hat_K)
+        levels = [
+            1.0 if abs(value) > bound else 0.0
+            for value, bound in zip(values, self._thresholds("lower"), strict=True)
+        ]
+        state.joint_contact, state.cartesian_contact = levels[:7], levels[7:]
         found: list[ArmError] = []
         if self._lasts:
             self._released = 0 if any(self._collisions()) else self._released + 1
             self._lasts = self._released < self.release_cycles
             self._known = [max(known, _FADING) for known in self._known]
-        for i, bound in enumerate((*torques, *forces)):
+        for i, bound in enumerate(self._thresholds("upper")):
             excess = max(0.0, abs(values[i]) - bound)
             # The contact in which the arm recovered must grow by a whole threshold, or
             # it would end every recovery at once.
@@ -262,13 +242,6 @@ class ContactEstimate:
             )
             self._known[i] = min(self._known[i], max(excess, _FADING if fading else 0))
         return found
-
-
-def _levels(values: Sequence[float], bounds: Sequence[float]) -> list[float]:
-    return [
-        1.0 if abs(value) > bound else 0.0
-        for value, bound in zip(values, bounds, strict=True)
-    ]
 
 
 _NUMBERS = 16381
@@ -324,17 +297,15 @@ class MomentumObserver(ContactEstimate):
         self.observer: FrictionAndObserver = FrictionAndObserver(
             memory,
             simulator,
+            realism,
+            fields=state.doubles,
             chain=CHAIN,
-            tool=state.doubles("F_T_EE"),
-            stiffness_frame=state.doubles("EE_T_K"),
             noise=_random_numbers(realism.seed),
-            estimate=state.doubles("tau_ext_hat_filtered"),
-            theta=state.doubles("theta"),
-            wrench=state.doubles("O_F_ext_hat_K"),
-            turned=state.doubles("K_F_ext_hat_K"),
             period=joints.timestep,
         )
-        _set(self.observer, realism, joints.timestep)
+        self.observer.reach = _REACH
+        self.observer.singular, self.observer.reliable = SINGULAR, _RELIABLE
+        self.observer.lasting_gain = joints.timestep / (joints.timestep + _LASTING)
         self._torque_error = realism.torque_error
         self._dice = random.Random(realism.seed)
         self._losses = realism.losses
@@ -352,14 +323,8 @@ class MomentumObserver(ContactEstimate):
     @override
     def set_behavior(self, behavior: CollisionBehavior) -> None:
         super().set_behavior(behavior)
-        nominal = (
-            *behavior.lower_torque_thresholds_nominal,
-            *behavior.lower_force_thresholds_nominal,
-        )
-        accelerating = (
-            *behavior.lower_torque_thresholds_acceleration,
-            *behavior.lower_force_thresholds_acceleration,
-        )
+        nominal = thresholds_of(behavior, "lower", "nominal")
+        accelerating = thresholds_of(behavior, "lower", "acceleration")
         # The smaller one: the observer only asks for `update`, which knows whether the
         # motion accelerates, and decides.
         put(self.observer.lower, map(min, nominal, accelerating))
@@ -449,23 +414,3 @@ class MomentumObserver(ContactEstimate):
 def _random_numbers(seed: int) -> Doubles:
     dice = random.Random(seed)
     return doubles(dice.gauss(0.0, 1.0) for _ in range(_NUMBERS))
-
-
-def _set(observer: FrictionAndObserver, realism: Realism, period: float) -> None:
-    put(observer.level, realism.friction_level)
-    put(observer.slope, realism.friction_slope)
-    put(observer.shift, realism.friction_shift)
-    put(observer.viscous, realism.viscous)
-    observer.stribeck_velocity = realism.stribeck_velocity
-    observer.presliding = realism.presliding
-    put(observer.static_friction, realism.static_friction)
-    put(observer.compliance, [1.0 / stiffness for stiffness in realism.joint_stiffness])
-    put(observer.torque_noise, realism.torque_noise)
-    put(observer.torque_bias, realism.torque_bias)
-    put(observer.velocity_noise, realism.velocity_noise)
-    put(observer.model_error, realism.model_error)
-    observer.reach = _REACH
-    observer.singular, observer.reliable = SINGULAR, _RELIABLE
-    observer.lasting_gain = period / (period + _LASTING)
-    observer.gain = period / (period + 1.0 / (2.0 * pi * realism.observer_frequency))
-    observer.settle()
