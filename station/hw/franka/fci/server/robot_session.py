@@ -26,7 +26,6 @@ filters of its own, so that only these settings are accepted.
 import struct
 from collections.abc import Callable, Mapping, Sequence
 from math import isfinite
-from types import MappingProxyType
 from typing import Any, TypeAlias
 
 from station.core.errors import ArmCommandError, InvalidCommandError
@@ -50,11 +49,13 @@ from station.hw.franka.commands.arm_services import (
     ROTATIONAL_STIFFNESS,
     TRANSLATIONAL_STIFFNESS,
 )
-from station.hw.franka.fci.server.message_reader import (
+from station.hw.franka.fci.wire.messages import (
+    NOTHING,
+    FciProtocolError,
+    FciVersionError,
     MessageReader,
     Request,
 )
-from station.hw.franka.fci.wire.messages import FciProtocolError, FciVersionError
 from station.hw.franka.fci.wire.robot_protocol import (
     HEADER,
     MERGED_INTO,
@@ -224,7 +225,6 @@ _RECOVERIES = {
     RobotMode.USER_STOPPED: RecoveryStatus.EMERGENCY_ABORTED,
     RobotMode.OTHER: RecoveryStatus.ABORTED,
 }
-_NOTHING: Mapping[str, Any] = MappingProxyType({})
 _TAKEN = "The controllers of the station command the arm, or the station is stopped."
 
 
@@ -575,6 +575,6 @@ class RobotSession:
         self,
         request: Request[Command],
         status: int,
-        values: Mapping[str, Any] = _NOTHING,
+        values: Mapping[str, Any] = NOTHING,
     ) -> bytes:
         return self._reader.answer(request, status, values)
