@@ -2,9 +2,11 @@
 
 from dataclasses import dataclass
 
+from station.core.errors import InvalidCommandError
 from station.core.franka.franka_errors import ArmError
 from station.core.franka.franka_robot_state import RobotState
 from station.core.franka.franka_services import CollisionBehavior
+from station.hw.franka.arm.service_limits import field_error
 
 DEFAULT_COLLISION_BEHAVIOR = CollisionBehavior(
     *((20.0, 20.0, 18.0, 18.0, 16.0, 14.0, 12.0),) * 4,
@@ -52,6 +54,26 @@ def collision_behavior_problem(behavior: CollisionBehavior) -> ThresholdProblem 
                     name, f"above 0, no lower {what} threshold above its upper one"
                 )
     return None
+
+
+def check_collision_behavior(behavior: CollisionBehavior) -> None:
+    """Refuse thresholds that cannot be used.
+
+    Args:
+        behavior: The thresholds.
+
+    Raises:
+        InvalidCommandError: One cannot be used.
+    """
+    problem = collision_behavior_problem(behavior)
+    if problem is not None:
+        field, allowed = problem.field, problem.allowed
+        value = list(getattr(behavior, field))
+        raise InvalidCommandError(
+            f"The collision threshold '{field}' is {value}; it must be {allowed}.",
+            remedy=f"Give {allowed}.",
+            details=field_error(field, f"must be {allowed}", value),
+        )
 
 
 def thresholds_of(
