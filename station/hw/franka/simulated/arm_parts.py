@@ -204,7 +204,7 @@ class ArmParts:
             world=world.stepping,
         )
         self.supervisor = ArmSupervisor(state, thresholds, watch, log)
-        seen = (joints, state, limits, self.step.load_torques)
+        seen = (joints, state, limits, self.step)
         self.contact = (
             ContactEstimate(*seen)
             if realism is None

@@ -37,7 +37,7 @@ cdef class ArmStep(Preparation):
     cdef public object modes, contact
     cdef public FrictionAndObserver observer
     cdef public int generator
-    cdef public bint wants_torques, has_load, has_faults, is_following
+    cdef public bint wants_torques, has_load, has_faults, is_following, is_quiet
     cdef readonly bint is_fresh, is_begun, is_lossy
     cdef readonly long long cycle, steps, seen
     cdef double time

@@ -156,13 +156,14 @@ class ArmStep(Preparation):
 
     Attributes:
         modes: The modes of the arm; set before the first step, as the next two.
-        contact: Estimates contacts; supervised while it is not quiet.
+        contact: Estimates contacts.
         observer: Disturbs the readings; None for an ideal arm.
         generator: Kind of the commands of the motion.
         wants_torques: Whether the motion commands torques.
         has_load: Whether a load is configured.
         has_faults: Whether a simulated fault acts.
         is_following: Whether an internal controller follows the desired motion.
+        is_quiet: Whether nothing touches the arm; else it is supervised in every cycle.
         is_fresh: Whether a command has arrived since the last cycle.
         is_begun: Whether a command of this motion has been followed.
         is_lossy: Whether commands were lost in the last cycles.
@@ -214,6 +215,7 @@ class ArmStep(Preparation):
         self.has_load = False
         self.has_faults = False
         self.is_following = False
+        self.is_quiet = True
         self.time = 0.0
         self.settling = 0
         self.begin_motion(codes.NO_MOTION)
@@ -502,7 +504,7 @@ class ArmStep(Preparation):
                 self.contact.expect_load()
             observed = observer.sense()
             if observed & _TOUCHED:
-                self.contact.is_quiet = False
+                self.is_quiet = False
             if observed & _ASKS:
                 self.modes.react_to_observer(observed)
         # What follows is plain Python, and is left out while nothing can have changed.
@@ -511,7 +513,7 @@ class ArmStep(Preparation):
             or world.is_pushed
             or world.stands_still
             or self.has_load
-            or not self.contact.is_quiet
+            or not self.is_quiet
             or self.watch.is_alert
         ):
             self.modes.supervise(found)

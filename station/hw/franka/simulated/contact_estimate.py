@@ -9,7 +9,6 @@ those of the simulation, so nothing is estimated but the load.
 """
 
 import random
-from collections.abc import Callable
 from math import pi
 
 import numpy as np
@@ -28,6 +27,7 @@ from station.hw.franka.arm.collision_behavior import (
     thresholds_of,
 )
 from station.hw.franka.arm.franka_kinematics import CHAIN, frame_pose, zero_jacobian
+from station.hw.franka.simulated.arm_step import ArmStep
 from station.hw.franka.simulated.friction_and_observer import (
     LOST,
     WEAK,
@@ -63,12 +63,10 @@ class ContactEstimate:
         state: The arm's state; the fields from `tau_ext_hat_filtered` to
             `cartesian_collision` are written.
         limits: The arm's limits.
-        load_torques: Returns the torques for the configured load [Nm], shape (7,), or
-            None when no load is configured.
+        step: The arm's cycle, which `update` is a part of until it is quiet.
 
     Attributes:
         behavior: The thresholds.
-        is_quiet: Whether nothing touches the arm.
         observer: Disturbs the readings in every cycle; None for an ideal arm.
         release: Share of its threshold below which a signal must fall before it can be
             a new collision, at most 1.
@@ -81,9 +79,8 @@ class ContactEstimate:
         joints: WorldJoints,
         state: RobotState,
         limits: ArmLimits,
-        load_torques: Callable[[], list[float] | None],
+        step: ArmStep,
     ) -> None:
-        self.is_quiet = True
         self.behavior = DEFAULT_COLLISION_BEHAVIOR
         self.observer: FrictionAndObserver | None = None
         self._joints = joints
@@ -92,7 +89,7 @@ class ContactEstimate:
             joints.timestep + 1.0 / (2.0 * pi * CUTOFF_FREQUENCY)
         )
         self._accelerating = [_ACCELERATING * a for a in limits.acceleration]
-        self._load_torques = load_torques
+        self._step = step
         self.release = 1.0
         self.release_cycles = 1
         # Excess over its threshold that each signal may have without a new collision:
@@ -110,8 +107,8 @@ class ContactEstimate:
     def update(self) -> list[ArmError]:
         """Bring torques, wrench and contacts up to date; return the new collisions."""
         external = self._joints.read_external_forces()
-        load = self._load_torques()
-        if self.is_quiet and load is None and not any(external):
+        load = self._step.load_torques()
+        if self._step.is_quiet and load is None and not any(external):
             return []
         state, gain = self._state, self._gain
         hat = state.doubles("tau_ext_hat_filtered")
@@ -120,8 +117,8 @@ class ContactEstimate:
         for i, force in enumerate(external):
             hat[i] += gain * (-force - needed[i] - hat[i])
             largest = max(largest, abs(hat[i]))
-        self.is_quiet = largest < _NEGLIGIBLE
-        if self.is_quiet:
+        self._step.is_quiet = largest < _NEGLIGIBLE
+        if self._step.is_quiet:
             put(hat, _ZEROS)
         self._update_wrench()
         return self._update_levels()
@@ -137,7 +134,7 @@ class ContactEstimate:
     def reset(self) -> None:
         """Start again without any contact."""
         self._state.tau_ext_hat_filtered = _ZEROS
-        self.is_quiet = True
+        self._step.is_quiet = True
         self._known = [0.0] * 13
         self._lasts = False
         self._update_wrench()
@@ -163,7 +160,7 @@ class ContactEstimate:
 
     def _update_wrench(self) -> None:
         state = self._state
-        if self.is_quiet:
+        if self._step.is_quiet:
             state.O_F_ext_hat_K = state.K_F_ext_hat_K = [0.0] * 6
             return
         pose = frame_pose(Frame.STIFFNESS, state.theta, state.F_T_EE, state.EE_T_K)
@@ -273,7 +270,7 @@ class MomentumObserver(ContactEstimate):
         joints: The arm's joints in the world.
         state: The arm's state.
         limits: The arm's limits.
-        load_torques: As for `ContactEstimate`.
+        step: As for `ContactEstimate`.
         realism: Disturbances of the arm.
         memory: State of the joints.
         simulator: The simulator's memory of the joints.
@@ -288,12 +285,12 @@ class MomentumObserver(ContactEstimate):
         joints: WorldJoints,
         state: RobotState,
         limits: ArmLimits,
-        load_torques: Callable[[], list[float] | None],
+        step: ArmStep,
         realism: Realism,
         memory: JointMemory,
         simulator: SimulatorMemory,
     ) -> None:
-        super().__init__(joints, state, limits, load_torques)
+        super().__init__(joints, state, limits, step)
         self.observer: FrictionAndObserver = FrictionAndObserver(
             memory,
             simulator,
@@ -340,7 +337,7 @@ class MomentumObserver(ContactEstimate):
 
     @override
     def update(self) -> list[ArmError]:
-        if self.is_quiet:
+        if self._step.is_quiet:
             return []
         if self._state.robot_mode is RobotMode.AUTOMATIC_ERROR_RECOVERY:
             # The arm only brakes and comes to rest; a hand that bounces off a table and
@@ -351,14 +348,14 @@ class MomentumObserver(ContactEstimate):
             self._lasts = self._lasts or any(self._known)
         found = self._update_levels()
         state = self._state
-        self.is_quiet = not (
+        self._step.is_quiet = not (
             any(state.joint_contact) or any(state.cartesian_contact) or any(self._known)
         )
         return found
 
     @override
     def expect_load(self) -> None:
-        put(self.observer.expected, self._load_torques() or [0.0] * 7)
+        put(self.observer.expected, self._step.load_torques() or [0.0] * 7)
 
     @override
     def recover(self) -> None:
