@@ -1,21 +1,29 @@
 """What every test runs under."""
 
+import asyncio
+import gc
 import threading
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import hypothesis
 import pytest
+import uvicorn.server
 from xdist.remote import Producer
 from xdist.scheduler import LoadFileScheduling
 
 from station.compiled import status
+from station.core.scheduling import GC_THRESHOLDS
 from tests.compiled_reach import reaches_compiled
 from tests.thread_guard import leaked_threads
 
 TESTS = Path(__file__).parent
 ONE_STATION = "tests/browser/workspace/"
 """The folder whose files share a station."""
+
+# Looking for garbage among all that the tests have imported takes a tenth of their time.
+gc.set_threshold(*GC_THRESHOLDS)
 
 # Reproducible examples, and no time limit for one on a busy machine.
 hypothesis.settings.register_profile("station", deadline=None, derandomize=True)
@@ -53,6 +61,12 @@ def pytest_collection_modifyitems(
         if folder in {"browser", "system", "ui"}:
             item.add_marker(pytest.mark.alone)
     items.sort(key=_turn)
+
+
+def pytest_collection_finish() -> None:
+    """Keep what is imported, and the tests, out of sight of the garbage collector."""
+    gc.collect()
+    gc.freeze()
 
 
 def _turn(item: pytest.Item) -> int:
@@ -98,6 +112,19 @@ def own_data_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_DATA_HOME", str(tmp_path_factory.mktemp("data")))
         patch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
+        yield
+
+
+@pytest.fixture(autouse=True, scope="session")
+def prompt_servers() -> Iterator[None]:
+    """Let a web server look for its end, and for that of its connections, more often."""
+
+    def sleep(seconds: float) -> object:
+        return asyncio.sleep(min(seconds, 0.005))
+
+    hasty = SimpleNamespace(**{**vars(asyncio), "sleep": sleep})
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(uvicorn.server, "asyncio", hasty)
         yield
 
 

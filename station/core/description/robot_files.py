@@ -165,10 +165,8 @@ def load_robot_files(reference: str) -> RobotFiles:
         path = _find_known_robot(reference.removeprefix(PACKAGE_SCHEME).strip())
     else:
         path = Path(reference).expanduser().absolute()
-    xml = _read(path)
-    return RobotFiles(
-        reference, path, xml, _find_srdf(path, parse_robot(xml).get("name", ""))
-    )
+    xml, name = _read(path)
+    return RobotFiles(reference, path, xml, _find_srdf(path, name))
 
 
 def replace_prefix(name: str, old: str, new: str) -> str:
@@ -182,8 +180,12 @@ def known_robots() -> dict[str, Path]:
     A robot has the name of its URDF file (`panda`, `ur5_robot`, `talos_left_arm`); a
     name that ends in `_robot` may be shortened (`ur5`).
     """
+    return _robots_in(*data_directories())
+
+
+def _robots_in(*directories: Path) -> dict[str, Path]:
     by_name: dict[str, Path] = {}
-    for directory in reversed(data_directories()):
+    for directory in reversed(directories):
         files = sorted((directory / "robots").glob("*/*/*.urdf"))
         by_name |= {path.stem: path for path in files}
         for path in files:
@@ -192,7 +194,14 @@ def known_robots() -> dict[str, Path]:
     return by_name
 
 
+# To search all folders takes longer than to read a robot; a file once found stays.
+_found_before = cache(_robots_in)
+
+
 def _find_known_robot(name: str) -> Path:
+    before = _found_before(*data_directories()).get(name)
+    if before and before.is_file():
+        return before
     robots = known_robots()
     if name in robots:
         return robots[name]
@@ -207,7 +216,8 @@ def _find_known_robot(name: str) -> Path:
     )
 
 
-def _read(path: Path) -> str:
+def _read(path: Path) -> tuple[str, str]:
+    """Return the text of a URDF, and the robot's name in it."""
     try:
         size = path.stat().st_size
         # Without a bound, the path of a film would be read into memory.
@@ -233,12 +243,11 @@ def _read(path: Path) -> str:
             remedy="Run xacro on it and give the path of the result.",
         )
     try:
-        parse_robot(xml)
+        return xml, parse_robot(xml).get("name", "")
     except RobotDescriptionError as exc:
         raise RobotDescriptionError(
             f"{path}: {exc.message}", remedy=exc.remedy
         ) from exc
-    return xml
 
 
 def _find_srdf(urdf_path: Path, robot: str) -> Path | None:

@@ -96,14 +96,11 @@ class Bench:
         self.manager.pump = self.step
         self.time = 0.0
         both = ["j0", "j1"] if combined else ["j0"]
-        self.claims = {"old": both, "new": both, "more": ["j0"]}
-        for name, kind in (("old", "Effort"), ("new", "Velocity")):
-            self.load(name, kind, both)
+        self.claims = {"old": both, "new": ["j0"], "more": ["j1"]}
+        self.load("old", "Effort", both)
+        self.load("new", "Velocity", ["j0"])
         if combined:
             # `more` shares nothing with `new`: it takes the second joint alone.
-            self.claims = {"old": both, "new": ["j0"], "more": ["j1"]}
-            self.manager.unload_controller("new")
-            self.load("new", "Velocity", ["j0"])
             self.load("more", "Velocity", ["j1"])
         self.observer = SwitchObserver(robot, self.manager)
         if runs:

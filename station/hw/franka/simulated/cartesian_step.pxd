@@ -1,9 +1,8 @@
 from station.core.franka.joint_memory cimport JointMemory
 from station.core.numerics.arm_chain cimport (
-    place_links, torques_of, twist_of, zero_jacobian)
+    WrenchEquation, place_links, torques_of, twist_of, zero_jacobian)
 from station.core.numerics.command_rates cimport limited
 from station.core.numerics.rigid_motion cimport compose, displace, twist_between
-from station.core.numerics.arm_chain cimport WrenchEquation
 from station.hw.franka.simulated.motion_check cimport MotionCheck
 from station.memory.functions cimport square_root
 from station.memory.vectors cimport copy_into

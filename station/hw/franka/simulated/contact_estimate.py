@@ -9,6 +9,7 @@ those of the simulation, so nothing is estimated but the load.
 """
 
 import random
+from functools import cache
 from math import pi
 
 import numpy as np
@@ -408,6 +409,7 @@ class MomentumObserver(ContactEstimate):
             self.observer.cycles_to_loss = 1 + round(wait)
 
 
+@cache
 def _random_numbers(seed: int) -> Doubles:
     dice = random.Random(seed)
     return doubles(dice.gauss(0.0, 1.0) for _ in range(_NUMBERS))

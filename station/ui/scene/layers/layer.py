@@ -79,7 +79,7 @@ class SceneFacts:
 
 
 class Removable(Protocol):
-    """What can be taken out of a scene: a node, or something made of several."""
+    """A part of a scene that can be taken out: a node, or several."""
 
     def remove(self) -> None:
         """Take it out of the scene."""
