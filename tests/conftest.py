@@ -22,7 +22,7 @@ TESTS = Path(__file__).parent
 ONE_STATION = "tests/browser/workspace/"
 """The folder whose files share a station."""
 
-# Looking for garbage among all that the tests have imported takes a tenth of their time.
+# Looking for garbage in what the tests have imported takes a tenth of their time.
 gc.set_threshold(*GC_THRESHOLDS)
 
 # Reproducible examples, and no time limit for one on a busy machine.
@@ -117,7 +117,7 @@ def own_data_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 
 @pytest.fixture(autouse=True, scope="session")
 def prompt_servers() -> Iterator[None]:
-    """Let a web server look for its end, and for that of its connections, more often."""
+    """Let a web server look more often whether it, or a connection, is to end."""
 
     def sleep(seconds: float) -> object:
         return asyncio.sleep(min(seconds, 0.005))

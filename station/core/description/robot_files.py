@@ -217,7 +217,11 @@ def _find_known_robot(name: str) -> Path:
 
 
 def _read(path: Path) -> tuple[str, str]:
-    """Return the text of a URDF, and the robot's name in it."""
+    """Return the text of a URDF, and the robot's name in it.
+
+    Raises:
+        RobotDescriptionError: The file is missing, cannot be read or is no URDF.
+    """
     try:
         size = path.stat().st_size
         # Without a bound, the path of a film would be read into memory.
