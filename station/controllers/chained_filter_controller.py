@@ -1,4 +1,4 @@
-"""Filter states, and export what comes out for other controllers.
+"""Filter states, and export the filtered values for other controllers.
 
 Source: ros2_controllers@6.x chained_filter_controller/src/chained_filter.cpp.
 """

@@ -1,4 +1,4 @@
-"""Publish what force-torque sensors measure: all at a rate, or one filtered.
+"""Publish the readings of force-torque sensors: all at a rate, or one filtered.
 
 Source: ros_controllers@678b92a force_torque_sensor_controller/src/
 force_torque_sensor_controller.cpp; ros2_controllers@4.x
@@ -113,7 +113,7 @@ _MULTIPLIER = _corrections("multiplier", 1.0, "factor of what is measured and ad
 class ForceTorqueSensorBroadcaster(Controller[ForceTorqueSensorInterface]):
     """Publishes one sensor in every cycle, as it is and filtered; commands nothing.
 
-    What is published is `(measured + offset) * multiplier`.
+    The published value is `(measured + offset) * multiplier`.
 
     Source:
         ForceTorqueSensorBroadcaster; differs: a robot has whole sensors, so that

@@ -1,4 +1,4 @@
-"""Publish what range sensors, magnetometers, satellite receivers and batteries measure.
+"""Publish readings of range sensors, magnetometers, satellite receivers, batteries.
 
 Source: ros2_controllers@6.x range_sensor_broadcaster, magnetometer_broadcaster,
 gps_sensor_broadcaster, battery_state_broadcaster; sensor_msgs Range.msg,
@@ -108,7 +108,7 @@ class RangeSensorBroadcaster(ValuesBroadcaster):
 
 
 class MagnetometerBroadcaster(ValuesBroadcaster):
-    """Publishes what a magnetometer measures, as sensor_msgs/MagneticField."""
+    """Publishes the readings of a magnetometer, as sensor_msgs/MagneticField."""
 
     hardware_interface: ClassVar[type] = MagneticFieldSensorInterface
     topic = "magnetic_field"
@@ -227,7 +227,7 @@ class BatteryStateBroadcaster(Controller[BatterySensorInterface]):
 
 
 class _Battery:
-    """One battery: what is measured, and what its parameters say."""
+    """One battery: measured values, and those of its parameters."""
 
     def __init__(
         self,
@@ -265,7 +265,7 @@ class _Battery:
         }
 
     def message(self, time: float) -> dict[str, Any]:
-        """Return the state of the battery; NaN for what is not known.
+        """Return the state of the battery; NaN for unknown values.
 
         Args:
             time: Station time [s].

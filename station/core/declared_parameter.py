@@ -54,7 +54,7 @@ class DeclaredParameter:
         description: Purpose, a phrase without a full stop.
         default: Value when the parameter is absent; None when there is no fixed one.
         unit: Unit of the numbers, where joints are concerned that of rotating joints;
-            empty for what has no unit.
+            empty without a unit.
         default_text: How the default follows from the robot or other parameters; empty
             when the default is fixed or the parameter is required.
         minimum: Smallest number allowed.
@@ -220,7 +220,7 @@ class DeclaredParameter:
 
         Args:
             params: The namespace in which the parameter is declared.
-            value: The value, as it is shown.
+            value: The value, as text for the message.
             allowed: Allowed values, after the words "it must be".
 
         Raises:

@@ -25,7 +25,7 @@ def copy_into(
     """Copy numbers.
 
     Args:
-        target: Where to, shape (>= start + size,).
+        target: Receives the values, shape (>= start + size,).
         start: Index of the first number in `target`.
         source: The numbers, shape (size,); a view if the target is one.
         size: How many there are.
@@ -37,7 +37,7 @@ def copy_into(
 
 
 def differ(first: Doubles, second: Doubles, size: int) -> bool:
-    """Return whether a number is not equal to the other one at its place.
+    """Return whether the two vectors differ in a number.
 
     Args:
         first: Numbers, shape (size,).

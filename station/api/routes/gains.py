@@ -91,7 +91,10 @@ Name = Annotated[FileName, Path(description="Name of the set.", examples=["stiff
 @router.get("/gain-sets", responses=problems())
 def list_gain_sets(services: ServicesDep) -> wire.GainSets:
     """List the saved sets of gains."""
-    return wire.GainSets(gain_sets=services.gain_sets.names())
+    return wire.GainSets(
+        gain_sets=services.gain_sets.names(),
+        undoable_changes=services.station.tuning.undoable_changes,
+    )
 
 
 @router.post("/gain-sets/undo", **change(409, 503))
@@ -105,7 +108,7 @@ def undo_gains(services: ServicesDep) -> wire.GainsChanges:
 
 @router.get("/gain-sets/{name}", responses=problems(404, 422))
 def get_gain_set(name: Name, services: ServicesDep) -> wire.GainSet:
-    """Return a set, and where it differs from the gains in force."""
+    """Return a set, and its differences from the gains in force."""
     return _gain_set(services, services.gain_sets.get(name))
 
 

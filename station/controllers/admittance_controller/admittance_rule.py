@@ -7,7 +7,7 @@ With the force F at the sensor, and the way x of the sensor from its reference:
     dq += ddq dt, dq_0 += dq dt, q_d = q_ref + dq_0
 
 S, D and K are diagonal in the axes of the control frame, M in those of the base. S
-selects axes. F is what the sensor measures less the weight of the tool,
+selects axes. F is the measured wrench less the weight of the tool,
 smoothed.
 
 Source: ros2_controllers@4.x admittance_controller/admittance_rule_impl.hpp; the inverse
@@ -37,8 +37,8 @@ class AdmittanceRule:
         centre: Chain to the frame in which the centre of gravity is given.
 
     Attributes:
-        wrench: What the sensor measures in its own axes [N, Nm], shape (6,); written by
-            the owner, as what follows.
+        wrench: Measured wrench, in the axes of the sensor [N, Nm], shape (6,); written
+            by the owner, as what follows.
         weight: Weight of the tool in the axes of the base [N], shape (3,).
         centre_of_gravity: Its centre in the frame `centre` [m], shape (3,).
         selected: 1 for each axis that a force moves, shape (6,).

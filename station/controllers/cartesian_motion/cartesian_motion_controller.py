@@ -173,7 +173,7 @@ class CartesianMotionController(MultiInterfaceController):
     comes to rest within the limits and holds. It also comes to rest before the joints
     would reach a limit, a singular pose or a collision of the arm with itself;
     `published` then names the obstacle, and the motion continues when the set-point
-    leads elsewhere. A subclass defines what a set-point means.
+    leads elsewhere. A subclass defines the meaning of a set-point.
 
     Parameters: `arm_id`; `joint_names`, 7 names; see `read_cartesian_limits`,
     `read_lookahead_settings`; `command_timeout` [s], 0.2, at most 1.0;

@@ -294,7 +294,7 @@ class CartesianMotionGenerator:
         self._generator.go_at(twist)
 
     def is_still(self) -> bool:
-        """Return whether the pose rests, and nothing but rest is wanted."""
+        """Return whether the pose is at rest, and so is its target."""
         return self._generator.is_still and self._wanted is None
 
     def brake(self) -> None:

@@ -41,7 +41,7 @@ class ArmConfiguration:
 
     Args:
         model: The arm's model.
-        state: Its state, which tells what the end effector is.
+        state: State of the arm, which has frame and load of the end effector.
         velocity: Largest joint velocities [rad/s], shape (7,).
         acceleration: Largest joint accelerations [rad/s^2], shape (7,).
 

@@ -81,7 +81,7 @@ class LinearKinematics:
         """Write the Jacobian with zeros for joint 3.
 
         Args:
-            columns: Where it goes, 6 numbers per joint.
+            columns: Receives the result, 6 numbers per joint.
         """
         copy_into(columns, 0, self.jacobian, 6 * self.size)
         for k in range(12, 18):
@@ -120,7 +120,7 @@ class LinearKinematics:
             way: Translation [m], then rotation vector [rad], in the axes of the base,
                 shape (6,).
             elbow: Desired position of joint 3 [rad].
-            step: Where the changes of the joint positions go [rad], shape (n,).
+            step: Receives the changes of the joint positions [rad], shape (n,).
         """
         jacobian, motion = self.columns, self.motion
         bend = elbow - self.q[2]
@@ -134,7 +134,7 @@ class LinearKinematics:
 
         Args:
             motion: A twist [m/s, rad/s], or another quantity linear in it, shape (6,).
-            result: Where the rates of the joints go, shape (n,).
+            result: Receives the rates of the joints, shape (n,).
         """
         inverse = self.inverse
         a, b, c = motion[0], motion[1], motion[2]
@@ -155,7 +155,7 @@ class LinearKinematics:
 
         Args:
             dq: Joint velocities [rad/s], shape (n,).
-            result: Where the acceleration goes [m/s^2, rad/s^2], shape (6,).
+            result: Receives the acceleration [m/s^2, rad/s^2], shape (6,).
         """
         jacobian = self.columns
         wx, wy, wz, ax, ay, az = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0

@@ -331,7 +331,7 @@ class DiffDriveController(Controller[VelocityJointInterface]):
     parameters.
 
     Attributes:
-        odometry: Where the base is.
+        odometry: Pose and velocity of the base.
 
     Source:
         DiffDriveController; differs: a set-point that is not finite is refused; the

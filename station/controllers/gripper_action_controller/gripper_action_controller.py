@@ -93,7 +93,7 @@ class GripperGoalPort(GoalPort):
         Args:
             request: `{"command": {"position", "max_effort"}}`; `max_effort` is
                 optional, and its sign is ignored.
-            receipt: Where the cycle is noted that takes the goal up.
+            receipt: Notes the cycle that takes the goal.
 
         Raises:
             ControllerStateError: The controller is not running.

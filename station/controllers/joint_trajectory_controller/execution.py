@@ -381,10 +381,10 @@ class Request:
 
     Attributes:
         trajectory: The segments of every joint; None to stop and hold.
-        is_void: Whether what was commanded counts no longer, so that the joints hold
+        is_void: Whether earlier commands count no longer, so that the joints hold
             where they are.
         goal: The goal that ends with the trajectory; None for a trajectory without one.
-        receipt: Where the cycle is noted that takes the request up.
+        receipt: Notes the cycle that takes the request.
     """
 
     trajectory: SegmentTrajectory | None
@@ -500,8 +500,8 @@ class TrajectoryExecution:
         """Let the next cycle end the motion and hold. Any thread; takes no lock.
 
         Args:
-            receipt: Where the cycle is noted that takes the request up.
-            is_void: Whether what was commanded counts no longer, because of a stop, a
+            receipt: Notes the cycle that takes the request.
+            is_void: Whether earlier commands count no longer, because of a stop, a
                 reset or a recovery: the joints hold where they are.
         """
         self.requests.append(Request(None, None, receipt, is_void))

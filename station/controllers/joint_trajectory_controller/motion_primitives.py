@@ -184,7 +184,7 @@ class MotionSequences:
         Args:
             sequence: One primitive or more, the last one without a blend radius.
             frame: Link in whose frame the poses are; "" for the base of the arm.
-            start: Where the joints are held [rad or m], shape (n,).
+            start: Positions in which the joints are held [rad or m], shape (n,).
 
         Returns:
             The points; and when each primitive ends, or is in the middle of its blend

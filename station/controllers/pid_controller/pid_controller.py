@@ -175,7 +175,7 @@ class PidController(JointReferenceController):
     measured positions for the references, and 0 for velocities and efforts.
 
     Source:
-        PidController; differs: a reference that nobody commands is rest and not NaN;
+        PidController; differs: a reference without a commander is rest and not NaN;
         `use_external_measured_states` is refused; references beyond the limits of the
         robot description are refused as set-points.
     """

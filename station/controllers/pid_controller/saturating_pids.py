@@ -42,7 +42,7 @@ class SaturatingPids:
     Attributes:
         errors: References minus measured values; a command stays where one is NaN.
         rates: Rates of the errors, where they are known.
-        forward: What is added to the commands.
+        forward: Feed-forward part of the commands.
         p, i, d, f: Gains; the owner uses `f` for `forward`.
         part_max, part_min: Bounds of the integral parts of `legacy`.
         maximum, minimum: Bounds of the commands.

@@ -48,7 +48,7 @@ class ControllerState(Enum):
 class ControllerSample:
     """Desired values, measurements and commands of one cycle, shape (n,) each.
 
-    Nobody changes a sample. It has the fields of a named tuple, which `_fields` names
+    A sample never changes. It has the fields of a named tuple, which `_fields` names
     and `_asdict` returns.
 
     Args:
@@ -136,7 +136,7 @@ class JointStates(NamedTuple):
 
 
 class PackedSample(ControllerSample):
-    """A sample in one block of memory; its lists are made when somebody reads them.
+    """A sample in one block of memory; its lists are made when they are read.
 
     Args:
         stamp: Station time of the cycle [s].
@@ -167,7 +167,7 @@ class PackedSample(ControllerSample):
         return self.packed[: 32 * self.size]  # four columns of doubles
 
     def column(self, index: int) -> list[float]:
-        """Return a column, shape (n,), also of those that the controller added."""
+        """Return a column, shape (n,), also one that the controller added."""
         return self.rest(index)[: self.size]
 
     def rest(self, index: int) -> list[float]:
@@ -408,7 +408,7 @@ def require_interface(
     Args:
         hw: The robot.
         interface_type: The type.
-        whose: What requires it, for the message.
+        whose: Name of the part that requires it, for the message.
 
     Raises:
         ControllerLoadError: The robot has no interface of that type.

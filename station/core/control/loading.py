@@ -20,7 +20,7 @@ LOAD_TIMEOUT = 60.0
 
 
 class Loading:
-    """A controller on its way into the list.
+    """A controller that is being loaded.
 
     Args:
         name: Its name.

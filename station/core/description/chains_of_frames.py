@@ -23,7 +23,7 @@ def chain_to(urdf: Urdf, base: str, frame: str, joints: Sequence[str]) -> JointC
 
     Raises:
         ControllerLoadError: A link is unknown, no chain leads from one link to the
-            other, or a joint in it is none of `joints`.
+            other, or a joint in it is not among `joints`.
     """
     for link in (base, frame):
         if link not in urdf.links:

@@ -34,7 +34,7 @@ _ROUNDING = 1e-9
 class Clearances:
     """Measures an arm against solids. Control thread only.
 
-    A gap is what a distance has over its margin [m]. A pair has a number: that of its
+    A gap is a distance less its margin [m]. A pair has a number: that of its
     capsule times the number of solids plus that of its solid.
 
     Args:
@@ -55,14 +55,14 @@ class Clearances:
         slack: By how much a margin may be missed on it [m].
         lag: How far the robot may be from the poses that are looked at [m]: the margin
             is as much larger.
-        most_steps: Poses on a way that are looked at, at most.
+        most_steps: Largest number of checked poses on a line.
         gaps: Gaps of all pairs at the last measurement: exact up to the horizon and for
             the nearest pair, bounds beyond.
         least: The least of them.
         horizon: Gaps that `way` can use up at most [m].
         distance: Distance of the nearest pair [m], by its gap.
         pair: Number of the nearest pair; -1 for none.
-        blocking: The last pair that came to its margin on a way; -1 for none.
+        blocking: The last pair that came to its margin on a line; -1 for none.
     """
 
     def __init__(
@@ -174,7 +174,7 @@ class Clearances:
         self.shifts[solid] += square_root(vx * vx + vy * vy + vz * vz)
 
     def place(self, q: Doubles, share: float) -> None:
-        """Place the axes of the capsules at a share of the way from a pose."""
+        """Place the axes of the capsules at a share of the line from a pose."""
         for i in range(self.size):
             self.at[i] = q[i] + share * self.way[i]
         if self.is_tree:
@@ -211,7 +211,7 @@ class Clearances:
 
         Args:
             steps: Steps of the joints [rad or m], shape (n,).
-            first: What is added to each way [m].
+            first: Distance that is added to each [m].
 
         Returns:
             The longest way [m].
@@ -269,7 +269,7 @@ class Clearances:
         return least
 
     def blocked_at(self, q: Doubles, share: float) -> int:
-        """Return the first pair that is too near at a share of the way, or -1."""
+        """Return the first pair that is too near at a share of the line, or -1."""
         self.place(q, share)
         for capsule in range(self.count):
             for solid in range(self.solid_count):
@@ -290,7 +290,7 @@ class Clearances:
         """Return the share of `way`, 0 to 1, on which every pair keeps its margin.
 
         Args:
-            q: Joint positions from which the way leads [rad], shape (n,).
+            q: Joint positions at which the line begins [rad], shape (n,).
             zone: Gaps up to the horizon and this are to be exact [m].
         """
         length = self.add_up(self.way, 0.0)

@@ -62,9 +62,9 @@ class Nearness:
 
         Args:
             ends: Ends of the axes of the capsules [m].
-            i: Where those of this capsule begin.
+            i: Index of the capsule's first number.
             radius: The capsule's radius [m].
-            o: Where the row of this solid begins.
+            o: Index of the solid's first number.
         """
         solids = self.solids
         ux = ends[i + 3] - ends[i]
@@ -114,7 +114,7 @@ class Nearness:
             px: The point [m], as the next two.
             py: See `px`.
             pz: See `px`.
-            o: Where the row of this solid begins.
+            o: Index of the solid's first number.
         """
         solids = self.solids
         kind = int(solids[o])
@@ -250,8 +250,8 @@ def nearest_points(
     Args:
         first: Ends of one segment, 6 numbers.
         second: Ends of the other segment, 6 numbers.
-        point: Where the nearest point of the first one goes, shape (3,).
-        normal: Where the direction from the second one to it goes, shape (3,).
+        point: Receives the nearest point of the first one, shape (3,).
+        normal: Receives the direction from the second one to it, shape (3,).
     """
     s, t = 0.0, 0.0
     px = first[0]
@@ -297,7 +297,7 @@ def place_segments(
         capsules: The capsules, 7 numbers each.
         owners: For each capsule the index of its link; -1 for the base.
         links: Poses of the links, 16 numbers each.
-        segments: Where both ends of each segment go [m], 6 numbers per capsule.
+        segments: Receives both ends of each segment [m], 6 numbers per capsule.
     """
     for capsule in range(len(owners)):
         k = 16 * owners[capsule]

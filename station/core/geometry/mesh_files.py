@@ -1,4 +1,4 @@
-"""Mesh files of objects around robots, and convex hulls of what they hold."""
+"""Mesh files of objects around robots, and their convex hulls."""
 
 from itertools import combinations
 from pathlib import Path
@@ -89,7 +89,7 @@ def add_hull(vertices: NDArray[np.float64], triangles: list[float]) -> float:
 
     Args:
         vertices: The points [m], shape (n, 3).
-        triangles: Where the corners go [m], 9 numbers per triangle.
+        triangles: Receives the corners [m], 9 numbers per triangle.
 
     Returns:
         How far the points reach beyond these triangles [m], >= 0.

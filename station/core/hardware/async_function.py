@@ -67,7 +67,7 @@ _WITHOUT_EFFECT = (
 
 @dataclass(frozen=True, slots=True)
 class AsyncParams:
-    """The parameters of what is asynchronous.
+    """The parameters of an asynchronous controller or robot.
 
     Attributes:
         is_detached: Whether a result counts as soon as it is there.
@@ -112,7 +112,7 @@ class AsyncFunction:
     All methods but `statistics` are for the control thread.
 
     Args:
-        name: What is called, for the name of the thread.
+        name: Name of the function, for the name of the thread.
         function: Takes the station time of the cycle in which a call begins [s] and the
             time since the last call began [s].
         params: How it is called.
@@ -160,7 +160,7 @@ class AsyncFunction:
         )
 
     def is_idle(self) -> bool:
-        """Return whether neither a call nor what is owed after it is under way."""
+        """Return whether neither a call nor its aftermath is under way."""
         return not (self._is_busy or self._is_ending or self._owed)
 
     def is_overdue(self, time: float) -> bool:

@@ -34,7 +34,7 @@ its station time, which the columns follow. The index is -1 if it is an object."
 
 
 class Snapshot(NamedTuple):
-    """The state after one cycle. Nobody changes it once it is in the ring.
+    """The state after one cycle. It never changes once it is in the ring.
 
     Attributes:
         cycle: Number of the cycle, from 1, without gaps.
@@ -73,7 +73,7 @@ class Rows:
         numbers: Their rows, see `SnapshotRing`, shape (k, width).
         states: How many of a row's numbers are states of joints, 3 n.
         modes: The robot's mode in each.
-        layouts: Where the samples are in each row.
+        layouts: Columns of the samples in each row.
         objects: Samples that are objects, by name.
         lost: How many cycles were overwritten before.
     """
@@ -193,7 +193,7 @@ class SnapshotRing:
         """Forget all cycles, and make memory for others.
 
         Args:
-            blocks: Where the states of the joints are read, one after the other.
+            blocks: Memory of the joints' states, one block after the other.
             room: How many doubles samples may take.
         """
         self.blocks = [Column(values) for values in blocks]
@@ -306,7 +306,7 @@ class SnapshotRing:
         return [rows.record(k) for k in range(len(rows))], rows.lost
 
     def rows_since(self, cycle: int) -> Rows:
-        """Return the cycles after `cycle` as they are; see `read_since`.
+        """Return the rows of the cycles after `cycle`; see `read_since`.
 
         Args:
             cycle: Number of the last cycle the reader has seen; 0 for none.

@@ -40,7 +40,7 @@ def place_links(chain: Storage, q: Storage, links: Storage) -> None:
         chain: The chain of n joints.
         q: Joint positions [rad], shape (n,). A position that is not finite makes the
             poses of the links behind NaN.
-        links: Where n + 1 poses go.
+        links: Receives n + 1 poses.
     """
     xx, xy, xz, yx, yy, yz = 1.0, 0.0, 0.0, 0.0, 1.0, 0.0
     zx, zy, zz, px, py, pz = 0.0, 0.0, 1.0, 0.0, 0.0, 0.0
@@ -80,7 +80,7 @@ def place_tree(tree: Doubles, q: Storage, links: Storage) -> None:
             position by that of the joint; its axes and its origin in the frame of the
             parent at 0.
         q: Positions of the joints [rad or m].
-        links: Where the poses go, 16 numbers each.
+        links: Receives the poses, 16 numbers each.
     """
     ax, ay, az, bx, by, bz = 1.0, 0.0, 0.0, 0.0, 1.0, 0.0
     cx, cy, cz, ox, oy, oz = 0.0, 0.0, 1.0, 0.0, 0.0, 0.0
@@ -120,7 +120,7 @@ def zero_jacobian(links: Storage, pose: Storage, result: Storage) -> None:
     Args:
         links: Poses of the links.
         pose: The pose in the base frame, 16 numbers.
-        result: Where the columns of the first m joints go, those that move the pose;
+        result: Receives the columns of the first m joints, those that move the pose;
             6 m numbers.
     """
     px, py, pz = pose[12], pose[13], pose[14]
@@ -141,7 +141,7 @@ def turn_to_inner_axes(pose: Doubles, vectors: Doubles, result: Doubles) -> None
     Args:
         pose: The pose, 16 numbers.
         vectors: The vectors, 3 numbers each: a Jacobian, a twist or a wrench.
-        result: Where the vectors go, as many; may be `vectors`.
+        result: Receives the vectors, as many; may be `vectors`.
     """
     a, b, c, d, e, f = pose[0], pose[1], pose[2], pose[4], pose[5], pose[6]
     g, h, i = pose[8], pose[9], pose[10]
@@ -158,7 +158,7 @@ def turn_to_outer_axes(pose: Doubles, vectors: Doubles, result: Doubles) -> None
     Args:
         pose: The pose, 16 numbers.
         vectors: The vectors, 3 numbers each.
-        result: Where the vectors go, as many; may be `vectors`.
+        result: Receives the vectors, as many; may be `vectors`.
     """
     a, b, c, d, e, f = pose[0], pose[1], pose[2], pose[4], pose[5], pose[6]
     g, h, i = pose[8], pose[9], pose[10]
@@ -175,7 +175,7 @@ def twist_of(jacobian: Doubles, rates: Doubles, result: Doubles) -> None:
     Args:
         jacobian: The Jacobian J of n joints.
         rates: Joint velocities [rad/s] or accelerations [rad/s^2], shape (n,).
-        result: Where the twist goes, shape (6,).
+        result: Receives the twist, shape (6,).
     """
     a, b, c, d, e, f = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for joint in range(len(rates)):
@@ -195,7 +195,7 @@ def torques_of(jacobian: Doubles, wrench: Doubles, result: Doubles) -> None:
     Args:
         jacobian: The Jacobian J of n joints.
         wrench: Force [N], then torque [Nm], shape (6,).
-        result: Where the torques go [Nm], shape (n,).
+        result: Receives the torques [Nm], shape (n,).
     """
     a, b, c = wrench[0], wrench[1], wrench[2]
     d, e, f = wrench[3], wrench[4], wrench[5]
@@ -219,7 +219,7 @@ def measure_accelerations(
     sensors: Doubles,
     result: Doubles,
 ) -> None:
-    """Write what accelerometers measure that are fixed to the base and to links.
+    """Write the readings of accelerometers that are fixed to the base and to links.
 
     An accelerometer measures the acceleration of its point less that of gravity, in its
     own axes: at rest 9.81 m/s^2 upwards.
@@ -231,7 +231,7 @@ def measure_accelerations(
         gravity: Acceleration of gravity in the axes of the base [m/s^2], shape (3,).
         sensors: Poses in the frame of the base, of link 1, of link 2 and so on, 16
             numbers each; at most n + 1.
-        result: Where the accelerations go [m/s^2], 3 numbers per sensor.
+        result: Receives the accelerations [m/s^2], 3 numbers per sensor.
     """
     gx, gy, gz = gravity[0], gravity[1], gravity[2]
     # The axes and the origin of the link, which begins as the base.
@@ -292,7 +292,7 @@ def least_rates(
         twist: The twist [m/s, rad/s], shape (6,); lost.
         matrix: Memory for 36 numbers.
         damping: Square of the damping, > 0.
-        result: Where the velocities go [rad/s], shape (n,).
+        result: Receives the velocities [rad/s], shape (n,).
     """
     size = len(result)
     for k in range(6):

@@ -124,7 +124,7 @@ class ArmDynamics:
         """Write the mass matrix at the present positions.
 
         Args:
-            result: Where the matrix goes [kg m^2], n n numbers.
+            result: Receives the matrix [kg m^2], n n numbers.
         """
         if not self.is_weighed:
             self.weigh()
@@ -166,7 +166,7 @@ class ArmDynamics:
 
         Args:
             acceleration: Acceleration of gravity in the base frame [m/s^2], shape (3,).
-            result: Where the torques go [Nm], shape (n,).
+            result: Receives the torques [Nm], shape (n,).
         """
         if not self.is_weighed:
             self.weigh()
@@ -190,7 +190,7 @@ class ArmDynamics:
 
         Args:
             dq: Joint velocities [rad/s], shape (n,).
-            result: Where the torques go [Nm], shape (n,).
+            result: Receives the torques [Nm], shape (n,).
         """
         if not self.is_weighed:
             self.weigh()

@@ -183,7 +183,7 @@ class PidGroup:
     Args:
         errors: Targets minus measured values, shape (n,); the owner writes them.
         rates: Rates of the errors [1/s], shape (n,); written by the owner, or computed.
-        commands: Where the commands are written, shape (n,).
+        commands: Receives the commands, shape (n,).
     """
 
     def __init__(self, errors: Storage, rates: Storage, commands: Storage) -> None:

@@ -184,7 +184,7 @@ class JointLimitsHandle(ResourceHandle):
         arithmetic: The compiled arithmetic; that of the base class limits nothing.
         required: The limits that the joint must have, such as "velocity".
         unlimited: Value of a limit that the joint does not have.
-        first_previous: The command of the last cycle in the first one; NaN if the
+        first_previous: The previous command in the first cycle; NaN if the
             measured state takes its place.
         is_grouped: Whether an interface enforces the limits together with others.
         clamp_count: Number of cycles in which the command was changed, since
@@ -277,7 +277,7 @@ class JointLimitsHandle(ResourceHandle):
 
     @property
     def enforces_alone(self) -> bool:
-        """Return whether the handle's class has a way of its own to enforce limits."""
+        """Return whether the handle's class overrides `enforce_limits`."""
         # A subclass that enforces in its own way must get its calls; a group would pass
         # it over.
         return type(self).enforce_limits is not JointLimitsHandle.enforce_limits
@@ -290,7 +290,7 @@ class JointLimitsHandle(ResourceHandle):
         """Use the memory of a group from now on. For interfaces.
 
         Args:
-            group: A group that has begun with `bounds` and `memory()`.
+            group: A group whose `bounds` and `memory()` have been called.
             slot: The joint's place in it.
         """
         self._group, self._slot = group, slot

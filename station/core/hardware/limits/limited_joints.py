@@ -405,10 +405,10 @@ class LimitedRun:
     Args:
         joints: The limits of the group's joints, whose memory is the robot's own; None
             if values are copied to and fro.
-        enforce: Does the same as `joints.enforce`, with copies if they are needed.
+        enforce: Calls `joints.enforce`, on copies of the values where necessary.
         first: Index of the first joint in the group.
         last: Index after the last joint.
-        count: Counts the commands that were changed, given one bit for each joint.
+        count: Counts the changed commands; its argument has one bit for each joint.
     """
 
     def __init__(
