@@ -11,4 +11,5 @@ cdef class MotionGenerator:
     cpdef tuple state(self)
     cpdef relocate(self, list positions)
     cpdef go_to(self, list positions)
+    cpdef go_at(self, list velocities)
     cpdef advance(self, double period)

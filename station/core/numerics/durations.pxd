@@ -1,8 +1,8 @@
 cdef class DurationRing:
     cdef readonly double[::1] values
     cdef readonly Py_ssize_t capacity
-    cdef Py_ssize_t place
-    cdef readonly long long added, count
+    cdef Py_ssize_t place, before
+    cdef readonly long long count
     cdef readonly double largest, total, squares
     cpdef add(self, double duration)
 

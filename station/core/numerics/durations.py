@@ -15,7 +15,6 @@ class DurationRing:
 
     Attributes:
         values: The ring, shape (capacity,).
-        added: Number of durations ever added; a reset does not change it.
         count: Number of durations since the last reset.
         largest: Largest duration since the last reset [s].
         total: Sum of the durations since the last reset [s].
@@ -25,11 +24,17 @@ class DurationRing:
     def __init__(self, capacity: int = 16384) -> None:
         self.capacity = capacity
         self.values = zeros(capacity)
-        self.added = 0
+        self.before = self.count = 0
         self.reset()
+
+    @property
+    def added(self) -> int:
+        """Number of durations ever added; a reset does not change it."""
+        return self.before + self.count
 
     def reset(self) -> None:
         """Forget all durations; only the thread that adds may call this."""
+        self.before += self.count
         self.place = 0
         self.count = 0
         self.largest = 0.0
@@ -41,7 +46,6 @@ class DurationRing:
         place = self.place
         self.values[place] = duration
         self.place = 0 if place + 1 == self.capacity else place + 1
-        self.added += 1
         self.count += 1
         self.total += duration
         self.squares += duration * duration
