@@ -25,7 +25,8 @@ from station.core.declared_parameter import (
     EACH_JOINT,
     DeclaredParameter,
     NameKind,
-    ParameterType,
+    declare_string,
+    declare_strings,
 )
 from station.core.description.robot_description import (
     JointDescription,
@@ -55,17 +56,9 @@ from station.memory.vectors import copy_into
 
 CommandInterfaceT = TypeVar("CommandInterfaceT", bound=JointCommandInterface)
 
-JOINT = DeclaredParameter(
-    name="joint",
-    type=ParameterType.STRING,
-    names=NameKind.JOINT,
-    description="the joint",
-)
-JOINTS = DeclaredParameter(
-    name="joints",
-    type=ParameterType.STRINGS,
-    names=NameKind.JOINT,
-    description="the joints, in the order of the set-points",
+JOINT = declare_string("joint", "the joint", names=NameKind.JOINT)
+JOINTS = declare_strings(
+    "joints", "the joints, in the order of the set-points", names=NameKind.JOINT
 )
 
 

@@ -604,9 +604,11 @@ class GainSets(ResponseModel):
 
     Attributes:
         gain_sets: Names of the sets, sorted.
+        undoable_changes: How many changes of gains can be taken back.
     """
 
     gain_sets: Items[str]
+    undoable_changes: int = 0
 
 
 class GainSetRequest(RequestModel):

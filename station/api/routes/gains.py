@@ -91,7 +91,10 @@ Name = Annotated[FileName, Path(description="Name of the set.", examples=["stiff
 @router.get("/gain-sets", responses=problems())
 def list_gain_sets(services: ServicesDep) -> wire.GainSets:
     """List the saved sets of gains."""
-    return wire.GainSets(gain_sets=services.gain_sets.names())
+    return wire.GainSets(
+        gain_sets=services.gain_sets.names(),
+        undoable_changes=services.station.tuning.undoable_changes,
+    )
 
 
 @router.post("/gain-sets/undo", **change(409, 503))

@@ -23,8 +23,7 @@ from numpy.typing import NDArray
 
 from station.core.description.robot_description import JointDescription
 from station.core.errors import InvalidTrajectoryError, StationError
-from station.core.numerics.arm_chain import least_rates
-from station.core.numerics.joint_chain import JointChain
+from station.core.numerics.arm_chain import JointChain, least_rates
 from station.core.numerics.poses import displace, twist_between
 from station.core.ports.set_point import RANGE_TOLERANCE
 from station.core.trajectory import (

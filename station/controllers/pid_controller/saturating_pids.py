@@ -117,17 +117,15 @@ class SaturatingPids:
             command = self.maximum[k]
         if command < self.minimum[k]:
             command = self.minimum[k]
-        if integrates:
-            self.integrate(k, period, free, command)
-        return command
-
-    def integrate(self, k: int, period: float, free: float, command: float) -> None:
-        """Integrate the error of one PID after its command."""
-        error, strategy = self.errors[k], self.strategies[k]
-        if strategy == _BACK and self.i[k] != 0.0:
+        if integrates and strategy == _BACK and self.i[k] != 0.0:
             drawn = (command - free) / self.tracking[k]
             self.parts[k] += period * (self.i[k] * error + drawn)
-        elif strategy == _NONE or (
-            strategy == _CONDITIONAL and not (free != command and error * free > 0.0)
+        elif integrates and (
+            strategy == _NONE
+            or (
+                strategy == _CONDITIONAL
+                and not (free != command and error * free > 0.0)
+            )
         ):
             self.parts[k] += period * self.i[k] * error
+        return command

@@ -14,7 +14,7 @@ from typing_extensions import get_original_bases, override
 
 from station.core.control.sample_columns import PackedColumns, SampleColumns
 from station.core.control.tunables import Tunables
-from station.core.declared_parameter import DeclaredParameter, ParameterType
+from station.core.declared_parameter import DeclaredParameter, declare_number
 from station.core.errors import ControllerLoadError
 from station.core.hardware.interfaces.interface_manager import interface_type_name
 from station.core.hardware.interfaces.resource_manager import HardwareResourceManager
@@ -26,11 +26,8 @@ from station.core.trajectory.trajectory_port import TrajectoryPort  # noqa: TC00
 
 Columns: TypeAlias = tuple[list[float], list[float], list[float], list[float]]
 """The four lists of a sample, shape (n,) each."""
-PUBLISH_RATE = DeclaredParameter(
-    name="publish_rate",
-    type=ParameterType.NUMBER,
-    unit="Hz",
-    description="rate of publication; 0: nothing is published",
+PUBLISH_RATE = declare_number(
+    "publish_rate", "rate of publication; 0: nothing is published", unit="Hz"
 )
 """The parameter of controllers that publish at a rate."""
 

@@ -198,7 +198,7 @@ class ControllerUpdate:
             if not block.copy_commands():
                 is_finite = False
         duration = (wall_time() if stopwatch is None else stopwatch()) - begin
-        one.durations.put(duration)
+        one.durations.add(duration)
         # In a standstill the period is zero, and nothing is late.
         if duration > period and period > 0.0:
             one.overruns += 1

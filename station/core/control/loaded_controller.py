@@ -20,7 +20,7 @@ from station.core.control.controller_status import (
 )
 from station.core.hardware.interfaces.interface_manager import interface_type_name
 from station.core.hardware.robot_hw import ControllerInfo, InterfaceResources
-from station.core.numerics.statistics import DurationRing
+from station.core.numerics.durations import DurationRing
 from station.core.ports.goal import Goal
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from station.core.control.controller import ControllerState
 from station.core.control.controller_status import ControllerStatus
 from station.core.control.loaded_controller import LoadedController
 from station.core.errors import ControllerLoadError
-from station.core.numerics.statistics import DurationRing
+from station.core.numerics.durations import DurationRing
 
 LOAD_TIMEOUT = 60.0
 """Default of the wall time in which a controller must be loaded [s]."""

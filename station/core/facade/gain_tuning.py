@@ -148,6 +148,11 @@ class GainTuning:
                 details={"revision": present},
             )
 
+    @property
+    def undoable_changes(self) -> int:
+        """Number of changes that can be taken back."""
+        return len(self._history)
+
     def undo(self) -> dict[str, GainsChange]:
         """Take the last change back that was not taken back; return the new values.
 

@@ -31,8 +31,7 @@ from station.core.loop.pace import Pace
 from station.core.loop.right_of_way import RightOfWay
 from station.core.loop.snapshot import SnapshotRing
 from station.core.loop.stop_latch import StopLatch
-from station.core.numerics.durations import CycleTimes
-from station.core.numerics.statistics import DurationRing, percentiles_of
+from station.core.numerics.durations import CycleTimes, DurationRing, percentiles_of
 from station.core.scheduling import (
     keep_interpreter,
     let_others_in,

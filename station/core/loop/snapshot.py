@@ -16,7 +16,7 @@ from station.core.control.controller import (
     unpack_sample,
 )
 from station.core.control.loaded_controller import LoadedController
-from station.core.control.sample_columns import PackedColumns
+from station.core.control.sample_columns import Column, PackedColumns
 from station.memory.doubles import Doubles, zeros
 from station.memory.vectors import copy_into
 
@@ -165,14 +165,6 @@ class Rows:
         return int(cycle), int(epoch), stamp, period, mode, states, samples
 
 
-class StateBlock:
-    """States of joints that lie side by side."""
-
-    def __init__(self, values: Doubles) -> None:
-        self.values = values
-        self.size = len(values)
-
-
 class SnapshotRing:
     """Keeps the last `capacity` cycles without a lock, in memory that is made once.
 
@@ -204,7 +196,7 @@ class SnapshotRing:
             blocks: Memory of the joints' states, one block after the other.
             room: How many doubles samples may take.
         """
-        self.blocks = [StateBlock(values) for values in blocks]
+        self.blocks = [Column(values) for values in blocks]
         self.states = sum(len(values) for values in blocks)
         self.room = room
         self.width = _HEAD + self.states + room

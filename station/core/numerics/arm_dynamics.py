@@ -104,21 +104,15 @@ class ArmDynamics:
             a, b, c = bodies[k + 4], bodies[k + 5], bodies[k + 6]
             d, e, f = bodies[k + 7], bodies[k + 8], bodies[k + 9]
             # The columns of R S, to be multiplied by R^T.
-            ix, iy, iz = (
-                a * xx + d * yx + e * zx,
-                a * xy + d * yy + e * zy,
-                a * xz + d * yz + e * zz,
-            )
-            jx, jy, jz = (
-                d * xx + b * yx + f * zx,
-                d * xy + b * yy + f * zy,
-                d * xz + b * yz + f * zz,
-            )
-            kx, ky, kz = (
-                e * xx + f * yx + c * zx,
-                e * xy + f * yy + c * zy,
-                e * xz + f * yz + c * zz,
-            )
+            ix = a * xx + d * yx + e * zx
+            iy = a * xy + d * yy + e * zy
+            iz = a * xz + d * yz + e * zz
+            jx = d * xx + b * yx + f * zx
+            jy = d * xy + b * yy + f * zy
+            jz = d * xz + b * yz + f * zz
+            kx = e * xx + f * yx + c * zx
+            ky = e * xy + f * yy + c * zy
+            kz = e * xz + f * yz + c * zz
             moments[k + 4] = ix * xx + jx * yx + kx * zx + (ux + hx) * px
             moments[k + 5] = iy * xy + jy * yy + ky * zy + (uy + hy) * py
             moments[k + 6] = iz * xz + jz * yz + kz * zz + (uz + hz) * pz

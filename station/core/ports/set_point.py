@@ -7,7 +7,11 @@ from enum import Enum
 from math import inf
 
 from station.core.clock import Clock, SystemClock
-from station.core.declared_parameter import DeclaredParameter, ParameterType
+from station.core.declared_parameter import (
+    DeclaredParameter,
+    declare_number,
+    declare_string,
+)
 from station.core.errors import (
     CommandTimeoutError,
     InvalidCommandError,
@@ -313,27 +317,24 @@ def timeout_parameters(
         "(nothing)"
     )
     return (
-        DeclaredParameter(
-            name="command_timeout",
-            type=ParameterType.NUMBER,
-            unit="s",
-            default=default,
+        declare_number(
+            "command_timeout",
+            "time on the wall clock after which a set-point expires" + never,
+            default,
+            "s",
             minimum=0.0,
             excludes_minimum=always,
             maximum=longest,
-            description="time on the wall clock after which a set-point expires"
-            + never,
         ),
-        DeclaredParameter(
-            name="command_timeout_action",
-            type=ParameterType.STRING,
-            default=TimeoutAction.HOLD.value,
+        declare_string(
+            "command_timeout_action",
+            follows,
+            TimeoutAction.HOLD.value,
             choices=tuple(
                 each.value
                 for each in TimeoutAction
                 if not (always and each is TimeoutAction.OFF)
             ),
-            description=follows,
         ),
     )
 

@@ -55,13 +55,10 @@ class CollisionLayer(Layer):
     def begin(self) -> None:
         for robot in self.robots:
             for link, surface in robot.model.surfaces.items():
-                node = surface.draw(
-                    self.client.scene,
-                    f"{robot.node_of(link)}/collision",
-                    _COLLISION_COLOUR,
-                    _COLLISION_OPACITY,
+                path = f"{robot.node_of(link)}/collision"
+                self.nodes[path] = surface.draw(
+                    self.client.scene, path, _COLLISION_COLOUR, _COLLISION_OPACITY
                 )
-                self.nodes.append(node)
 
     @override
     def show(self, facts: SceneFacts) -> None:

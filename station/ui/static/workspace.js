@@ -113,8 +113,8 @@ function drawLayouts() {
   };
   const forget = async () => (await act("DELETE", layoutPath(layout.preset))) && listLayouts();
   const button = (name) => press(name, "", () => choose(name), { pressed: name === layout.preset });
-  const remove = own.includes(layout.preset) && store.isOperator ? press("✕", "", forget, { name: `Forget the layout ${layout.preset}` }) : nothing;
-  render(html`${repeat([...Object.keys(PRESETS), ...own], (name) => name, button)}${remove}<input class="name" placeholder="keep as …" aria-label="Keep this layout as" title="A name and Enter keep folds, sizes and plots at the station, for every browser." ?disabled=${!store.isOperator} @keydown=${keep} />`, element("layouts"));
+  const remove = own.includes(layout.preset) ? press("✕", "", forget, { needs: "change", name: `Forget the layout ${layout.preset}` }) : nothing;
+  render(html`${repeat([...Object.keys(PRESETS), ...own], (name) => name, button)}${remove}<input class="name" placeholder="keep as …" aria-label="Keep this layout as" title="A name and Enter keep folds, sizes and plots at the station, for every browser." ?disabled=${!store.can("change")} @keydown=${keep} />`, element("layouts"));
 }
 
 function splitter(id, key, grow) {
@@ -240,7 +240,7 @@ function showTrouble() {
   const { trouble, reason, label, action } = store.docks.rescue;
   const line = element("trouble");
   line.hidden = !trouble;
-  const help = action && store.isOperator ? press(label, "", recover, { look: "primary" }) : nothing;
+  const help = action && store.isOperator ? press(label, "", recover, { look: "s primary", needs: "change" }) : nothing;
   render(html`<b>✖ ${trouble}</b><span>${reason}</span>${help}`, line);
 }
 
@@ -256,7 +256,7 @@ const remedies = {
 
 function remedyButton(entry) {
   const remedy = remedyOf(entry, { stop: store.stop, ...store.docks }, remedies);
-  return remedy && store.isOperator ? press(remedy.label, "", remedy.run, { look: "primary" }) : nothing;
+  return remedy && store.isOperator ? press(remedy.label, "", remedy.run, { look: "s primary" }) : nothing;
 }
 
 function logRow(entry) {
@@ -289,7 +289,7 @@ function showEnable() {
   const wanted = Boolean(enabling?.name) && store.isOperator;
   const button = element("enable");
   button.hidden = !wanted;
-  button.disabled = Boolean(enabling?.reason);
+  button.disabled = Boolean(enabling?.reason) || !store.can("change");
   // While another controller moves the robot, the picture matters more than the offer.
   button.classList.toggle("small", Boolean(enabling?.replaces?.length));
   const stops = enabling?.replaces?.length ? ` ${enabling.replaces.join(", ")} stops.` : "";

@@ -54,7 +54,8 @@ def test_what_is_not_possible_is_refused(spring, ask, status):
 def test_viewers_change_no_set(http):
     http.headers["Authorization"] = "Bearer viewer-token"
 
-    assert http.get("/api/v1/gain-sets").json() == {"gain_sets": []}
+    listed = http.get("/api/v1/gain-sets").json()
+    assert listed == {"gain_sets": [], "undoable_changes": 0}
     for method, path in (
         ("PUT", "/x"),
         ("DELETE", "/x"),

@@ -1,9 +1,19 @@
 """Control of the station, taken and given back on the page."""
 
+from contextlib import suppress
+
 import pytest
 
 from station.client import ApiError
-from tests.browser.workspace_page import CONTROLLER, OTHER, position, wait_until
+from station.wire import Fault
+from tests.browser.workspace_page import (
+    CONTROLLER,
+    OTHER,
+    allow_motion,
+    position,
+    run_alone,
+    wait_until,
+)
 
 pytestmark = pytest.mark.slow
 
@@ -93,3 +103,54 @@ def test_a_jog_ends_when_control_is_taken_and_is_taken_back_by_force(
     page.get_by_role("button", name="Give back").click()
     assert wait_until(lambda: enabled.lease.state().owner is None)
     page.locator("#control-panel").get_by_role("button", name="Close").click()
+
+
+def _idle(page, *docks):
+    """Return the labels of the disabled buttons that some docks show."""
+    return set(
+        page.evaluate(
+            "(docks) => docks.flatMap((dock) => [...document.querySelectorAll("
+            "`[data-dock=${dock}] button:disabled`)].map((b) => "
+            "b.ariaLabel || b.textContent.trim()))",
+            docks,
+        )
+    )
+
+
+def test_buttons_that_can_do_nothing_are_disabled(workspace, client):
+    page = workspace.page
+    run_alone(client)
+    with suppress(ApiError):
+        while True:
+            client.gain_sets.undo()
+    expected = {
+        "simulation": {"End faults", "Step"},
+        "tuning": {"Undo", "Run test", "Find gains by relay", "Apply"},
+        "gripper": set(),
+    }
+    for dock, labels in expected.items():
+        workspace.dock(dock)
+        assert wait_until(lambda d=dock, n=labels: n <= _idle(page, d)), dock
+    client.set_gains(CONTROLLER, {"panda_joint1/p": 500.0})
+    client.robot("panda").inject(Fault(kind="stuck_joint", joint=7, cycles=10**6))
+    run_alone(client, CONTROLLER)
+    workspace.dock("simulation")
+    assert wait_until(lambda: _idle(page, "simulation") == {"Step"})
+    workspace.dock("tuning")
+    ready = {"Undo", "Run test", "Find gains by relay"}
+    assert wait_until(lambda: not ready & _idle(page, "tuning"))
+    page.locator("#stop").click()
+    start = f"Start {OTHER}"
+    assert wait_until(lambda: {start, "Open"} <= _idle(page, "controllers", "gripper"))
+    assert wait_until(lambda: "Run test" in _idle(page, "tuning"))
+    allow_motion(client)
+    assert wait_until(lambda: start not in _idle(page, "controllers"))
+    client.lease.act_under(client.lease.take("grace", ttl=60.0).lease)
+    assert page.locator("#watching").get_by_role("button").is_enabled()
+    changing = {start, f"Unload {OTHER}", "Close", "Hold still", "Undo"}
+    docks = "controllers", "gripper", "tuning"
+    assert wait_until(lambda: changing <= _idle(page, *docks))
+    client.gain_sets.undo()
+    client.robot("panda").clear_faults()
+    client.lease.release()
+    assert wait_until(lambda: start not in _idle(page, "controllers"))

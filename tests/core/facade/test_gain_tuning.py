@@ -57,6 +57,7 @@ def test_changes_are_taken_back_one_after_the_other(station):
 
     assert station.tuning.undo()["two"].values == {"k": 2.0}
     assert stiffness(station) == {"one": 3.0, "two": 2.0}
+    assert station.tuning.undoable_changes == 1
     station.tuning.undo()
     assert stiffness(station) == {"one": 2.0, "two": 2.0}
     with pytest.raises(NothingToUndoError, match="No change"):

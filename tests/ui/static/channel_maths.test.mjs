@@ -9,6 +9,10 @@ test("every number has a path, by the names beside it", () => {
   assert.deepEqual(numbersIn(FRAME), ["position/@j1", "position/@j2", "loop/rate", "objects/@cube/mass", "on"]);
 });
 
+test("a quantity that has no value yet has a path, too", () => {
+  assert.deepEqual(numbersIn({ loop: { total: { p99: null, count: 0 } }, fault: null }), ["loop/total/p99", "loop/total/count"]);
+});
+
 test("a path leads to its number wherever it stands in the list", () => {
   const turned = { ...FRAME, name: ["j2", "j1"] };
   assert.equal(numberAt(turned, "position/@j1"), 0.2);

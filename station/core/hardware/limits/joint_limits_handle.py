@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from enum import Enum
 from math import inf, nan
 from sys import float_info
-from typing import ClassVar
+from typing import ClassVar, Protocol
 
 from typing_extensions import override
 
@@ -40,7 +40,15 @@ from station.core.hardware.limits.rate_limits import (
     VelocityRateLimits,
 )
 from station.core.parameters import Parameters
-from station.memory.doubles import own_block, put
+from station.memory.doubles import Storage, own_block, put
+
+
+class Arithmetic(Protocol):
+    """Makes the limits of one kind, in memory of the caller; see `LimitedJoints`."""
+
+    def __call__(self, views: Mapping[str, Storage]) -> LimitedJoints:
+        """Return the limits."""
+
 
 _OTHERS = ("position", "velocity", "command", "asked", "reason")
 
@@ -64,7 +72,7 @@ class JointLimitsGroup:
 
     def __init__(
         self,
-        arithmetic: type[LimitedJoints],
+        arithmetic: Arithmetic,
         joints: Sequence[JointHandle],
         limits: Sequence[Mapping[str, float]],
         memory: Sequence[Mapping[str, float]],
@@ -187,7 +195,7 @@ class JointLimitsHandle(ResourceHandle):
             limits.
     """
 
-    arithmetic: ClassVar[type[LimitedJoints]] = LimitedJoints
+    arithmetic: ClassVar[Arithmetic] = LimitedJoints
     required: ClassVar[tuple[str, ...]] = ()
     unlimited: ClassVar[float] = nan
     first_previous: ClassVar[float] = nan
@@ -338,7 +346,7 @@ class EffortJointSaturationHandle(JointLimitsHandle):
     position limits are optional.
     """
 
-    arithmetic: ClassVar[type[LimitedJoints]] = EffortSaturation
+    arithmetic: ClassVar[Arithmetic] = EffortSaturation
     required: ClassVar[tuple[str, ...]] = ("velocity", "effort")
 
 
@@ -349,7 +357,7 @@ class EffortJointSoftLimitsHandle(SoftLimitsHandle):
     position limits unless it is continuous.
     """
 
-    arithmetic: ClassVar[type[LimitedJoints]] = EffortSoftLimits
+    arithmetic: ClassVar[Arithmetic] = EffortSoftLimits
     required: ClassVar[tuple[str, ...]] = ("velocity", "effort")
 
 
@@ -359,7 +367,7 @@ class PositionJointSaturationHandle(JointLimitsHandle):
     Position commands are in [rad or m]. Position and velocity limits are optional.
     """
 
-    arithmetic: ClassVar[type[LimitedJoints]] = PositionLimits
+    arithmetic: ClassVar[Arithmetic] = PositionLimits
 
     @override
     def find_bounds(
@@ -383,7 +391,7 @@ class PositionJointSoftLimitsHandle(SoftLimitsHandle):
     The joint needs velocity limits, and position limits unless it is continuous.
     """
 
-    arithmetic: ClassVar[type[LimitedJoints]] = PositionLimits
+    arithmetic: ClassVar[Arithmetic] = PositionLimits
     required: ClassVar[tuple[str, ...]] = ("velocity",)
 
 
@@ -394,7 +402,7 @@ class VelocityJointSaturationHandle(JointLimitsHandle):
     acceleration limits are optional.
     """
 
-    arithmetic: ClassVar[type[LimitedJoints]] = VelocitySaturation
+    arithmetic: ClassVar[Arithmetic] = staticmethod(VelocitySaturation)
     required: ClassVar[tuple[str, ...]] = ("velocity",)
     first_previous: ClassVar[float] = 0.0
 
@@ -405,7 +413,7 @@ class VelocityJointSoftLimitsHandle(SoftLimitsHandle):
     Velocity commands are in [rad/s or m/s]. All limits are optional.
     """
 
-    arithmetic: ClassVar[type[LimitedJoints]] = VelocitySoftLimits
+    arithmetic: ClassVar[Arithmetic] = VelocitySoftLimits
 
     @override
     def find_bounds(
@@ -426,7 +434,7 @@ class PositionJointRateLimitsHandle(JointLimitsHandle):
     in [rad or m]. All limits are optional.
     """
 
-    arithmetic: ClassVar[type[LimitedJoints]] = PositionRateLimits
+    arithmetic: ClassVar[Arithmetic] = staticmethod(PositionRateLimits)
     unlimited: ClassVar[float] = inf
 
 
@@ -438,7 +446,7 @@ class VelocityJointRateLimitsHandle(JointLimitsHandle):
     command. Velocity commands are in [rad/s or m/s]. All limits are optional.
     """
 
-    arithmetic: ClassVar[type[LimitedJoints]] = VelocityRateLimits
+    arithmetic: ClassVar[Arithmetic] = VelocityRateLimits
     unlimited: ClassVar[float] = inf
 
 

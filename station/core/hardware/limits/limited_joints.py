@@ -25,6 +25,7 @@ Source: ros_control@633c374 joint_limits_interface.h, the six handles of limits.
 """
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Protocol
 
 from station.memory.doubles import Storage, own
@@ -265,11 +266,17 @@ class VelocitySoftLimits(LimitedJoints):
 
     Args:
         views: See `LimitedJoints`.
+        follows_commands: Whether they accelerate from the command of the last cycle, in
+            place of the measured velocity.
     """
 
-    def __init__(self, views: Mapping[str, Storage]) -> None:
+    def __init__(
+        self,
+        views: Mapping[str, Storage],
+        follows_commands: bool = False,  # noqa: FBT001, FBT002 - for the compiler
+    ) -> None:
         super().__init__(views)
-        self.before = views["velocity"]
+        self.before = self.previous if follows_commands else views["velocity"]
 
     def enforce(self, period: float, first: int, last: int) -> int:
         """See `LimitedJoints.enforce`."""
@@ -319,18 +326,9 @@ class VelocitySoftLimits(LimitedJoints):
         return mask
 
 
-class VelocitySaturation(VelocitySoftLimits):
-    """Velocity commands clipped to the hard limits.
-
-    They accelerate from the command of the last cycle, not from the measured velocity.
-
-    Args:
-        views: See `LimitedJoints`.
-    """
-
-    def __init__(self, views: Mapping[str, Storage]) -> None:
-        super().__init__(views)
-        self.before = self.previous
+VelocitySaturation = partial(VelocitySoftLimits, follows_commands=True)
+"""Velocity commands clipped to the hard limits; they accelerate from the command of the
+last cycle."""
 
 
 class PositionLimits(LimitedJoints):

@@ -87,27 +87,6 @@ def zero_jacobian(
     return [*place_jacobian(frame, links, place_frame(frame, links, F_T_EE, EE_T_K))]
 
 
-def body_jacobian(
-    frame: Frame,
-    q: Sequence[float],
-    F_T_EE: Sequence[float] = IDENTITY,
-    EE_T_K: Sequence[float] = IDENTITY,
-) -> list[float]:
-    """Return the Jacobian of a frame's origin in the frame's own axes, 42 numbers.
-
-    Args:
-        frame: The frame; columns of joints behind it are zero.
-        q: Joint positions [rad], shape (7,).
-        F_T_EE: End effector in the flange frame, 16 numbers.
-        EE_T_K: Stiffness frame in the end effector frame, 16 numbers.
-    """
-    links = _placed(q)
-    pose = place_frame(frame, links, F_T_EE, EE_T_K)
-    jacobian = place_jacobian(frame, links, pose)
-    arm_chain.turn_to_inner_axes(pose, jacobian, jacobian)
-    return [*jacobian]
-
-
 def place_frame(
     frame: Frame, links: Storage, F_T_EE: Sequence[float], EE_T_K: Sequence[float]
 ) -> Doubles:

@@ -40,6 +40,7 @@ class ForcesLayer(Layer):
         self._arrows: dict[str, _Arrow] = {}
         links = {name for robot in self.robots for name in robot.model.urdf.links}
         self._contacts = _Contacts(self.client, links)
+        self.nodes["/contacts"] = self._contacts
 
     @override
     def show(self, facts: SceneFacts) -> None:
@@ -50,8 +51,8 @@ class ForcesLayer(Layer):
             arm = facts.arms.get(name)
             force = None if arm is None else arm.force
             if arm is None or force is None or math.hypot(*force) < _LEAST_ESTIMATE:
-                if name in self._arrows:
-                    self._arrows.pop(name).remove()
+                self._arrows.pop(name, None)
+                self.drop(f"/force_{name}")
                 continue
             poses = robot.poses(facts.positions)
             tool = poses[robot.flange].compose(arm.flange_to_tool)
@@ -61,16 +62,8 @@ class ForcesLayer(Layer):
             arrow = self._arrows.get(name)
             if arrow is None:
                 arrow = _Arrow(self.client, f"/force_{name}", _EXTERNAL)
-                self._arrows[name] = arrow
+                self._arrows[name] = self.nodes[f"/force_{name}"] = arrow
             arrow.show(point, turned)
-
-    @override
-    def remove(self) -> None:
-        for arrow in self._arrows.values():
-            arrow.remove()
-        self._arrows.clear()
-        self._contacts.remove()
-        super().remove()
 
 
 class _Arrow:

@@ -3,6 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import viser
 
@@ -77,6 +78,13 @@ class SceneFacts:
     objects: Sequence[SceneObject] = ()
 
 
+class Removable(Protocol):
+    """What can be taken out of a scene: a node, or something made of several."""
+
+    def remove(self) -> None:
+        """Take it out of the scene."""
+
+
 class Layer(ABC):
     """A layer over the robots in one browser. To be used from Viser's event loop.
 
@@ -85,6 +93,9 @@ class Layer(ABC):
     Args:
         client: The browser.
         robots: The robots in the scene.
+
+    Attributes:
+        nodes: Everything that the layer has drawn, by its path.
     """
 
     def __init__(
@@ -92,7 +103,7 @@ class Layer(ABC):
     ) -> None:
         self.client = client
         self.robots = tuple(robots)
-        self.nodes: list[viser.SceneNodeHandle] = []
+        self.nodes: dict[str, Removable] = {}
         self.begin()
 
     def begin(self) -> None:  # noqa: B027 - a layer need not keep anything
@@ -102,8 +113,12 @@ class Layer(ABC):
     def show(self, facts: SceneFacts) -> None:
         """Draw the newest facts; called about 15 times a second."""
 
+    def drop(self, *paths: str) -> None:
+        """Take some of what is drawn out of the scene."""
+        for path in paths:
+            if path in self.nodes:
+                self.nodes.pop(path).remove()
+
     def remove(self) -> None:
         """Take everything out of the scene."""
-        for node in self.nodes:
-            node.remove()
-        self.nodes.clear()
+        self.drop(*self.nodes)

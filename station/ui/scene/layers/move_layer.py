@@ -43,7 +43,7 @@ class MoveLayer(Layer):
             visible=False,
         )
         self._arrows.on_update(self._on_drag)
-        self.nodes.append(self._arrows)
+        self.nodes["/moved_object"] = self._arrows
 
     @override
     def show(self, facts: SceneFacts) -> None:

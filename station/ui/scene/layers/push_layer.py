@@ -34,6 +34,7 @@ STRONGEST = 40.0
 """Largest force [N]."""
 _COLOUR = (22, 102, 196)
 _OPACITY = 0.22
+_ARROW = "/push_force"
 
 
 class Pusher(Protocol):
@@ -110,15 +111,12 @@ class PushLayer(Layer):
         self._arrow: viser.ArrowsHandle | None = None
         for robot in self.robots:
             for link, surface in robot.model.surfaces.items():
+                path = f"{robot.node_of(link)}/push"
                 node = surface.draw(
-                    client.scene,
-                    f"{robot.node_of(link)}/push",
-                    _COLOUR,
-                    _OPACITY,
-                    is_flat=False,
+                    client.scene, path, _COLOUR, _OPACITY, is_flat=False
                 )
                 node.on_drag("left")(partial(self._on_drag, robot, link))
-                self.nodes.append(node)
+                self.nodes[path] = node
 
     def alive(self) -> None:
         """Note that the page lives."""
@@ -149,8 +147,7 @@ class PushLayer(Layer):
 
     @override
     def remove(self) -> None:
-        self._pull = None
-        self._draw(None)
+        self._pull = self._arrow = None
         super().remove()
 
     async def _on_drag(
@@ -165,7 +162,8 @@ class PushLayer(Layer):
         if robot.model.arm_id not in self._arms:
             return  # Only an arm of the station has a route by which it is pushed.
         if event.phase == "start" or self._pull is None:
-            point = _inside(robot.poses(self._positions)[link], event.start_position)
+            pose = robot.poses(self._positions)[link]
+            point = pose.inverse().compose(Pose(event.start_position)).xyz
         else:
             point = self._pull.point
         self._pull = _Pull(robot, link, point, event.end_position)
@@ -187,17 +185,16 @@ class PushLayer(Layer):
     def _draw(self, drawn: tuple[Vector3, Vector3] | None) -> None:
         """Draw a force [N] at a point [m]; None draws nothing."""
         if drawn is None or not any(drawn[1]):
-            if self._arrow is not None:
-                self._arrow.remove()
-                self._arrow = None
+            self._arrow = None
+            self.drop(_ARROW)
             return
         grip, force = np.array(drawn[0]), np.array(drawn[1])
         points = np.array([[grip, grip + force / STIFFNESS]], dtype=np.float32)
         if self._arrow is not None:
             self._arrow.points = points
             return
-        self._arrow = self.client.scene.add_arrows(
-            "/push_force",
+        self.nodes[_ARROW] = self._arrow = self.client.scene.add_arrows(
+            _ARROW,
             points,
             _COLOUR,
             shaft_radius=0.006,
@@ -217,14 +214,3 @@ def pull_force(grip: Vector3, pointer: Vector3) -> Vector3:
     strength = min(STIFFNESS, STRONGEST / away) if away else 0.0
     x, y, z = (strength * (b - a) for a, b in zip(grip, pointer, strict=True))
     return (x, y, z)
-
-
-def _inside(pose: Pose, point: Vector3) -> Vector3:
-    """Return a point of the world in the frame of a link."""
-    w, x, y, z = pose.quaternion
-    away = (
-        point[0] - pose.xyz[0],
-        point[1] - pose.xyz[1],
-        point[2] - pose.xyz[2],
-    )
-    return Pose(quaternion=(w, -x, -y, -z)).compose(Pose(away)).xyz

@@ -3,15 +3,17 @@
 import math
 from collections import deque
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import viser
 from typing_extensions import override
 
 from station.core.description.urdf import Joint, Pose, Vector3
 from station.ui.scene.layers.layer import Layer, PlacedRobot, SceneFacts
 from station.ui.scene.robot_figure import RobotFigure
+
+if TYPE_CHECKING:
+    import viser
 
 _AXIS_LENGTH, _AXIS_RADIUS = 0.11, 0.0035  # [m]
 _SAME = 1e-4
@@ -23,11 +25,10 @@ class FramesLayer(Layer):
     @override
     def begin(self) -> None:
         self._tools: dict[str, tuple[Pose, Pose]] = {}
-        self._of_tools: dict[str, list[viser.SceneNodeHandle]] = {}
         for robot in self.robots:
             base, flange = robot.node_of(robot.base), robot.node_of(robot.flange)
-            self.nodes += self._named(f"{base}/frame_O", "O", Pose())
-            self.nodes += self._named(f"{flange}/frame_F", "F", Pose())
+            self._name(f"{base}/frame_O", "O", Pose())
+            self._name(f"{flange}/frame_F", "F", Pose())
 
     @override
     def show(self, facts: SceneFacts) -> None:
@@ -41,24 +42,18 @@ class FramesLayer(Layer):
             if self._tools.get(name) == wanted:
                 continue
             self._tools[name] = wanted
-            for node in self._of_tools.pop(name, ()):
-                node.remove()
             tool, stiffness = wanted
-            parent = robot.node_of(robot.flange)
+            own, other = (
+                f"{robot.node_of(robot.flange)}/frame_{end}" for end in ("EE", "K")
+            )
+            self.drop(*_paths(own), *_paths(other))
             label = "EE, K" if _is_identity(stiffness) else "EE"
-            drawn = self._named(f"{parent}/frame_EE", label, tool)
+            self._name(own, label, tool)
             if label == "EE":
-                drawn += self._named(f"{parent}/frame_K", "K", tool.compose(stiffness))
-            self._of_tools[name] = drawn
+                self._name(other, "K", tool.compose(stiffness))
 
-    @override
-    def remove(self) -> None:
-        for drawn in self._of_tools.values():
-            for node in drawn:
-                node.remove()
-        super().remove()
-
-    def _named(self, path: str, text: str, pose: Pose) -> list[viser.SceneNodeHandle]:
+    def _name(self, path: str, text: str, pose: Pose) -> None:
+        """Draw a frame with its name."""
         scene = self.client.scene
         frame = scene.add_frame(
             path,
@@ -68,7 +63,12 @@ class FramesLayer(Layer):
             wxyz=pose.quaternion,
         )
         label = scene.add_label(f"{path}/name", text, position=(0.0, 0.0, 0.0))
-        return [label, frame]
+        self.nodes |= dict(zip(_paths(path), (label, frame), strict=True))
+
+
+def _paths(frame: str) -> tuple[str, str]:
+    """Return the paths of a frame's name and of the frame, in which the name is."""
+    return f"{frame}/name", frame
 
 
 def _is_identity(pose: Pose) -> bool:
@@ -83,67 +83,40 @@ _OPACITY = 0.6
 _LARGER = 1.02
 
 
-@dataclass(frozen=True, slots=True)
-class _Tint:
-    label: viser.LabelHandle
-    mesh: viser.MeshHandle | None
-
-    def remove(self) -> None:
-        self.label.remove()
-        if self.mesh is not None:
-            self.mesh.remove()
-
-
 class LimitsLayer(Layer):
     """Tints the link that a joint near its limit moves, and shows the room left."""
 
     @override
     def begin(self) -> None:
-        self._tinted: dict[str, _Tint] = {}
+        self._labels: dict[str, viser.LabelHandle] = {}  # by the node of the link
 
     @override
     def show(self, facts: SceneFacts) -> None:
         """Tint the links of joints that are near a limit now, and no others."""
-        near: dict[str, str] = {}
         for robot in self.robots:
-            for name, joint in robot.model.urdf.joints.items():
+            for joint in robot.model.urdf.joints.values():
+                node = robot.node_of(joint.child)
                 said = nearness(joint, facts)
                 if said:
-                    near[name] = said
-                    self._tint(robot, joint, said)
-        for name in [name for name in self._tinted if name not in near]:
-            self._tinted.pop(name).remove()
+                    self._tint(robot, joint.child, said)
+                elif self._labels.pop(node, None):
+                    self.drop(f"{node}/near_limit", f"{node}/tint")
 
-    @override
-    def remove(self) -> None:
-        for tint in self._tinted.values():
-            tint.remove()
-        self._tinted.clear()
-        super().remove()
-
-    def _tint(self, robot: PlacedRobot, joint: Joint, said: str) -> None:
-        tint = self._tinted.get(joint.name)
-        if tint is not None:
-            if tint.label.text != said:
-                tint.label.text = said
+    def _tint(self, robot: PlacedRobot, link: str, said: str) -> None:
+        node = robot.node_of(link)
+        label = self._labels.get(node)
+        if label is not None:
+            if label.text != said:
+                label.text = said
             return
         scene = self.client.scene
-        node = robot.node_of(joint.child)
-        label = scene.add_label(f"{node}/near_limit", said)
-        surface = robot.model.surfaces.get(joint.child)
-        mesh = (
-            None
-            if surface is None
-            else surface.draw(
-                scene,
-                f"{node}/tint",
-                _NEAR_COLOUR,
-                _OPACITY,
-                scale=_LARGER,
-                is_flat=False,
+        self._labels[node] = scene.add_label(f"{node}/near_limit", said)
+        self.nodes[f"{node}/near_limit"] = self._labels[node]
+        if surface := robot.model.surfaces.get(link):
+            path, colour = f"{node}/tint", _NEAR_COLOUR
+            self.nodes[path] = surface.draw(
+                scene, path, colour, _OPACITY, scale=_LARGER, is_flat=False
             )
-        )
-        self._tinted[joint.name] = _Tint(label, mesh)
 
 
 def nearness(joint: Joint, facts: SceneFacts) -> str:
@@ -191,12 +164,13 @@ class CommandedLayer(Layer):
             if apart > (_TOGETHER if is_shown else _APART):
                 # Made when it is first needed: its meshes are sent to the browser.
                 if figure is None:
+                    path = f"/commanded_{i}"
                     figure = RobotFigure(
-                        self.client, robot.model, f"/commanded_{i}", _COMMANDED_COLOUR
+                        self.client, robot.model, path, _COMMANDED_COLOUR
                     )
-                    self._figures[i] = figure
-                    path = f"/commanded_{i}_label"
-                    self._labels[i] = self.client.scene.add_label(path, _LABEL)
+                    label = self.client.scene.add_label(f"{path}_label", _LABEL)
+                    self._figures[i], self._labels[i] = figure, label
+                    self.nodes |= {path: figure, f"{path}_label": label}
                 commanded = {**facts.positions, **facts.commanded}
                 figure.show(commanded)
                 highest = max(
@@ -209,15 +183,6 @@ class CommandedLayer(Layer):
             elif figure is not None:
                 figure.hide()
                 self._labels[i].visible = False
-
-    @override
-    def remove(self) -> None:
-        for figure in self._figures:
-            if figure is not None:
-                figure.remove()
-        for label in self._labels.values():
-            label.remove()
-        super().remove()
 
 
 def _distance(robot: PlacedRobot, facts: SceneFacts) -> float:
@@ -274,7 +239,6 @@ class TrailLayer(Layer):
     @override
     def begin(self) -> None:
         self._shown: list[Vector3 | None] = [None] * len(self.robots)
-        self._lines: dict[int, viser.LineSegmentsHandle] = {}
 
     @override
     def show(self, facts: SceneFacts) -> None:
@@ -285,12 +249,6 @@ class TrailLayer(Layer):
             self._shown[i] = path[-1]
             points = np.array(path, dtype=np.float32)
             segments = np.stack([points[:-1], points[1:]], axis=1)  # (n, 2, 3)
-            self._lines[i] = self.client.scene.add_line_segments(
+            self.nodes[f"/trail_{i}"] = self.client.scene.add_line_segments(
                 f"/trail_{i}", segments, _TRAIL_COLOUR, thickness=_THICKNESS
             )
-
-    @override
-    def remove(self) -> None:
-        for line in self._lines.values():
-            line.remove()
-        super().remove()

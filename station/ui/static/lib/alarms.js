@@ -1,9 +1,8 @@
 // The alarms of the station: what asks for a person, and who has seen it. The strip counts
 // those that nobody has seen; the dock Timeline lists and acknowledges them.
-import { html, nothing, repeat, show } from "./dom.js";
+import { html, nothing, press, repeat, show } from "./dom.js";
 import { forPerson } from "./refusals.js";
 import { act, api, follow } from "./station.js";
-import { store } from "./store.js";
 import { units } from "./units.js";
 
 const LOOK_MS = 2000;
@@ -63,13 +62,13 @@ function row(alarm) {
     <b>${alarm.severity === "error" ? "✖" : "▲"} ${units.words(alarm.text)} </b>
     <span class="remedy">${forPerson(alarm.remedy ?? "")}</span>
     <small> ${state} </small>
-    ${seen ? nothing : html`<button class="s" type="button" title="Confirm that you have seen the alarm; nothing moves, and nothing is cleared." aria-label="Acknowledge ${alarm.text}" ?disabled=${!store.isOperator} @click=${() => alarms.acknowledge([alarm])}>Acknowledge</button>`}
+    ${seen ? nothing : press("Acknowledge", "Confirm that you have seen the alarm; nothing moves, and nothing is cleared.", () => alarms.acknowledge([alarm]), { needs: "change", name: `Acknowledge ${alarm.text}` })}
   </div>`;
 }
 
 /** Return the rows of the list as a template, and one button for all that nobody has seen. */
 export function alarmRows() {
   if (!alarms.list.length) return html`<p class="hint">Nothing asks for attention, and everything that did was seen.</p>`;
-  const all = html`<div class="line"><button class="s" type="button" ?disabled=${!store.isOperator} @click=${() => alarms.acknowledge(alarms.unseen())}>Acknowledge all</button></div>`;
+  const all = html`<div class="line">${press("Acknowledge all", "", () => alarms.acknowledge(alarms.unseen()), { needs: "change" })}</div>`;
   return html`${alarms.unseen().length > 1 ? all : nothing}${repeat(alarms.list, ({ id }) => id, row)}`;
 }

@@ -19,6 +19,7 @@ const UNITS = [
 ];
 const RADIANS = /^(q|q_d|theta)$/;
 
+const unitOf = (field) => UNITS.find(([pattern]) => pattern.test(field))?.[1] ?? "";
 const isChannel = (value) => typeof value === "number" || typeof value === "boolean";
 const nameOf = (entry) => entry?.name ?? entry?.arm_id ?? (entry?.bodies ? entry.bodies.join(" – ") : undefined);
 
@@ -27,7 +28,9 @@ export function numbersIn(data) {
   const found = [];
   const walk = (value, path) => {
     if (found.length >= MOST) return;
-    if (isChannel(value)) found.push(path.join("/"));
+    // A statistic without a sample yet has no p99: it will have one.
+    const isToCome = value === null && unitOf(path.at(-1)) !== "";
+    if (isChannel(value) || isToCome) found.push(path.join("/"));
     else if (Array.isArray(value)) value.forEach((each, i) => walk(each, [...path, segment(value, i, data)]));
     else if (value && typeof value === "object") for (const [key, each] of Object.entries(value)) walk(each, [...path, key]);
   };
@@ -65,6 +68,6 @@ export function described(key) {
   const short = source.replace(/^(robot_state|controller_state|published)\//, "");
   const words = parts.map((part) => (part.startsWith("@") ? part.slice(1) : /^\d+$/.test(part) ? `[${part}]` : part)).join(" ");
   const isArm = source.startsWith("robot_state");
-  const unit = isArm && RADIANS.test(field) ? "rad" : (UNITS.find(([pattern]) => pattern.test(field))?.[1] ?? "");
+  const unit = isArm && RADIANS.test(field) ? "rad" : unitOf(field);
   return { label: `${short} ${words}`, unit: isArm && field.includes("F_ext_hat_K") ? (Number(parts.at(-1)) < 3 ? "N" : "Nm") : unit, group: source };
 }

@@ -10,7 +10,7 @@ const PATH = "/workspace/control";
 
 const element = (id) => document.getElementById(id);
 const note = (text) => html`<p class="hint">${text}</p>`;
-const button = (label, run, look = "") => press(label, "", run, { look });
+const button = (label, run, look = "") => press(label, "", run, { look: `s ${look}` });
 
 class Control {
   constructor() {
@@ -86,8 +86,16 @@ class Control {
     show(element("control"), owner === null ? "any operator" : mine ? `you (${owner})` : owner);
     element("control").dataset.held = owner === null ? "" : mine ? "mine" : "other";
     const watching = element("watching");
-    watching.hidden = owner === null || mine || !store.isOperator;
-    show(watching, `${owner} holds control: here you only watch. STOP works.`);
+    const holder = mine ? "" : (owner ?? "");
+    watching.hidden = !holder || !store.isOperator;
+    render(html`<span>${owner} holds control: here you only watch. STOP works.</span> ${button("Take control …", () => this.open({ asking: true }))}`, watching);
+    if (holder === store.holder) return this.drawPanel();
+    store.holder = holder;
+    if (store.docks) store.dispatchEvent(new Event("docks")); // buttons can do less, or more
+    return this.drawPanel();
+  }
+
+  drawPanel() {
     if (!this.panel.hidden) render(html`<h2>Control</h2>${this.content()}`, this.panel);
   }
 

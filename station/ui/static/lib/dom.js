@@ -2,6 +2,7 @@
 import { html, nothing, render } from "../vendor/lit/lit-html.js";
 import { live } from "../vendor/lit/directives/live.js";
 import { repeat } from "../vendor/lit/directives/repeat.js";
+import { store } from "./store.js";
 import { typed } from "./text.js";
 
 export { html, live, nothing, render, repeat };
@@ -22,13 +23,49 @@ export function h(tag, props = {}, ...children) {
   return made;
 }
 
-/** Return a button; `props` are more of its properties. */
-export const button = (label, title, run, props = {}) => h("button", { class: "s", type: "button", title, onclick: run, ...props }, label);
+// The rule of a button: `needs` is what the station has to permit, as `store.can` knows it, and
+// `off` says of its own, as a value or a function, that it can do nothing.
+const isIdle = ({ needs, off }) => !store.can(needs) || Boolean(typeof off === "function" ? off() : off);
+
+/** Disable the buttons of the page that can do nothing now, and no others of those that have a rule. */
+export function decide() {
+  for (const each of document.querySelectorAll("button")) if (each.rule) each.disabled = isIdle(each.rule);
+}
+// After the handlers of panels: what is typed or chosen may be what a button waits for.
+for (const name of ["click", "input", "change"]) addEventListener(name, decide);
+for (const name of ["docks", "bar"]) store.addEventListener(name, () => queueMicrotask(decide));
+
+/** Return a button with its rule, `needs` and `off`; `props` are more of its properties. */
+export function button(label, title, run, { needs, off, ...props } = {}) {
+  const made = h("button", { class: "s", type: "button", title, onclick: run, ...props }, label);
+  if (needs || off) made.rule = { needs, off };
+  if (made.rule) made.disabled = isIdle(made.rule);
+  return made;
+}
 
 /** Return a field for a number, `input`, and a label around it with its name and unit; `read()` is the number or null. */
-export function field(name, value, unit, label = `${name} [${unit}]`) {
-  const input = h("input", { class: "value", value, inputMode: "decimal", autocomplete: "off", ariaLabel: label });
+export function field(name, value, unit, label = `${name} [${unit}]`, input = h("input", { class: "value", inputMode: "decimal", autocomplete: "off", ariaLabel: label })) {
+  input.value = value;
   return { input, label: h("label", {}, `${name} `, input, ` ${unit}`), read: () => typed(input.value), put: (number) => (input.value = number) };
+}
+
+/**
+ * Return a slider, `input`, and a label around it with `words` and its value as `textOf` says
+ * it; `tell()` says it anew, and `changed` is called with a value that somebody has chosen.
+ */
+export function ranged(words, textOf, changed, props) {
+  const input = h("input", { type: "range", ...props });
+  const text = h("output", {});
+  const tell = () => {
+    show(text, textOf(Number(input.value)));
+    input.ariaValueText = text.textContent;
+  };
+  input.addEventListener("input", () => {
+    tell();
+    changed(Number(input.value));
+  });
+  tell();
+  return { input, tell, label: h("label", { class: "speed" }, `${words} `, input, text) };
 }
 
 /** Return a field for a name that Enter sends. */
@@ -43,9 +80,9 @@ export function choice(label, choices, changed, props = {}) {
 /** Return a row of parts. */
 export const line = (...parts) => h("div", { class: "line" }, ...parts);
 
-/** Return a button for a template; one that stays down is `pressed`, and one that can do nothing is `off`. */
-export const press = (label, title, run, { look = "", off = false, pressed = nothing, name = nothing } = {}) =>
-  html`<button class="s ${look}" type="button" title=${title || nothing} aria-label=${name} aria-pressed=${pressed} ?disabled=${off} @click=${run}>${label}</button>`;
+/** Return a button with its rule for a template; one that stays down is `pressed`. */
+export const press = (label, title, run, { look = "s", needs, off, pressed = nothing, name = nothing } = {}) =>
+  html`<button class=${look} type="button" title=${title || nothing} aria-label=${name} aria-pressed=${pressed} .rule=${{ needs, off }} ?disabled=${live(isIdle({ needs, off }))} @click=${run}>${label}</button>`;
 
 /** Draw a template into an element and return it; drawn again, only what differs changes. */
 export function drawn(element, template) {

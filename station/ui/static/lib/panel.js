@@ -16,7 +16,6 @@ export class Panel extends HTMLElement {
     this.built = true;
     this.build();
     store.addEventListener("docks", () => this.isShown && this.refresh());
-    store.addEventListener("bar", () => this.classList.toggle("may-not", !store.isOperator));
   }
 
   /** Whether the dock is open; a folded dock draws nothing. */

@@ -1,9 +1,8 @@
 // Layouts of the plots: kept at the station under a name, or in a file.
-import { h, html, render } from "./dom.js";
+import { h, html, press, render } from "./dom.js";
 import { download } from "./plot.js";
 import { refusals } from "./refusals.js";
 import { act, api } from "./station.js";
-import { store } from "./store.js";
 
 const ROUTE = "/plot-layouts";
 const pathOf = (name) => `${ROUTE}/${encodeURIComponent(name)}`;
@@ -44,7 +43,7 @@ export function layoutMenu(settings, put) {
     remember(method === "PUT" ? wanted : "");
     await list();
   };
-  const save = () => (name.value.trim() ? change("PUT", name.value.trim(), { plots: settings() }) : name.focus());
+  const save = () => name.value.trim() && change("PUT", name.value.trim(), { plots: settings() });
   const show = async (wanted) => {
     const plots = await layoutOf(wanted);
     if (!plots) return;
@@ -52,15 +51,13 @@ export function layoutMenu(settings, put) {
     name.value = wanted;
     remember(wanted);
   };
-  const row = (each) => html`<div class="channel"><button class="choice" type="button" @click=${() => show(each)}>${each}</button>
-    <button class="choice rate" type="button" ?disabled=${!store.isOperator} aria-label="Delete the layout ${each}" @click=${() => change("DELETE", each)}>✕</button></div>`;
+  const row = (each) => html`<div class="channel">${press(each, "", () => show(each), { look: "choice" })}${press("✕", "", () => change("DELETE", each), { look: "choice rate", needs: "change", name: `Delete the layout ${each}` })}</div>`;
   const list = async () => {
     const names = (await api("GET", ROUTE).catch(() => null))?.plot_layouts ?? [];
     const none = html`<p class="hint">None is saved yet.</p>`;
     render(html`${names.length ? names.map(row) : none}
-      <div class="line">${name}<button class="s" type="button" ?disabled=${!store.isOperator} @click=${save}>Save</button></div>
-      <div class="line"><button class="s" type="button" title="Save these plots as a file." @click=${() => download(`${name.value.trim() || "plots"}.json`, JSON.stringify({ plots: settings() }, null, 1), "application/json")}>Export</button>
-      <button class="s" type="button" title="Show the plots of a file." @click=${() => file.click()}>Import</button>${file}</div>`, body);
+      <div class="line">${name}${press("Save", "", save, { needs: "change", off: () => !name.value.trim() })}</div>
+      <div class="line">${press("Export", "Save these plots as a file.", () => download(`${name.value.trim() || "plots"}.json`, JSON.stringify({ plots: settings() }, null, 1), "application/json"))}${press("Import", "Show the plots of a file.", () => file.click())}${file}</div>`, body);
   };
   name.addEventListener("keydown", (event) => event.key === "Enter" && save());
   menu.addEventListener("toggle", () => menu.open && list());

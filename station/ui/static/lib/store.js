@@ -12,6 +12,7 @@ class Store extends EventTarget {
   constructor() {
     super();
     this.bar = { link: "unknown", role: "" };
+    this.holder = ""; // somebody else who holds control
     this.docks = null;
     this.joints = null;
     this.arms = {};
@@ -28,6 +29,12 @@ class Store extends EventTarget {
 
   get isOperator() {
     return this.bar.role === "operator";
+  }
+
+  /** Return whether the station may do what needs nothing, to "change" something, or "motion", which a stop bars. */
+  can(needs) {
+    const isBarred = needs === "motion" && ["stopped", "released"].includes(this.stop);
+    return !needs || (this.isOperator && !this.holder && !isBarred);
   }
 
   get stop() {

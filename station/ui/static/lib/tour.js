@@ -22,7 +22,7 @@ export function showTour(card, openDock) {
     if (dock && isNarrow()) openDock(dock);
     document.querySelector(mark)?.classList.add("toured");
     const isLast = at === STEPS.length - 1;
-    const next = press(isLast ? "Done" : "Next", "", () => (isLast ? end() : step(at + 1)), { look: "primary" });
+    const next = press(isLast ? "Done" : "Next", "", () => (isLast ? end() : step(at + 1)), { look: "s primary" });
     render(html`<b>${at + 1} of ${STEPS.length}</b><p>${text}</p><span>${isLast ? nothing : press("Skip the tour", "", end)}${next}</span>`, card);
     card.hidden = false;
   };

@@ -47,9 +47,9 @@ export function figure(value, unit, digits) {
   return `${number(value * shown.scale, shown.scale < 1 ? digits + 1 : digits)} ${shown.unit}`;
 }
 
-/** Return a field for an angle [rad] in the chosen unit; what nobody has typed stays exact. */
-export function angleField(name, radians = null, label = name) {
-  const { input, label: row, read } = field(name, "", "", label);
+/** Return a field for an angle [rad] in the chosen unit, around an `own` input if there is one; what nobody has typed stays exact. */
+export function angleField(name, radians = null, label = name, own = undefined) {
+  const { input, label: row, read } = field(name, "", "", label, own);
   const unit = row.appendChild(document.createElement("span"));
   let exact = radians;
   const put = (value) => {

@@ -1,6 +1,6 @@
 // The toolbar over the 3D view: from where to look, and what to lay over the robots.
 // The choice is this browser's; the gateway draws it in the views of this session alone.
-import { button, h, holdButton, html, isNarrow, kept, offer, render } from "./dom.js";
+import { choice, h, holdButton, html, isNarrow, kept, nothing, offer, press, render } from "./dom.js";
 import { refusals } from "./refusals.js";
 import { act, send } from "./station.js";
 import { store } from "./store.js";
@@ -25,7 +25,7 @@ const LAYERS = [
 const OF_FRANKA = ["force"];
 const AT_FIRST = ["command", "forces", "limits"];
 
-const group = (name, ...children) => h("div", { class: "tools-group", role: "group", ariaLabel: name }, h("span", { ariaHidden: "true" }, name), ...children);
+const group = (name, ...content) => html`<div class="tools-group" role="group" aria-label=${name}><span aria-hidden="true">${name}</span>${content}</div>`;
 const quietly = (method, path, body) => send(method, path, body).catch((error) => console.warn(error.message));
 
 const PULL = "Pull the robot with the pointer, in simulation.";
@@ -33,44 +33,25 @@ const PUSH_S = 0.3; // one request pushes so long; a held button repeats it soon
 const ALIVE_MS = 100;
 const DIRECTIONS = ["x", "y", "z"].flatMap((axis, i) => [-1, 1].map((sign) => [`${sign < 0 ? "−" : "+"}${axis}`, [0, 0, 0].with(i, sign)]));
 
-/** Pushing a simulated arm: pull a link with the pointer, or hold a button. */
-function pushTools(tell) {
-  const arm = h("select", { ariaLabel: "Arm to push" });
+/** The names of the arms that can be pushed. */
+const simulated = () => (store.docks?.simulation ? store.docks.arms.map((one) => one.arm_id) : []);
+
+/** Return the tools that push a simulated arm while a button is held. */
+function pushTools() {
+  const arm = choice("Arm to push", []);
   const force = h("input", { class: "value", value: "15", inputMode: "decimal", ariaLabel: "Force of the push [N]" });
   const push = (direction) => {
     const size = typed(force.value);
-    if (size === null || size < 0 || size > 100) {
-      refusals.add({ code: "not_a_force", detail: `“${force.value}” is not a force.`, remedy: "Type 0 to 100 N." });
-      return;
-    }
+    if (size === null || size < 0 || size > 100) return refusals.add({ code: "not_a_force", detail: `“${force.value}” is not a force.`, remedy: "Type 0 to 100 N." });
     const body = { link: `${arm.value}_hand`, force: direction.map((part) => part * size), duration: PUSH_S };
-    act("POST", `/robots/${arm.value}/external_force`, body);
+    return act("POST", `/robots/${arm.value}/external_force`, body);
   };
-  const buttons = DIRECTIONS.map(([label, direction]) =>
-    holdButton(label, `Push the hand along ${label} while held`, () => push(direction), () => {}),
-  );
-  const made = group("Push", h("span", { class: "hint" }, "Pull a link with the pointer, or hold:"), arm, ...buttons, force, "N");
-  made.hidden = true;
-  let beating = null;
-  const toggle = button("Push", PULL, () => {
-    made.hidden = !made.hidden;
-    toggle.ariaPressed = !made.hidden;
-    clearInterval(beating);
-    // The push goes on only while this page says that it lives.
-    beating = made.hidden ? null : setInterval(() => send("POST", "/ui/alive").catch(() => {}), ALIVE_MS);
-    tell();
-  }, { ariaPressed: false });
-  const refresh = () => {
-    const arms = store.docks?.simulation ? store.docks.arms.map((one) => one.arm_id) : [];
-    toggle.disabled = !arms.length || !store.isOperator;
-    const without = store.isOperator ? "" : "This session only watches. An operator's session can push.";
-    toggle.title = (arms.length ? without : "Only a simulated Franka arm can be pushed.") || PULL;
-    arm.hidden = arms.length < 2;
-    offer(arm, arms, "no arm");
+  const buttons = DIRECTIONS.map(([label, direction]) => holdButton(label, `Push the hand along ${label} while held`, () => push(direction), () => {}));
+  return () => {
+    offer(arm, simulated(), "no arm");
+    arm.hidden = simulated().length < 2;
+    return group("Push", html`<span class="hint">Pull a link with the pointer, or hold:</span>`, arm, buttons, force, "N");
   };
-  store.addEventListener("docks", refresh);
-  refresh();
-  return { toggle, made, isOn: () => !made.hidden };
 }
 
 // The part of the picture that this toolbar covers. On a narrow screen it leaves so little
@@ -85,32 +66,37 @@ function covered(place) {
 /** Build the toolbar into `place`. */
 export function showViewTools(place) {
   let shown = kept.get("layers", AT_FIRST);
-  const tell = () => quietly("PUT", "/ui/layers", { shown: pushing.isOn() ? [...shown, "push"] : shown });
-  const pushing = pushTools(() => tell());
-  const cameras = CAMERAS.map(([name, label, title]) => button(label, title, () => quietly("POST", "/ui/camera", { preset: name, covered: covered(place) })));
-  const key = h("ul", { class: "key", ariaLabel: "What the colours mean" });
-  const isThere = ([sign]) => store.docks?.arms.length || !OF_FRANKA.includes(sign);
-  const explain = () => {
-    const signs = LAYERS.filter(([layer]) => shown.includes(layer)).flatMap(([, , , ...all]) => all.filter(isThere));
-    render(signs.map(([sign, words]) => html`<li><i class=${sign} aria-hidden="true"></i>${words}</li>`), key);
+  let beating = null; // while links can be pulled
+  const tell = () => {
+    draw();
+    quietly("PUT", "/ui/layers", { shown: beating ? [...shown, "push"] : shown });
   };
-  explain();
-  store.addEventListener("docks", explain);
-  const layers = LAYERS.map(([name, label, title]) => {
-    const made = button(label, title, () => {
-      shown = shown.includes(name) ? shown.filter((other) => other !== name) : [...shown, name];
-      kept.set("layers", shown);
-      made.ariaPressed = shown.includes(name);
-      explain();
-      tell();
-    }, { ariaPressed: shown.includes(name) });
-    return made;
-  });
-  const fold = h("summary", { class: "s" }, "View");
-  const folder = h("details", {}, fold, h("div", { class: "tools-body" }, group("Camera", ...cameras), group("Show", ...layers), key, group("Act", pushing.toggle), pushing.made));
-  folder.open = kept.get("view-tools", !isNarrow());
-  folder.addEventListener("toggle", () => kept.set("view-tools", folder.open));
-  place.append(folder);
+  const toggle = (name) => {
+    shown = shown.includes(name) ? shown.filter((other) => other !== name) : [...shown, name];
+    kept.set("layers", shown);
+    tell();
+  };
+  const togglePush = () => {
+    clearInterval(beating);
+    // The push goes on only while this page says that it lives.
+    beating = beating ? null : setInterval(() => send("POST", "/ui/alive").catch(() => {}), ALIVE_MS);
+    tell();
+  };
+  const pushing = pushTools();
+  const folder = place.appendChild(h("details", { open: kept.get("view-tools", !isNarrow()), ontoggle: () => kept.set("view-tools", folder.open) }));
+  const camera = ([preset, label, title]) => press(label, title, () => quietly("POST", "/ui/camera", { preset, covered: covered(place) }));
+  const isThere = ([sign]) => store.docks?.arms.length || !OF_FRANKA.includes(sign);
+  const draw = () => {
+    const signs = LAYERS.filter(([layer]) => shown.includes(layer)).flatMap(([, , , ...all]) => all.filter(isThere));
+    const without = store.isOperator ? PULL : "This session only watches. An operator's session can push.";
+    const title = simulated().length ? without : "Only a simulated Franka arm can be pushed.";
+    render(html`<summary class="s">View</summary><div class="tools-body">
+      ${group("Camera", CAMERAS.map(camera))}${group("Show", LAYERS.map(([name, label, words]) => press(label, words, () => toggle(name), { pressed: shown.includes(name) })))}
+      <ul class="key" aria-label="What the colours mean">${signs.map(([sign, words]) => html`<li><i class=${sign} aria-hidden="true"></i>${words}</li>`)}</ul>
+      ${group("Act", press("Push", title, togglePush, { pressed: beating !== null, needs: "change", off: () => !simulated().length }))}${beating ? pushing() : nothing}</div>`, folder);
+  };
+  draw();
+  store.addEventListener("docks", draw);
   const system = matchMedia("(prefers-color-scheme: dark)");
   const paint = () => quietly("PUT", "/ui/scheme", { dark: system.matches });
   system.addEventListener("change", paint);

@@ -1,5 +1,5 @@
 // What Franka Desk sets of an arm: collision thresholds, load, end effector, guiding.
-import { act, api, button, h, line, number, Panel, refusals, show, store, typed } from "../lib/panel.js";
+import { act, api, drawn, h, html, live, number, Panel, press, refusals, store, typed } from "../lib/panel.js";
 
 const repeated = (list, n) => (list.length === 1 ? Array(n).fill(list[0]) : list);
 const rounded = (list) => list.map((value) => String(Number(number(value, 6)))).join(", ");
@@ -41,34 +41,41 @@ const SETTINGS = [
 
 class ArmSettings extends Panel {
   build() {
-    this.inputs = []; // {input, of: what the arm says, or null}
-    this.state = h("p", { class: "hint" }, "Refused while the arm moves. Vectors are typed with commas; one number fills all thresholds. The arm does not tell the thresholds that hold.");
-    this.guide = button("Guiding on", "Press the guiding buttons, so that the simulated arm can be pushed by hand.", () => act("POST", `/robots/${this.armName}/guiding`, { pressed: !this.isGuided }).then(() => store.refresh()));
-    this.details = h("details", { class: "arm" }, h("summary", {}, "Arm: collision thresholds, load, end effector"), this.state, line(this.guide), ...SETTINGS.map((setting) => this.group(setting)));
+    this.typed = new Map(); // what somebody has typed, by the label of the field
+    this.says = "Refused while the arm moves. Vectors are typed with commas; one number fills all thresholds. The arm does not tell the thresholds that hold.";
+    this.details = this.appendChild(h("details", { class: "arm" }));
     this.details.addEventListener("toggle", () => this.details.open && this.read());
-    this.append(this.details);
+    this.refresh();
     // Scripts and other pages set the arm, too.
     store.addEventListener("happened", ({ detail }) => detail.what.startsWith(`PUT /robots/${this.armName}/`) && this.read());
   }
 
-  group(setting) {
-    const { title, fields } = setting;
-    const inputs = fields.map(([label, unit, of, example]) => {
-      const input = h("input", { class: "value wide", placeholder: example ? `e.g. ${example}` : "", ariaLabel: `${title}: ${label}`, data: { was: "" } });
-      this.inputs.push({ input, of });
-      return { input, row: h("label", {}, `${label} `, input, ` ${unit}`) };
-    });
-    const set = button("Set", undefined, () => this.set(setting, inputs.map(({ input }) => input)), { ariaLabel: `Set ${title}` });
-    return h("div", { class: "group" }, h("b", {}, title), ...inputs.map(({ row }) => row), set);
+  refresh() {
+    const guide = () => act("POST", `/robots/${this.armName}/guiding`, { pressed: !this.isGuided }).then(() => store.refresh());
+    drawn(this.details, html`<summary>Arm: collision thresholds, load, end effector</summary><p class="hint">${this.says}</p>
+      <div class="line" ?hidden=${!store.docks?.simulation}>${press(this.isGuided ? "Guiding off" : "Guiding on", "Press the guiding buttons, so that the simulated arm can be pushed by hand.", guide, { needs: "change", off: () => this.isMoving, pressed: this.isGuided })}</div>
+      ${SETTINGS.map((setting) => this.group(setting))}`);
   }
 
-  async set({ title, route, body }, inputs) {
-    const values = inputs.map((input) => input.value.split(/[,\s]+/).filter(Boolean).map(typed));
-    if (values.some((list) => !list.length || list.includes(null))) return refusals.add({ code: "not_a_number", detail: `${title}: type numbers, separated by commas.` });
+  group(setting) {
+    const { title, fields } = setting;
+    const keyOf = (label) => `${title}: ${label}`;
+    const textOf = ([label, , of]) => this.typed.get(keyOf(label)) ?? (of && this.known ? rounded(of(this.known)) : "");
+    const field = (one) => {
+      const [label, unit, , example] = one;
+      return html`<label>${label} <input class="value wide" placeholder=${example ? `e.g. ${example}` : ""} aria-label=${keyOf(label)} .value=${live(textOf(one))} @input=${({ target }) => this.typed.set(keyOf(label), target.value)} /> ${unit}</label>`;
+    };
+    const off = () => this.isMoving || fields.some((one) => !textOf(one).trim());
+    return html`<div class="group"><b>${title}</b>${fields.map(field)}${press("Set", "", () => this.set(setting, fields.map(textOf)), { name: `Set ${title}`, needs: "change", off })}</div>`;
+  }
+
+  async set({ title, route, body, fields }, texts) {
+    const values = texts.map((text) => text.split(/[,\s]+/).filter(Boolean).map(typed));
+    if (values.some((list) => list.includes(null))) return refusals.add({ code: "not_a_number", detail: `${title}: type numbers, separated by commas.` });
     const arm = await act("GET", `/robots/${this.armName}/state`);
     if (!arm || !(await act("PUT", `/robots/${this.armName}/${route}`, body(values, arm)))) return undefined;
-    for (const input of inputs) input.dataset.was = input.value; // shown as the arm has it from now on
-    show(this.state, `Set: ${title.toLowerCase()}.`);
+    for (const [label, , of] of fields) if (of) this.typed.delete(`${title}: ${label}`); // shown as the arm has it from now on
+    this.says = `Set: ${title.toLowerCase()}.`;
     return this.read();
   }
 
@@ -76,34 +83,32 @@ class ArmSettings extends Panel {
   set arm(name) {
     if (name === this.armName) return;
     this.armName = name;
-    for (const { input } of this.inputs) input.value = input.dataset.was = "";
+    this.known = null;
+    this.typed.clear();
     this.read();
     if (this.isShown) this.refresh();
   }
 
-  /** Show what the arm has now, but where somebody types. */
+  /** Show what the arm has now, but where somebody has typed. */
   async read() {
     const name = this.armName;
     if (!name || !this.details.open) return;
     const arm = await api("GET", `/robots/${name}/state`).catch(() => null); // a lost station is in the strip
     if (!arm || name !== this.armName) return;
-    for (const { input, of } of this.inputs) {
-      if (!of) continue;
-      const is = rounded(of(arm));
-      if (input.value === input.dataset.was && input !== document.activeElement) input.value = is;
-      input.dataset.was = is;
-    }
+    this.known = arm;
+    this.refresh();
+  }
+
+  get mode() {
+    return store.docks?.arms.find((arm) => arm.arm_id === this.armName)?.robot_mode;
+  }
+
+  get isMoving() {
+    return this.mode === "move";
   }
 
   get isGuided() {
-    return store.docks.arms.find((arm) => arm.arm_id === this.armName)?.robot_mode === "guiding";
-  }
-
-  refresh() {
-    this.guide.hidden = !store.docks?.simulation;
-    this.guide.disabled = !store.isOperator;
-    this.guide.ariaPressed = this.isGuided;
-    show(this.guide, this.isGuided ? "Guiding off" : "Guiding on");
+    return this.mode === "guiding";
   }
 }
 

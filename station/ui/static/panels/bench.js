@@ -1,5 +1,5 @@
 // The bench: tests of one joint, gains that a relay test proposes, and the kept runs.
-import { act, angleField, api, button, choice, drawn, field, figure, h, html, kept, line, nameField, nothing, number, Panel, repeat, show, store, typed, units } from "../lib/panel.js";
+import { act, angleField, api, button, choice, drawn, field, figure, h, html, kept, line, nameField, nothing, number, Panel, press, repeat, show, store, typed, units } from "../lib/panel.js";
 import { BodePlot, COLOURS, Plot, responseTraces } from "../lib/plot.js";
 
 /** What each kind of test asks for besides its size and duration. */
@@ -44,8 +44,9 @@ class Bench extends Panel {
       for (const [name, value] of Object.entries(usual)) if (!isTyped.has(name)) this.fields[name].put(value);
     };
     this.runName = nameField("Name of the run", "name of the run", () => {});
-    this.runButton = button("Run test", "Moves the chosen joint through the running controller, at most 0.3 rad, and leads it back.", () => this.run(), { class: "s primary", disabled: true });
-    this.findButton = button("Find gains by relay", "Lets a relay with a quarter of p swing the joint, and proposes gains by named rules. Nothing is applied.", () => this.run("relay"), { disabled: true });
+    const rule = { needs: "motion", off: () => this.isMeasuring || !this.isTestable };
+    this.runButton = button("Run test", "Moves the chosen joint through the running controller, at most 0.3 rad, and leads it back.", () => this.run(), { class: "s primary", ...rule });
+    this.findButton = button("Find gains by relay", "Lets a relay with a quarter of p swing the joint, and proposes gains by named rules. Nothing is applied.", () => this.run("relay"), rule);
     const chart = (ariaLabel) => h("div", { class: "chart response", role: "img", ariaLabel });
     const time = chart("The shown runs over each other");
     const [gain, phase] = [chart("Gain of the shown runs over frequency"), chart("Phase of the shown runs over frequency")];
@@ -76,20 +77,26 @@ class Bench extends Panel {
       const body = { ...this.tuning.chosen, kind: kind.value, begin: b, end: e, low: l, high: u };
       if (this.runName.value.trim()) body.name = this.runName.value.trim();
       this.add(await act("POST", `${this.source.value}/bench`, body));
-    });
+    }, { needs: "change", off: () => !this.source.value || [begin, end].some((one) => one.read() === null) });
     const part = h("details", {}, h("summary", {}, "A part of a recording"), line(this.source, kind, ...[begin, end, low, high].map(({ label }) => label), read));
     part.addEventListener("toggle", async () => {
       if (!part.open) return;
       const lists = await Promise.all(["/recordings", "/incidents"].map((path) => api("GET", path).then(({ recordings }) => recordings.map((r) => [`${path}/${r.identifier}`, r.identifier])).catch(() => [])));
       this.source.replaceChildren(...lists.flat().reverse().map(([value, text]) => h("option", { value }, text)));
-      read.disabled = !this.source.value;
     });
     return part;
   }
 
+  /** Whether the chosen controller runs and takes positions of the chosen joint. */
+  get isTestable() {
+    const { controller, joint } = this.tuning.chosen;
+    const { state, type } = store.controller(controller) ?? {};
+    const { names = [], elements } = store.docks?.operated ?? {};
+    const takesPositions = names.includes(controller) && elements.some(({ name, unit }) => name === joint && ["rad", "m"].includes(unit));
+    return Boolean(joint) && (takesPositions || (state === "running" && type.endsWith("/JointTrajectoryController")));
+  }
+
   refresh() {
-    const isPossible = this.tuning.joint.value && store.isOperator && !this.isMeasuring;
-    this.runButton.disabled = this.findButton.disabled = !isPossible;
     show(this.runButton, this.isMeasuring ? "Measuring …" : "Run test");
     if (!this.isListed && store.docks.link === "live") this.list();
   }
@@ -168,7 +175,7 @@ class Bench extends Panel {
       <td><label class="trace t${this.colourOf(run.name) % COLOURS}"><input type="checkbox" .checked=${this.shown.has(run.name)} aria-label="Show ${run.name}" @change=${() => this.toggle(run.name)} /><svg viewBox="0 0 12 8" aria-hidden="true"><path d="M0 4h12" /></svg>${run.name}</label></td>
       <td>${run.kind} ${run.joint.replace(/^.*_/, "")}: ${Object.entries(run.gains).map(([key, value]) => `${key} ${number(value, Number.isInteger(value) ? 0 : 2)}`).join(", ") || "–"}</td>
       ${columns.map((column) => html`<td>${cell(run, column)}</td>`)}
-      <td><button class="s" type="button" aria-label="Delete ${run.name}" ?disabled=${!store.isOperator} @click=${() => this.remove(run.name)}>✕</button></td>
+      <td>${press("✕", "", () => this.remove(run.name), { needs: "change", name: `Delete ${run.name}` })}</td>
     </tr>`;
     drawn(this.table, this.runs.length ? html`<table class="metrics"><thead><tr><th>run</th><th>test</th>${columns.map(([, title]) => html`<th>${title}</th>`)}<th></th></tr></thead><tbody>${repeat(this.runs, ({ name }) => name, row)}</tbody></table>` : nothing);
     this.drawProposals();
@@ -182,7 +189,7 @@ class Bench extends Panel {
     const change = ([name, value]) => html`<td>${number(now[name], 2)} → <b>${number(value, 2)}</b></td>`;
     const row = (proposal) => html`<tr title=${[proposal.source, proposal.note].filter(Boolean).join(". ")}>
       <td>${proposal.title}${proposal.note ? " *" : ""}</td>${Object.entries(proposal.gains).map(change)}
-      <td><button class="s primary" type="button" aria-label="Apply ${proposal.title}" ?disabled=${!store.isOperator} @click=${() => this.apply(run, proposal)}>Apply</button></td>
+      <td>${press("Apply", "", () => this.apply(run, proposal), { look: "s primary", needs: "change", name: `Apply ${proposal.title}` })}</td>
     </tr>`;
     drawn(this.proposals, run ? html`<table class="metrics proposals"><thead><tr><th>rule</th>${Object.keys(run.proposals[0].gains).map((name) => html`<th>${name.split("/").at(-1)}</th>`)}<th></th></tr></thead><tbody>${run.proposals.map(row)}</tbody></table><p class="hint">${run.proposals.some(({ note }) => note) ? "* The integral acts once i_clamp_max is more than 0." : ""}</p>` : nothing);
   }

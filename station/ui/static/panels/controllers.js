@@ -1,6 +1,6 @@
 // Controllers: a row for each, what a switch would do before the click, chains, and loading.
 import "./load_form.js";
-import { act, api, breakable, button, figure, h, html, nothing, number, Panel, render, repeat, restartController, shortNames, show, stopController, store, switchTo } from "../lib/panel.js";
+import { act, api, breakable, button, figure, h, html, live, nothing, number, Panel, render, repeat, restartController, shortNames, show, stopController, store, switchTo } from "../lib/panel.js";
 
 const SYMBOLS = { running: "●", initialized: "○", stopped: "○", loading: "…", aborted: "✖", waiting: "…" };
 
@@ -51,10 +51,10 @@ class Controllers extends Panel {
   row(c) {
     const whenRunning = [
       { label: "Stop", title: `Stop ${c.name}; its joints hold`, run: () => stopController(c.name) },
-      { label: "Restart", title: `Stop ${c.name} and start it again`, run: () => restartController(c.name), look: () => this.say(`Restart ${c.name}: its joints hold, and it starts anew from where they are.`) },
+      { label: "Restart", title: `Stop ${c.name} and start it again`, run: () => restartController(c.name), look: () => this.say(`Restart ${c.name}: its joints hold, and it starts anew from where they are.`), needs: "motion" },
     ];
     const otherwise = [
-      { label: "Start", title: c.reason || `Start ${c.name}`, run: () => this.start(c), look: () => this.look(c) },
+      { label: "Start", title: c.reason || `Start ${c.name}`, run: () => this.start(c), look: () => this.look(c), needs: "motion" },
       { label: "Unload", title: `Unload ${c.name}`, run: () => this.unload(c) },
     ];
     const actions = c.state === "running" ? whenRunning : otherwise;
@@ -70,8 +70,8 @@ class Controllers extends Panel {
     </tr>`;
   }
 
-  button(c, { label, title, run, look }) {
-    return html`<button class=${label === "Start" ? "s primary" : "s"} type="button" title=${title} aria-label="${label} ${c.name}" ?disabled=${!store.isOperator}
+  button(c, { label, title, run, look, needs = "change" }) {
+    return html`<button class=${label === "Start" ? "s primary" : "s"} type="button" title=${title} aria-label="${label} ${c.name}" .rule=${{ needs }} ?disabled=${live(!store.can(needs))}
       @click=${run} @focus=${look} @pointerenter=${look && ((event) => this.isPointedAt(event) && look())}>${SIGNS[label] ?? label}</button>`;
   }
 

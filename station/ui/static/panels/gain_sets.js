@@ -1,5 +1,5 @@
 // Sets of gains, kept by the station: save, compare with the gains in force, apply.
-import { act, api, choice, drawn, h, html, nameField, number, offer, Panel, press, refusals, store } from "../lib/panel.js";
+import { act, api, choice, drawn, h, html, nameField, number, offer, Panel, press, refusals } from "../lib/panel.js";
 
 /** The names that the station can keep as files. */
 const NAME = /^[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}$/;
@@ -7,7 +7,7 @@ const NAME = /^[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}$/;
 class GainSets extends Panel {
   build() {
     this.sets = choice("Set of gains", [], () => this.showDiff(), { title: "Saved sets of gains, kept by the station." });
-    this.setName = nameField("Name of the set", "name", () => this.save(), { oninput: () => this.refresh() });
+    this.setName = nameField("Name of the set", "name", () => this.save());
     this.differs = "";
     this.place = this.appendChild(h("details", {}));
     this.refresh();
@@ -18,11 +18,11 @@ class GainSets extends Panel {
   }
 
   refresh() {
-    const noSet = !this.sets.value || !store.isOperator;
+    const ofSet = { needs: "change", off: () => !this.sets.value };
     drawn(this.place, html`<summary>Sets of gains</summary><div class="line">${this.sets}
-        ${press("Apply set", "Put the set into force, all controllers in one cycle", () => this.apply(), { off: noSet })}
-        ${press("Delete", "Delete the set", () => this.remove(), { off: noSet })}${this.setName}
-        ${press("Save", "Save the gains of all controllers now", () => this.save(), { off: !this.setName.value.trim() || !store.isOperator })}</div>
+        ${press("Apply set", "Put the set into force, all controllers in one cycle", () => this.apply(), ofSet)}
+        ${press("Delete", "Delete the set", () => this.remove(), ofSet)}${this.setName}
+        ${press("Save", "Save the gains of all controllers now", () => this.save(), { needs: "change", off: () => !this.setName.value.trim() })}</div>
       <p class="hint">${this.differs}</p>`);
   }
 
@@ -50,6 +50,7 @@ class GainSets extends Panel {
     const told = await api("GET", "/gain-sets").catch(() => null); // a lost station is in the strip
     if (!told) return;
     const names = told.gain_sets;
+    this.undoable = told.undoable_changes;
     offer(this.sets, names);
     if (names.includes(chosen)) this.sets.value = chosen;
     await this.showDiff();

@@ -1,6 +1,6 @@
 // Gamepad: moves the hand while its dead-man button is held; the map shows what does what.
 import { directionsOf } from "../lib/gamepad_map.js";
-import { h, html, kept, Panel, render, show, store, teleoperation } from "../lib/panel.js";
+import { h, html, kept, Panel, ranged, render, show, store, teleoperation } from "../lib/panel.js";
 
 const LOOK_MS = 40; // the dashboard takes 25 set-points a second
 const DEAD_MAN = { button: 5, words: "right shoulder button" };
@@ -17,11 +17,11 @@ const MAP = [
 class GamepadPanel extends Panel {
   build() {
     this.state = h("p", { class: "hint", role: "status" });
-    this.scale = h("input", { type: "range", min: 5, max: 100, step: 5, value: kept.get("gamepad-scale", 50), title: "Part of the top speeds of the hand at a full deflection.", ariaLabel: "Scale of the gamepad in percent", oninput: () => kept.set("gamepad-scale", Number(this.scale.value)) });
+    const scale = ranged("scale", (value) => `${value} %`, (value) => kept.set("gamepad-scale", value), { min: 5, max: 100, step: 5, value: kept.get("gamepad-scale", 50), title: "Part of the top speeds of the hand at a full deflection.", ariaLabel: "Scale of the gamepad in percent" });
+    this.scale = scale.input;
     this.map = h("tbody", {});
-    this.scaleText = h("output", {});
     const table = h("table", { class: "objects" }, h("thead", {}, h("tr", {}, ...["hand", "control", "now"].map((text) => h("th", {}, text)))), this.map);
-    this.details = this.appendChild(h("details", {}, h("summary", {}, "Gamepad"), this.state, h("label", { class: "speed" }, "scale ", this.scale, this.scaleText), table));
+    this.details = this.appendChild(h("details", {}, h("summary", {}, "Gamepad"), this.state, scale.label, table));
     this.asked = []; // the directions that were sent last
     setInterval(() => this.look(), LOOK_MS);
   }
@@ -52,7 +52,6 @@ class GamepadPanel extends Panel {
     const directions = pad ? directionsOf(pad) : MAP.map(() => 0);
     const reason = isStop ? "STOP." : this.reasonOf(pad);
     show(this.state, reason || "The hand moves.");
-    show(this.scaleText, `${this.scale.value} %`);
     render(MAP.map(([axis, control], i) => html`<tr><th scope="row">${axis}</th><td>${control}</td><td>${directions[i].toFixed(2)}</td></tr>`).concat(html`<tr><th scope="row">STOP</th><td>${STOP.words}</td><td>${isStop ? "pressed" : "–"}</td></tr>`), this.map);
     if (reason || !directions.some(Boolean)) return this.letGo();
     this.isHeld = true;

@@ -1,56 +1,39 @@
 // Gripper: how wide it is, and open, close, grasp with a force, home.
-import { act, api, button, field, h, line, number, Panel, show, store } from "../lib/panel.js";
+import { act, api, drawn, field, html, nothing, number, Panel, press, store } from "../lib/panel.js";
 
 const LOOK_MS = 400;
 
 class Gripper extends Panel {
   build() {
-    this.arms = new Map();
-    this.none = h("p", { class: "hint" }, "This robot has no gripper.");
-    this.append(this.none);
+    this.arms = new Map(); // what each gripper tells, and its fields, by the arm
+    this.refresh();
     // An arm without a hand has no gripper.
     this.every(LOOK_MS, () => Promise.allSettled(store.docks.arms.map(({ arm_id: arm }) => this.lookAt(arm))));
   }
 
   async lookAt(arm) {
     const told = await api("GET", `/robots/${arm}/gripper`);
-    if (!this.arms.has(arm)) this.add(arm, told);
-    const { state, buttons } = this.arms.get(arm);
+    const fields = this.arms.get(arm)?.fields ?? { width: field("object", "40", "mm"), tolerance: field("±", "10", "mm"), force: field("force", "20", "N") };
+    this.arms.set(arm, { told, fields });
+    this.refresh();
+  }
+
+  refresh() {
+    drawn(this, this.arms.size ? [...this.arms].map(([arm, one]) => this.gripper(arm, one)) : html`<p class="hint">This robot has no gripper.</p>`);
+  }
+
+  gripper(arm, { told, fields: { width, tolerance, force } }) {
+    const several = store.docks.arms.length > 1;
     const last = told.command ?? told.last;
     const doing = told.command ? `${told.command.action} …` : last ? `${last.action} ${last.status}${last.message ? `: ${last.message}` : ""}` : told.activity;
     const held = told.is_grasped ? `holds an object with ${number(Math.abs(told.force), 0)} N` : "holds nothing";
-    show(state, `${number(told.width * 1e3, 1)} mm of ${number(told.max_width * 1e3, 0)} mm · ${held} · ${doing}`);
-    for (const each of buttons) each.disabled = !store.isOperator;
-  }
-
-  add(arm, told) {
-    this.none.hidden = true;
-    const width = field("object", "40", "mm");
-    const force = field("force", "20", "N");
-    const tolerance = field("±", "10", "mm");
-    const go = (action, body) => () => act("POST", `/robots/${arm}/gripper/${action}`, body?.());
     const millimetres = (one) => (one.read() ?? NaN) / 1e3;
-    const actions = [
-      ["Open", "Open all the way", go("move", () => ({ width: told.max_width }))],
-      ["Close", "Close all the way, without pressing", go("move", () => ({ width: 0 }))],
-      [
-        "Grasp",
-        "Close until an object stops the fingers, then press it; succeeds when its width is within the tolerance",
-        go("grasp", () => ({
-          width: millimetres(width),
-          force: force.read(),
-          epsilon: { inner: millimetres(tolerance), outer: millimetres(tolerance) },
-        })),
-      ],
-      ["Home", "Close and open all the way, to learn the width", go("homing")],
-      ["Hold still", "Stop the fingers; releases an object", go("stop")],
-    ];
-    const buttons = actions.map(([label, title, run]) => button(label, title, run, { class: label === "Grasp" ? "s primary" : "s", ariaLabel: store.docks.arms.length > 1 ? `${label}, ${arm}` : label }));
-    const state = h("p", { class: "state" });
-    const title = store.docks.arms.length > 1 ? h("b", {}, arm) : null;
-    const [open, close, grasp, home, hold] = buttons;
-    this.append(h("div", {}, title, state, line(open, close, home, hold), line(grasp, width.label, tolerance.label, force.label)));
-    this.arms.set(arm, { state, buttons });
+    const go = (label, title, action, body, rule) => press(label, title, () => act("POST", `/robots/${arm}/gripper/${action}`, body?.()), { needs: "motion", name: several ? `${label}, ${arm}` : label, ...rule });
+    const grasp = () => ({ width: millimetres(width), force: force.read(), epsilon: { inner: millimetres(tolerance), outer: millimetres(tolerance) } });
+    return html`<div>${several ? html`<b>${arm}</b>` : nothing}<p class="state">${number(told.width * 1e3, 1)} mm of ${number(told.max_width * 1e3, 0)} mm · ${held} · ${doing}</p>
+      <div class="line">${go("Open", "Open all the way", "move", () => ({ width: told.max_width }))}${go("Close", "Close all the way, without pressing", "move", () => ({ width: 0 }))}
+        ${go("Home", "Close and open all the way, to learn the width", "homing")}${go("Hold still", "Stop the fingers; releases an object", "stop", undefined, { needs: "change" })}</div>
+      <div class="line">${go("Grasp", "Close until an object stops the fingers, then press it; succeeds when its width is within the tolerance", "grasp", grasp, { look: "s primary" })}${width.label}${tolerance.label}${force.label}</div></div>`;
   }
 }
 

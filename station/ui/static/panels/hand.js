@@ -1,6 +1,6 @@
 // The hand of one arm: held directions, steps, a typed pose, and how fast it may move.
 import { Forecast } from "../lib/forecast.js";
-import { act, api, button, choice, DEGREES, follow, h, holdButton, kept, line, number, offer, Panel, refusals, show, store, switchTo, teleoperation, typed, units, valueField } from "../lib/panel.js";
+import { act, angleField, api, button, choice, DEGREES, follow, h, holdButton, kept, line, number, offer, Panel, ranged, refusals, show, store, switchTo, teleoperation, typed, units, valueField } from "../lib/panel.js";
 import { anglesOfMatrix, fromAngles, stepped, toAngles } from "../lib/pose_maths.js";
 
 const AXES = ["x", "y", "z", "about x", "about y", "about z"];
@@ -24,27 +24,30 @@ const FIRST_TURN = 3;
 class Hand extends Panel {
   build() {
     this.state = h("p", { class: "hint" });
-    this.startJog = button("Start hand jog", undefined, () => this.start(JOG));
-    this.startTarget = button("Start hand targets", undefined, () => this.start(TARGETS));
+    this.startJog = button("Start hand jog", undefined, () => this.start(JOG), { needs: "motion" });
+    this.startTarget = button("Start hand targets", undefined, () => this.start(TARGETS), { needs: "motion" });
     const hold = (axis, i, sign) => holdButton(`${sign < 0 ? "−" : "+"} ${axis}`, "", () => this.press(i, sign), () => this.letGo());
     this.handButtons = AXES.flatMap((axis, i) => [hold(axis, i, -1), hold(axis, i, 1)]);
     this.targets = AXES.slice(0, FIRST_TURN).map((axis) => valueField(`Hand ${axis} [m]`, () => this.go()));
-    this.angles = ANGLES.map((angle) => valueField(`Hand ${angle}`, () => this.go()));
-    this.angleUnit = h("span", {}, units.sign);
+    this.angles = ANGLES.map((angle) => angleField(angle, null, "", valueField(`Hand ${angle}`, () => this.go())));
     this.step = choice("Step of the hand", [], () => kept.set("hand-step", Number(this.step.value)), { title: "How far one press of a button moves the hand; while the hand takes targets." });
     this.listSteps(kept.get("hand-step", 1));
-    units.addEventListener("change", () => this.changeUnit());
-    this.reach = button("Go there", "Move the hand there; without angles it keeps its orientation.", () => this.go());
+    units.addEventListener("change", () => {
+      this.listSteps(this.step.value);
+      this.speeds.about.tell();
+    });
+    const isEmpty = () => this.targets.some((input) => !input.value.trim());
+    const reach = button("Go there", "Move the hand there; without angles it keeps its orientation.", () => this.go(), { needs: "motion", off: () => !this.isStepping || isEmpty() });
     this.axes = choice("Axes of the jog", FRAMES.map((frame, i) => [i, frame]), () => this.setFrame(), { title: "Frame along whose axes the buttons move the hand." });
     this.forecast = new Forecast();
-    this.trials = [
-      button("Rehearse", "Try to move the joints straight to the pose in a copy of the station: how it would end, and a ghost of it. Starts a trajectory controller; nothing moves.", () => this.tryOut(false)),
-      button("Go around", "Search for a way that touches nothing, try it, and show its ghost. Starts a trajectory controller; nothing moves yet.", () => this.tryOut(true)),
+    const trial = { needs: "change", off: isEmpty };
+    const trials = [
+      button("Rehearse", "Try to move the joints straight to the pose in a copy of the station: how it would end, and a ghost of it. Starts a trajectory controller; nothing moves.", () => this.tryOut(false), trial),
+      button("Go around", "Search for a way that touches nothing, try it, and show its ghost. Starts a trajectory controller; nothing moves yet.", () => this.tryOut(true), trial),
     ];
     const here = button("Here", "Fill in where the hand is.", () => this.fillIn());
     teleoperation.addEventListener("change", () => this.isShown && this.refresh());
     store.addEventListener("gains", () => (this.framed = "")); // the axes are a gain of the jog
-    const named = (inputs, names) => inputs.map((input, i) => h("label", {}, `${names[i]} `, input));
     const details = h("details", { class: "hand" });
     details.append(
       h("summary", {}, "Hand: jog and target"),
@@ -53,29 +56,19 @@ class Hand extends Panel {
       this.buildSpeeds(),
       line(h("label", {}, "axes of ", this.axes), h("label", {}, "step ", this.step)),
       h("div", { class: "jog" }, ...this.handButtons),
-      line(...named(this.targets, AXES), " m"),
-      line(...named(this.angles, ANGLES), this.angleUnit, here, this.reach, ...this.trials),
+      line(...this.targets.map((input, i) => h("label", {}, `${AXES[i]} `, input)), " m"),
+      line(...this.angles.map(({ label }) => label), here, reach, ...trials),
       this.forecast.element,
     );
     this.append(details);
   }
 
   buildSpeeds() {
-    const slider = (key, label, unitOf, step) => {
-      const input = h("input", { type: "range", min: step, max: MOST[key], step, value: kept.get("hand-speed", SPEEDS)[key], ariaLabel: label });
-      const text = h("output", {});
-      const tell = () => {
-        const { scale, sign, digits } = unitOf();
-        show(text, `${number(Number(input.value) * scale, digits)}${sign}`);
-        input.ariaValueText = text.textContent;
-      };
-      input.addEventListener("input", tell);
-      input.addEventListener("input", () => kept.set("hand-speed", this.chosenSpeeds));
-      tell();
-      return { input, tell, row: h("label", { class: "speed" }, `${label} `, input, text) };
-    };
-    this.speeds = { along: slider("along", "Top speed of the hand", () => ({ scale: 1, sign: " m/s", digits: 2 }), 0.01), about: slider("about", "Top turning speed of the hand", () => ({ scale: units.scale, sign: `${units.sign}/s`, digits: units.angle === "deg" ? 0 : 2 }), 0.05) };
-    return line(this.speeds.along.row, this.speeds.about.row);
+    const slider = (key, ariaLabel, textOf, step) => ranged(ariaLabel, textOf, () => kept.set("hand-speed", this.chosenSpeeds), { min: step, max: MOST[key], step, value: kept.get("hand-speed", SPEEDS)[key], ariaLabel });
+    const along = slider("along", "Top speed of the hand", (value) => `${number(value, 2)} m/s`, 0.01);
+    const about = slider("about", "Top turning speed of the hand", (value) => `${number(value * units.scale, units.angle === "deg" ? 0 : 2)}${units.sign}/s`, 0.05);
+    this.speeds = { along, about };
+    return line(along.label, about.label);
   }
 
   /** The arm whose hand this is. */
@@ -84,7 +77,8 @@ class Hand extends Panel {
     if (this.armName && store.isOperator) teleoperation.say({ do: "release" });
     this.armName = name;
     this.framed = "";
-    for (const input of [...this.targets, ...this.angles]) input.value = ""; // a pose in the base of another arm
+    for (const input of this.targets) input.value = ""; // a pose in the base of another arm
+    for (const angle of this.angles) angle.put(null);
     if (this.isShown) this.refresh();
   }
 
@@ -131,22 +125,6 @@ class Hand extends Panel {
     this.step.value = String(chosen);
   }
 
-  /** Angles have another unit from now on: what is typed keeps its meaning. */
-  changeUnit() {
-    const factor = units.angle === "deg" ? DEGREES : 1 / DEGREES;
-    for (const input of this.angles) {
-      const value = typed(input.value);
-      if (value !== null) input.value = this.angleText(value * factor);
-    }
-    show(this.angleUnit, units.sign);
-    this.listSteps(this.step.value);
-    this.speeds.about.tell();
-  }
-
-  angleText(value) {
-    return number(value, units.angle === "deg" ? 2 : 4);
-  }
-
   /** The top speeds that were chosen [m/s], [rad/s]. */
   get chosenSpeeds() {
     return Object.fromEntries(Object.entries(this.speeds).map(([key, { input }]) => [key, Number(input.value)]));
@@ -155,13 +133,13 @@ class Hand extends Panel {
   /** Return the typed pose, three numbers of it without angles; nothing when it is none. */
   typedPose() {
     const position = this.targets.map((input) => typed(input.value));
-    const angles = this.angles.map((input) => typed(input.value));
-    const isOfPlace = this.angles.every((input) => !input.value.trim());
+    const angles = this.angles.map((angle) => angle.read());
+    const isOfPlace = this.angles.every(({ input }) => !input.value.trim());
     if (position.includes(null) || (angles.includes(null) && !isOfPlace)) {
       refusals.add({ code: "not_a_number", detail: "Type x, y and z in metres, and all three angles or none." });
       return null;
     }
-    return isOfPlace ? position : [...position, ...fromAngles(angles.map((angle) => angle / units.scale))];
+    return isOfPlace ? position : [...position, ...fromAngles(angles)];
   }
 
   /** Try to reach the typed pose; without angles the hand keeps its orientation. */
@@ -179,7 +157,7 @@ class Hand extends Panel {
     const pose = this.typedPose();
     if (!pose) return;
     this.wanted = null;
-    for (const input of [...this.targets, ...this.angles]) input.edited = false;
+    for (const input of [...this.targets, ...this.angles.map((angle) => angle.input)]) input.edited = false;
     this.reachFor(pose);
     if (this.contains(document.activeElement)) document.activeElement.select?.(); // to be typed over
   }
@@ -192,7 +170,7 @@ class Hand extends Panel {
     const place = told ?? measured.slice(12);
     const angles = told ? toAngles(told.slice(FIRST_TURN)) : anglesOfMatrix(measured);
     this.targets.forEach((input, i) => (input.value = number(place[i], 4)));
-    this.angles.forEach((input, i) => (input.value = this.angleText(angles[i] * units.scale)));
+    this.angles.forEach((angle, i) => angle.put(angles[i]));
   }
 
   /** Hear what the controller of targets is told; steps begin there. */
@@ -240,10 +218,7 @@ class Hand extends Panel {
       button.title = button.ariaLabel = way;
     });
     this.step.disabled = !this.isStepping;
-    const isEmpty = this.targets.some((input) => !input.value.trim());
-    this.reach.disabled = !isOf(target);
-    for (const each of this.trials) each.disabled = !store.isOperator || isEmpty;
-    this.axes.disabled = (!isOf(jog) && !this.isStepping) || !store.isOperator;
+    this.axes.disabled = (!isOf(jog) && !this.isStepping) || !store.can("change");
     this.startJog.hidden = Boolean(jog.controller) || !store.isOperator;
     this.startTarget.hidden = Boolean(target.controller) || !store.isOperator;
     if (isOf(jog) && jog.controller !== this.framed) this.askFrame(jog.controller);

@@ -2,7 +2,7 @@
 import { Forecast } from "../lib/forecast.js";
 import { hideGhost, showGhost } from "../lib/ghost.js";
 import { JointSlider } from "../lib/joint_slider.js";
-import { act, api, button, choice, DEGREES, follow, h, holdButton, kept, line as lineOf, nameField, number, offer, Panel, refusals, shortNames, show, store, teleoperation, typed, units, valueField } from "../lib/panel.js";
+import { act, api, button, choice, decide, DEGREES, follow, h, holdButton, kept, line as lineOf, nameField, number, offer, Panel, ranged, refusals, shortNames, show, store, teleoperation, typed, units, valueField } from "../lib/panel.js";
 
 const NEAR_LIMIT = 0.05; // part of the range at each end
 const POSITIONS = ["rad", "m"]; // units of what a held button can move
@@ -19,13 +19,12 @@ class Joints extends Panel {
     this.desired = new Map(); // what each joint is told, by its controller
     this.endsOfSamples = [];
     this.units = ["deg", "rad"].map((unit) => button(unit, undefined, () => units.choose(unit), { data: { unit } }));
-    this.speed = h("input", { type: "range", min: 2, max: 85, step: 1, value: kept.get("speed", 29), title: "Top speed of a joint on its way to a typed value, or while its button is held.", ariaLabel: "Top speed in degrees per second" });
-    this.speedText = h("output", {});
-    this.speed.addEventListener("input", () => {
-      this.showSpeed();
+    const choose = (value) => {
+      kept.set("speed", value);
       teleoperation.mention(this.wantedSpeed); // for a motion that runs
-    });
-    this.tools.append(...this.units, h("label", { class: "speed" }, "top speed ", this.speed, this.speedText));
+    };
+    this.speed = ranged("top speed", (value) => this.speedText(value), choose, { min: 2, max: 85, step: 1, value: kept.get("speed", 29), title: "Top speed of a joint on its way to a typed value, or while its button is held.", ariaLabel: "Top speed in degrees per second" });
+    this.tools.append(...this.units, this.speed.label);
     this.head = h("tr", {});
     this.body = h("tbody", {});
     this.state = h("p", { class: "hint state" }, "Waiting for the station …");
@@ -34,28 +33,27 @@ class Joints extends Panel {
     this.append(h("div", { class: "scroll" }, h("table", { class: "joints" }, h("thead", {}, this.head), this.body)), this.far, this.forecast.element, this.state, this.poses());
     units.addEventListener("change", () => this.showUnit());
     this.showUnit();
-    this.showSpeed();
     this.drawWithJoints(12, () => this.draw());
     teleoperation.addEventListener("change", () => this.isShown && this.showState());
   }
 
   /** The poses are the waypoints of a path at the station. */
   poses() {
-    this.poseName = nameField("Name of the pose", "name", () => this.savePose(), { title: "Name under which the station keeps the present joints.", oninput: () => this.showPoses() });
-    this.poseList = choice("Pose", [], undefined, { title: "Poses that the station keeps, as the waypoints of the path “poses”.", onpointerdown: () => this.readPoses() });
-    this.goButton = button("Go", "Move all joints to the pose, at the top speed above.", () => this.isAgreed(this.pose) && this.move(this.pose));
-    this.trialButtons = this.trials(() => this.pose);
-    this.saveButton = button("Save pose", "Keep where the joints are under this name.", () => this.savePose());
-    this.forgetButton = button("Forget", "Delete the pose from the station.", () => this.writePoses(this.kept.filter(({ name }) => name !== this.poseList.value)));
     this.kept = [];
-    return lineOf("Poses", this.poseList, this.goButton, ...this.trialButtons, this.forgetButton, this.poseName, this.saveButton);
+    this.poseName = nameField("Name of the pose", "name", () => this.savePose(), { title: "Name under which the station keeps the present joints." });
+    this.poseList = choice("Pose", [], undefined, { title: "Poses that the station keeps, as the waypoints of the path “poses”.", onpointerdown: () => this.readPoses() });
+    const go = button("Go", "Move all joints to the pose, at the top speed above.", () => this.isAgreed(this.pose) && this.move(this.pose), { needs: "motion", off: () => !this.kept.length || !this.may });
+    const off = () => !this.kept.length;
+    const save = button("Save pose", "Keep where the joints are under this name.", () => this.savePose(), { needs: "change", off: () => !this.poseName.value.trim() });
+    const forget = button("Forget", "Delete the pose from the station.", () => this.writePoses(this.kept.filter(({ name }) => name !== this.poseList.value)), { needs: "change", off });
+    return lineOf("Poses", this.poseList, go, ...this.trials(() => this.pose, off), forget, this.poseName, save);
   }
 
-  /** The buttons that try a motion before it is made; `targets()` are its ends. */
-  trials(targets) {
+  /** The buttons that try a motion before it is made; `targets()` are its ends, and they do nothing while `off()`. */
+  trials(targets, off) {
     return [
-      button("Rehearse", "Try the motion in a copy of the station: how it would end, and a ghost of it. Nothing moves.", () => this.forecast.rehearseMove(targets(), this.wantedSpeed.joints)),
-      button("Go around", "Search for a way that touches nothing, try it, and show its ghost. Nothing moves yet.", () => this.forecast.goAround(targets())),
+      button("Rehearse", "Try the motion in a copy of the station: how it would end, and a ghost of it. Nothing moves.", () => this.forecast.rehearseMove(targets(), this.wantedSpeed.joints), { needs: "change", off }),
+      button("Go around", "Search for a way that touches nothing, try it, and show its ghost. Nothing moves yet.", () => this.forecast.goAround(targets()), { needs: "change", off }),
     ];
   }
 
@@ -73,10 +71,7 @@ class Joints extends Panel {
 
   showPoses() {
     offer(this.poseList, this.kept.map(({ name }) => name));
-    this.goButton.disabled = !this.kept.length || !this.may;
-    for (const each of this.trialButtons) each.disabled = !this.kept.length || !store.isOperator;
-    this.forgetButton.disabled = !this.kept.length || !store.isOperator;
-    this.saveButton.disabled = !this.poseName.value.trim() || !store.isOperator;
+    decide();
   }
 
   async writePoses(waypoints) {
@@ -148,7 +143,7 @@ class Joints extends Panel {
   }
 
   get wantedSpeed() {
-    return { do: "speed", joints: Number(this.speed.value) / DEGREES };
+    return { do: "speed", joints: Number(this.speed.input.value) / DEGREES };
   }
 
   move(targets) {
@@ -168,15 +163,13 @@ class Joints extends Panel {
       row.sent = null;
       this.showLimits(row);
     }
-    this.showSpeed();
+    this.speed.tell();
   }
 
-  showSpeed() {
-    const value = Number(this.speed.value);
-    kept.set("speed", value);
+  speedText(value) {
     const number = (value / DEGREES).toFixed(2);
     const slides = [...this.rows.keys()].some((joint) => store.docks.sliding.includes(joint));
-    show(this.speedText, (units.angle === "deg" ? `${value} °/s` : `${number} rad/s`) + (slides ? `, ${number} m/s` : ""));
+    return (units.angle === "deg" ? `${value} °/s` : `${number} rad/s`) + (slides ? `, ${number} m/s` : "");
   }
 
   refresh() {
@@ -232,7 +225,7 @@ class Joints extends Panel {
   buildRows(names) {
     this.rows.clear();
     this.body.replaceChildren(...[...shortNames(names)].flatMap(([joint, label]) => this.makeRow(joint, label)));
-    this.showSpeed();
+    this.speed.tell();
   }
 
   /** Return the two lines of a joint: its values, and its slider between its limits. */

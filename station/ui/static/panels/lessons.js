@@ -1,5 +1,5 @@
 // Lessons: the task, answers, and what the station says of the student's own run.
-import { act, api, drawn, h, html, kept, nothing, Panel, store, typed } from "../lib/panel.js";
+import { act, api, drawn, h, html, kept, nothing, Panel, press, store, typed } from "../lib/panel.js";
 
 /** Return a line of Markdown as a template: bold, emphasis and code. */
 function inline(text) {
@@ -37,9 +37,6 @@ class LessonBook extends Panel {
 
   refresh() {
     if (!this.isListed && store.docks.link === "live") this.list();
-    const isOperator = store.isOperator;
-    if (isOperator !== this.wasOperator) this.draw();
-    this.wasOperator = isOperator;
   }
 
   async list() {
@@ -75,9 +72,9 @@ class LessonBook extends Panel {
       this.page,
       html`${markdown(lesson.text)}
         <div class="line">
-          <button class="s ${lesson.is_begun ? "" : "primary"}" type="button" ?disabled=${!store.isOperator} @click=${() => this.begin(lesson)}>${lesson.is_begun ? "Begin anew" : "Begin"}</button>
+          ${press(lesson.is_begun ? "Begin anew" : "Begin", "", () => this.begin(lesson), { look: lesson.is_begun ? "s" : "s primary", needs: "change" })}
           ${lesson.answers.map((answer) => html`<label>${answer.label} <input class="value" name=${answer.name} inputmode="decimal" autocomplete="off" aria-label="${answer.label} [${answer.unit}]" /> ${answer.unit}</label>`)}
-          <button class="s ${lesson.is_begun ? "primary" : ""}" type="button" ?disabled=${!store.isOperator || !lesson.is_begun} @click=${() => this.check(lesson)}>Check</button>
+          ${press("Check", "", () => this.check(lesson), { look: lesson.is_begun ? "s primary" : "s", needs: "change", off: !lesson.is_begun })}
         </div>
         <div role="status">${this.result ? html`<b>${this.result.is_solved ? "Solved." : "Not solved yet."}</b><ul class="verdicts">${this.result.verdicts.map(verdict)}</ul>` : nothing}</div>
         ${this.unusable?.length ? html`<p class="hint">Left out: ${this.unusable.join(" ")}</p>` : nothing}`,

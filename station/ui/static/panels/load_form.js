@@ -37,8 +37,8 @@ class LoadForm extends Panel {
     this.other.hidden = !this.inputs.length;
     this.showView(!this.inputs.length);
     const name = h("input", { value: example.name, ariaLabel: "Name of the controller" });
-    const load = (label, look, andStart) => button(label, undefined, () => this.load(name.value.trim(), type, andStart), { class: look, disabled: !store.isOperator });
-    const buttons = line(load("Load", "s", false), load("Load and start", "s primary", true), this.other, button("Back", undefined, () => this.offerTypes(this.search.value)));
+    const load = (label, look, needs) => button(label, undefined, () => this.load(name.value.trim(), type, needs === "motion"), { class: look, needs, off: () => !name.value.trim() });
+    const buttons = line(load("Load", "s", "change"), load("Load and start", "s primary", "motion"), this.other, button("Back", undefined, () => this.offerTypes(this.search.value)));
     const parts = [h("p", {}, h("b", {}, type), " ", known?.description ?? ""), this.armChoice(type, arm), h("label", {}, "name", name), this.view, this.text, buttons];
     this.replaceChildren(...parts.filter(Boolean));
   }

@@ -14,7 +14,7 @@ class Path extends Panel {
     this.says = "Capture where the arm is, move it, capture again, then Play.";
     this.list = h("ol", { class: "waypoints" });
     this.choice = choice("Waypoint path", [], () => this.open(this.choice.value), { title: "Paths kept by the station." });
-    this.newName = nameField("Name of a new path", "new path", () => this.make(), { oninput: () => this.drawTools() });
+    this.newName = nameField("Name of a new path", "new path", () => this.make());
     this.speed = h("input", { type: "range", min: 10, max: 200, step: 5, value: 100, title: "Factor of all speeds of the path; also while it plays.", ariaLabel: "Speed of the path in percent", oninput: () => this.drawTools(), onchange: () => this.isActive && this.change({ speed: this.factor }) });
     this.forecast = new Forecast();
     this.drawTools();
@@ -22,26 +22,26 @@ class Path extends Panel {
     // Both hands are at the arm while it is guided: one key, wherever the focus is.
     addEventListener("keydown", ({ key, target, repeat }) => {
       const isFree = !repeat && !target.matches?.("input:not([type=range]), textarea, select");
-      if (key === "c" && isFree && this.guided && store.isOperator) this.capture();
+      if (key === "c" && isFree && this.guided && store.can("change")) this.capture();
     });
   }
 
   /** Draw everything but the waypoints. */
   drawTools() {
     const { playback, isActive } = this;
-    const may = store.isOperator;
+    const may = store.can("change");
     const isEmpty = !this.path.waypoints.length;
     const [isPaused, isPreview] = [playback?.state === "paused", Boolean(this.previewTimer)];
     drawn(this, html`<div class="line">${this.choice}${this.newName}
-        ${press("New", "Begin a path of this name", () => this.make(), { off: !may || !this.newName.value.trim() })}
-        ${press("Delete", "Delete the chosen path from the station", () => this.remove(), { off: !may || !this.choice.value })}</div>
+        ${press("New", "Begin a path of this name", () => this.make(), { needs: "change", off: () => !this.newName.value.trim() })}
+        ${press("Delete", "Delete the chosen path from the station", () => this.remove(), { needs: "change", off: () => !this.choice.value })}</div>
       <div class="line">
-        ${press("+ Capture", "Keep the present joints as the next waypoint", () => this.capture(), { off: !may })}
+        ${press("+ Capture", "Keep the present joints as the next waypoint", () => this.capture(), { needs: "change" })}
         ${press("Preview", "Let a translucent robot pass the waypoints; the robot does not move", () => this.preview(), { pressed: isPreview, off: isEmpty })}
-        ${press("Rehearse", "Try one round in a copy of the station: how it would end, and a ghost of it. Nothing moves.", () => this.forecast.rehearsePath(this.path, { speed: this.factor }), { off: !may || isEmpty })}
-        ${press("▶ Play", "Move through all waypoints in order", () => this.play(), { look: "primary", off: !may || isEmpty })}
-        ${press(isPaused ? "Resume" : "Pause", "Hold where the arm is; Resume goes on", () => this.change({ paused: !isPaused }), { off: !isActive || !may })}
-        ${press("Cancel", "End the motion; the joints hold where they are", () => this.cancel(), { off: !isActive || !may })}</div>
+        ${press("Rehearse", "Try one round in a copy of the station: how it would end, and a ghost of it. Nothing moves.", () => this.forecast.rehearsePath(this.path, { speed: this.factor }), { needs: "change", off: isEmpty })}
+        ${press("▶ Play", "Move through all waypoints in order", () => this.play(), { look: "s primary", needs: "motion", off: isEmpty })}
+        ${press(isPaused ? "Resume" : "Pause", "Hold where the arm is; Resume goes on", () => this.change({ paused: !isPaused }), { needs: isPaused ? "motion" : "change", off: !isActive })}
+        ${press("Cancel", "End the motion; the joints hold where they are", () => this.cancel(), { needs: "change", off: !isActive })}</div>
       <div class="line"><label class="speed">speed ${this.speed}<output>${this.speed.value} %</output></label>
         ${press("Loop", "Begin again at the end, until it is switched off", () => this.setLoop(), { pressed: Boolean(this.isLoop) })}
         <progress max="1" value=${playback?.progress ?? 0} ?hidden=${!isActive} aria-label="Progress of the path"></progress></div>
@@ -136,7 +136,7 @@ class Path extends Panel {
     const { waypoints } = this.path;
     const prefix = sharedPrefix(Object.keys(point.positions));
     const changed = (change) => waypoints.map((other, j) => (j === i ? { ...other, ...change } : other));
-    const tool = (label, title, run, disabled = false) => press(label, title, run, { name: `${title}: ${point.name}`, off: disabled || !store.isOperator });
+    const tool = (label, title, run, rule = {}) => press(label, title, run, { needs: "change", name: `${title}: ${point.name}`, ...rule });
     // What was typed and refused is put back, so the field itself is compared.
     const field = (look, value, label, change) => html`<input class=${look} .value=${live(value)} aria-label=${label}
       @change=${({ target }) => { target.blur(); change(target); }} @keydown=${({ key, target }) => key === "Enter" && target.blur()}>`;
@@ -160,7 +160,7 @@ class Path extends Panel {
     const look = () => isFree() && showGhost(point.positions, `waypoint ${point.name}`);
     const leave = () => isFree() && hideGhost();
     return html`<li title=${title}>${name}${seconds} s
-      <span @pointerover=${look} @focusin=${look} @pointerout=${leave} @focusout=${leave}>${tool("Go", "Move to this waypoint", () => this.play(i))}</span>${tool("Set", "Replace by where the arm is now", set)}${tool("↑", "Move up", swap(i - 1), i === 0)}${tool("↓", "Move down", swap(i + 1), i === waypoints.length - 1)}${tool("✕", "Remove", () => this.save(waypoints.filter((_, j) => j !== i)))}
+      <span @pointerover=${look} @focusin=${look} @pointerout=${leave} @focusout=${leave}>${tool("Go", "Move to this waypoint", () => this.play(i), { needs: "motion" })}</span>${tool("Set", "Replace by where the arm is now", set)}${tool("↑", "Move up", swap(i - 1), { off: i === 0 })}${tool("↓", "Move down", swap(i + 1), { off: i === waypoints.length - 1 })}${tool("✕", "Remove", () => this.save(waypoints.filter((_, j) => j !== i)))}
     </li>`;
   }
 

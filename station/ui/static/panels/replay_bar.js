@@ -1,6 +1,6 @@
 // The bar of an open recording over the plots: time, play, speed, comparison, notes, link.
 // Its `tools` belong beside the title of the dock.
-import { button, choice, h, html, line, nameField, nothing, number, press, render, show, store } from "../lib/panel.js";
+import { button, choice, h, html, line, nameField, nothing, number, press, render, show } from "../lib/panel.js";
 import { replay } from "../lib/replay.js";
 
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10];
@@ -10,13 +10,13 @@ class ReplayBar extends HTMLElement {
   connectedCallback() {
     if (this.slider) return;
     this.hidden = true;
-    this.play = button("Play", "Let the ghost in the 3D view move as recorded; the robot does not move.", () => (replay.isPlaying ? replay.pause() : replay.play()));
+    this.play = button("Play", "Let the ghost in the 3D view move as recorded; the robot does not move.", () => (replay.isPlaying ? replay.pause() : replay.play()), { off: () => !replay.isOpen });
     this.slider = h("input", { type: "range", min: 0, max: 1, step: 0.001, value: 0, ariaLabel: "Time of the replay", oninput: () => replay.seek(Number(this.slider.value)) });
     this.time = h("output", {});
     this.speed = choice("Speed of the replay", SPEEDS.map((speed) => [speed, `× ${speed}`]), () => (replay.speed = Number(this.speed.value)), { title: "Speed of the replay." });
     this.speed.value = "1";
     this.runs = h("div", { class: "runs" });
-    this.noteButton = button("Note", "Write a note into the recording, on this moment or on the range that the plots show.", () => this.openNote());
+    this.noteButton = button("Note", "Write a note into the recording, on this moment or on the range that the plots show.", () => this.openNote(), { needs: "change", off: () => replay.runs[0]?.kind === "experiments" }); // a trial is no file
     const link = button("Copy link", "Copy a link that opens this recording at this moment, with these plots.", () => this.copyLink(link));
     const end = button("End replay", "Close the recording; the plots go on with the robot.", () => replay.close());
     this.text = nameField("Text of the note", "What happened?", () => this.addNote(), { class: "", type: "text", maxLength: 500 });
@@ -32,10 +32,8 @@ class ReplayBar extends HTMLElement {
   draw() {
     this.hidden = !replay.isOpen && !replay.reading;
     this.tools.hidden = !replay.isOpen;
-    this.play.disabled = !replay.isOpen;
     this.slider.max = replay.duration;
     this.slider.value = replay.time;
-    this.noteButton.disabled = !store.isOperator || replay.runs[0]?.kind === "experiments"; // a trial is no file
     show(this.play, replay.isPlaying ? "Pause" : "Play");
     show(this.time, replay.reading || `${number(replay.time, 2)} of ${number(replay.duration, 2)} s`);
   }

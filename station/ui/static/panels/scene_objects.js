@@ -1,10 +1,12 @@
 // The objects of the scene: where they are, moved by arrows in the 3D view or by typing, added, duplicated, removed.
-import { act, api, button, field, h, html, line, live, number, Panel, refusals, render, repeat, send, store, typed } from "../lib/panel.js";
+import { act, api, button, field, h, html, line, live, number, Panel, press, refusals, render, repeat, send, store, typed } from "../lib/panel.js";
 import { toAngles } from "../lib/pose_maths.js";
 
 const LOOK_MS = 500;
 /** The kinds that can be added, with their size at first and what it is [m]. */
 const SIZES = { box: ["0.2, 0.2, 0.2", "edges"], sphere: ["0.1", "radius"], cylinder: ["0.05, 0.3", "radius, height"], capsule: ["0.05, 0.3", "radius, length"], half_space: ["", "none"] };
+/** Where a new one is [m]: in the middle of the picture that all begin with, and beside an arm at rest. */
+const PLACE = [0.4, -0.4, 0.3];
 const pathOf = (name) => `/scene/${encodeURIComponent(name)}`;
 const rounded = (list) => list.map((value) => number(value, 3)).join(", ");
 
@@ -17,7 +19,7 @@ class SceneObjects extends Panel {
     this.roleChoice = select("Role of the new object", ["keep_out", "fence"]);
     this.size = field("size", "", "m", "Size of the new object [m]");
     this.name = h("input", { class: "name", placeholder: "name", ariaLabel: "Name of the new object" });
-    this.addButton = button("Add", "Add it 0.6 m in front of the world's middle; arms keep clear of it at once.", () => this.add());
+    this.addButton = button("Add", "Add it 0.6 m from the world’s middle, at its front and right; arms keep clear of it at once.", () => this.add(), { needs: "change" });
     this.size.input.classList.add("wide");
     this.append(this.place, line(h("b", {}, "New"), this.kind, this.roleChoice, this.size.label, this.name, this.addButton));
     this.objects = [];
@@ -38,7 +40,6 @@ class SceneObjects extends Panel {
   }
 
   refresh() {
-    this.addButton.disabled = !store.isOperator;
     this.draw();
   }
 
@@ -50,15 +51,15 @@ class SceneObjects extends Panel {
 
   row(thing) {
     const { name, type, size, position, mass, role, solid } = thing;
-    const tool = (label, title, run, isOff = false) => html`<button class="s" type="button" title=${title} aria-label="${label} ${name}" ?disabled=${isOff || !store.isOperator} @click=${run}>${label}</button>`;
+    const tool = (label, title, run, rule = {}) => press(label, title, run, { needs: "change", name: `${label} ${name}`, ...rule });
     // A field in which somebody types keeps what was typed.
     const typing = document.activeElement;
     const shown = live(typing?.dataset.object === name ? typing.value : rounded(position));
     const fixed = solid && "The simulated world is built once: it can be moved alone.";
     return html`<div class="line" role="group" aria-label=${name} title="${type} ${size.join(" × ")}"><b>${name}</b><small>${role === "object" ? (mass ? `${number(mass, 2)} kg` : "fixed") : role.replace("_", " ")}</small>
-      <input class="value wide" data-object=${name} aria-label="Position of ${name} [m]" .value=${shown} ?disabled=${!store.isOperator} @keydown=${({ key, target }) => key === "Enter" && this.move(name, target)} /> m
-      <button class="s" type="button" aria-pressed=${String(name === this.chosen)} title="Show arrows at it in the 3D view: drag them to move it." aria-label="Move ${name}" ?disabled=${!store.isOperator} @click=${() => this.choose(name === this.chosen ? "" : name)}>Move</button>
-      ${tool("Duplicate", fixed || "Add another one beside it.", () => this.duplicate(thing), solid)}${tool("Remove", fixed || "Take it out of the scene.", () => this.change("DELETE", name), solid)}</div>`;
+      <input class="value wide" data-object=${name} aria-label="Position of ${name} [m]" .value=${shown} ?disabled=${!store.can("change")} @keydown=${({ key, target }) => key === "Enter" && this.move(name, target)} /> m
+      ${tool("Move", "Show arrows at it in the 3D view: drag them to move it.", () => this.choose(name === this.chosen ? "" : name), { pressed: name === this.chosen })}
+      ${tool("Duplicate", fixed || "Add another one beside it.", () => this.duplicate(thing), { off: solid })}${tool("Remove", fixed || "Take it out of the scene.", () => this.change("DELETE", name), { off: solid })}</div>`;
   }
 
   /** Show arrows at an object in the 3D view of this session, or none. */
@@ -101,7 +102,7 @@ class SceneObjects extends Panel {
     const size = this.numbers(this.size.input.value);
     if (!size) return;
     const name = this.free(this.name.value.trim() || this.kind.value);
-    if (!(await this.change("PUT", name, { type: this.kind.value, size, role: this.roleChoice.value, position: [0.6, 0, 0.3] }))) return;
+    if (!(await this.change("PUT", name, { type: this.kind.value, size, role: this.roleChoice.value, position: PLACE }))) return;
     this.name.value = "";
     this.choose(name);
   }

@@ -1,9 +1,10 @@
 // Simulation: pause, step, speed, reset, pushes and faults, and where the objects of the
 // scene are (their own panel); absent on a real robot.
 import "./scene_objects.js";
-import { act, choice, drawn, h, html, nameField, number, offer, Panel, press, refusals, store, typed } from "../lib/panel.js";
+import { act, api, choice, drawn, h, html, nameField, number, offer, Panel, press, refusals, store, typed } from "../lib/panel.js";
 
 const FAULTS = ["collision", "lost_packets", "delayed_cycle", "nan_sensor", "stuck_joint"];
+const LOOK_MS = 500;
 
 class Simulation extends Panel {
   build() {
@@ -17,6 +18,17 @@ class Simulation extends Panel {
     this.force = h("input", { class: "value force", value: "0, 0, 20", ariaLabel: "Force of the push, x, y, z [N]" });
     this.place = this.appendChild(h("div"));
     this.append(h("st-scene-objects"));
+    this.every(LOOK_MS, () => store.docks.simulation && this.arm.value && this.look());
+  }
+
+  /** Ask which faults are active: they end by themselves, too. */
+  async look() {
+    this.faults = (await api("GET", `/robots/${this.arm.value}/faults`)).faults;
+  }
+
+  /** Whether the user stop of the chosen arm is pressed. */
+  get isStopped() {
+    return store.docks.arms.some((arm) => arm.arm_id === this.arm.value && arm.robot_mode === "user_stopped");
   }
 
   /** Say what was done; nothing when it was refused, which the log says. */
@@ -58,7 +70,7 @@ class Simulation extends Panel {
 
   inject() {
     const body = this.fault.value === "collision" ? { kind: "collision", cycles: 30 } : { kind: this.fault.value };
-    act("POST", `/robots/${this.arm.value}/faults`, body);
+    act("POST", `/robots/${this.arm.value}/faults`, body).then(() => this.look());
   }
 
   refresh() {
@@ -70,13 +82,13 @@ class Simulation extends Panel {
     this.arm.hidden = arms.length < 2;
     drawn(this.place, html`<p class="hint state">${paused ? "‖ paused" : "▶ running"} at × ${number(simulation.real_time_factor, 2)} · ${number(simulation.time, 1)} s</p>
       <p class="hint" role="status">${this.done}</p>
-      <div class="line">${press(paused ? "Resume" : "Pause", "Simulated time stands still; stops and switches still work.", () => this.changePause())}
-        ${press("Step", "Run so many cycles while paused.", () => this.stepOn(), { off: !paused || !store.isOperator })}${this.steps}cycles</div>
-      <div class="line"><label>speed × ${this.factor}</label>${press("Set", "Simulated seconds per second.", () => this.setFactor())}</div>
-      <div class="line">${press("Reset", "Put the world back; earlier set-points and goals are void.", () => this.act("/simulation/reset", { keyframe: this.keyframe.value || null }, "Simulation reset."))} to ${this.keyframe}</div>
-      <div class="line" ?hidden=${!arms.length}>${this.arm}${press("Push hand", "Push the hand for 0.3 s.", () => this.push())}${this.force} N</div>
-      <div class="line" ?hidden=${!arms.length}>${press("Inject fault", "For exercises: the arm reacts as to a real one.", () => this.inject())}${this.fault}
-        ${press("End faults", "End all faults and pushes.", () => act("DELETE", `/robots/${this.arm.value}/faults`))}${press("User stop", "Press the user stop of the arm.", () => act("POST", `/robots/${this.arm.value}/user_stop`, { pressed: true }))}</div>`);
+      <div class="line">${press(paused ? "Resume" : "Pause", "Simulated time stands still; stops and switches still work.", () => this.changePause(), { needs: "change" })}
+        ${press("Step", "Run so many cycles while paused.", () => this.stepOn(), { needs: "change", off: !paused })}${this.steps}cycles</div>
+      <div class="line"><label>speed × ${this.factor}</label>${press("Set", "Simulated seconds per second.", () => this.setFactor(), { needs: "change" })}</div>
+      <div class="line">${press("Reset", "Put the world back; earlier set-points and goals are void.", () => this.act("/simulation/reset", { keyframe: this.keyframe.value || null }, "Simulation reset."), { needs: "change" })} to ${this.keyframe}</div>
+      <div class="line" ?hidden=${!arms.length}>${this.arm}${press("Push hand", "Push the hand for 0.3 s.", () => this.push(), { needs: "change" })}${this.force} N</div>
+      <div class="line" ?hidden=${!arms.length}>${press("Inject fault", "For exercises: the arm reacts as to a real one.", () => this.inject(), { needs: "change" })}${this.fault}
+        ${press("End faults", "End all faults and pushes.", () => act("DELETE", `/robots/${this.arm.value}/faults`).then(() => this.look()), { needs: "change", off: () => !this.faults?.length })}${press("User stop", "Press the user stop of the arm.", () => act("POST", `/robots/${this.arm.value}/user_stop`, { pressed: true }), { needs: "change", off: () => this.isStopped })}</div>`);
   }
 }
 

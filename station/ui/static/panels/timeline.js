@@ -14,9 +14,9 @@ class Timeline extends Panel {
   build() {
     this.chosen = "events";
     this.buttons = Object.entries(SOURCES).map(([id, title]) => button(title, undefined, () => this.choose(id), { data: { id } }));
-    this.record = button("Record", "Record every cycle, until it is clicked again.", () => this.toggleRecording());
+    this.record = button("Record", "Record every cycle, until it is clicked again.", () => this.toggleRecording(), { needs: "change" });
     this.file = h("input", { type: "file", accept: ".mcap", hidden: true, onchange: () => this.upload(this.file.files[0]) });
-    this.uploadButton = button("Upload …", "Keep the .mcap file of this station or another one among the recordings.", () => this.file.click());
+    this.uploadButton = button("Upload …", "Keep the .mcap file of this station or another one among the recordings.", () => this.file.click(), { needs: "change", off: () => this.isUploading });
     this.fileTools = h("span", { class: "file-tools", hidden: true }, this.record, this.uploadButton, this.file);
     this.list = h("div", { class: "log", tabIndex: 0, ariaLabel: "What happened" });
     this.append(h("div", { class: "tabs" }, ...this.buttons, this.fileTools), this.list);
@@ -126,10 +126,10 @@ class Timeline extends Panel {
     if (file.size > MOST_UPLOADED) return refusals.add({ code: "body_too_large", detail: `${file.name} has ${size} MB; ${MOST_UPLOADED / 1e6} MB are taken at most.`, remedy: "Record less at a time." });
     // Without the time that the station which recorded it put before the name.
     const name = file.name.replace(/\.mcap$/i, "").replace(/^\d{8}T\d{9}-?/, "").replace(/^[^A-Za-z0-9_]+/, "").replace(/[^A-Za-z0-9_.-]+/g, "_").slice(0, 80);
-    this.uploadButton.disabled = true;
+    this.isUploading = true;
     show(this.uploadButton, `Uploading ${size} MB …`);
     await act("POST", `/recordings/upload?${new URLSearchParams({ name })}`, file);
-    this.uploadButton.disabled = false;
+    this.isUploading = false;
     show(this.uploadButton, "Upload …");
     await this.ask();
   }

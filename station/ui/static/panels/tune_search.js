@@ -1,6 +1,6 @@
 // "Tune for me": a search for better gains in a simulated copy of the station, its
 // progress and its best so far; nothing is applied before a person has seen the change.
-import { act, angleField, api, drawn, field, figure, h, html, number, Panel, press, refusals, store } from "../lib/panel.js";
+import { act, angleField, api, drawn, field, figure, h, html, number, Panel, press, refusals } from "../lib/panel.js";
 import { Plot, responseTraces } from "../lib/plot.js";
 
 const LOOK_MS = 1000;
@@ -87,13 +87,13 @@ class TuneSearch extends Panel {
     const row = (one) => html`<tr><td>${one[1]}</td><td>${cell(told.first, one)}</td><td>${cell(told.best, one)}</td></tr>`;
     const says = told ? this.progressOf(told) : "Tries gains in a simulated copy of this station, in a process of its own; the robot stays as it is. You see the change before it is applied.";
     drawn(this, html`<div class="line"><b>Search</b>${Object.values(this.fields).map(({ label }) => label)}
-        ${press("Tune for me", "Search better gains of the chosen joint in a simulated copy of this station; the robot does not move", () => this.start(), { look: "primary", off: this.isStarting || running || !store.isOperator })}
-        ${running ? press("Cancel search", "End the search; the best so far stays", () => this.act("cancel")) : ""}</div>
+        ${press("Tune for me", "Search better gains of the chosen joint in a simulated copy of this station; the robot does not move", () => this.start(), { look: "s primary", needs: "change", off: () => this.isStarting || this.shown?.state === "running" || !this.tuning?.chosen.controller })}
+        ${running ? press("Cancel search", "End the search; the best so far stays", () => this.act("cancel"), { needs: "change" }) : ""}</div>
       <progress max="1" value=${told?.trials ? told.ended / told.trials : 0} ?hidden=${!running} aria-label="Progress of the search"></progress>
       <p class="hint state" role="status">${this.isStarting ? "Starting a process for the trials …" : says}</p>
       <div ?hidden=${!told?.best}>${this.chart}<table class="metrics"><thead><tr><th></th><th>at the start</th><th>best so far</th></tr></thead><tbody>${told?.best ? SHOWN.map(row) : ""}</tbody></table></div>
       <div class="line">${told?.best ? press("Preview gains …", "Show which gains would change", () => this.preview()) : ""}
-        ${told?.best && this.previewed ? press("Apply these", "Put the shown gains into force in one cycle; Undo takes them back", () => this.apply(), { look: "primary", off: !store.isOperator }) : ""}</div>
+        ${told?.best && this.previewed ? press("Apply these", "Put the shown gains into force in one cycle; Undo takes them back", () => this.apply(), { look: "s primary", needs: "change" }) : ""}</div>
       <p class="hint">${this.differs}</p>`);
   }
 

@@ -2,27 +2,23 @@
 import "./bench.js";
 import "./gain_sets.js";
 import "./tune_search.js";
-import { act, api, button, choice, h, line, offer, Panel, Refusal, refusals, sharedPrefix, show, store, typed } from "../lib/panel.js";
+import { act, api, button, choice, decide, drawn, h, html, line, live, nothing, offer, Panel, Refusal, refusals, sharedPrefix, show, store, typed } from "../lib/panel.js";
 
 class Tuning extends Panel {
   build() {
-    const another = () => {
-      this.markJoint();
-      this.bench.choose();
-      this.bench.drawProposals();
-    };
+    this.typed = new Map(); // what somebody has typed and not applied, by the gain
     this.choice = choice("Controller to tune", [], () => this.read(), { title: "Controller whose gains are shown." });
-    this.joint = choice("Joint to tune", [], another, { title: "Joint of tests and of the search." });
-    this.undo = button("Undo", "Take the last change of gains back.", () => act("POST", "/gain-sets/undo").then(() => this.reread()));
-    this.apply = button("Apply", "All changed values take effect in the same cycle.", () => this.patch(), { class: "s primary" });
-    this.fields = h("div", { class: "gains", oninput: () => this.showApply() });
+    this.joint = choice("Joint to tune", [], () => this.drawGains(), { title: "Joint of tests and of the search." });
+    const undo = button("Undo", "Take the last change of gains back.", () => act("POST", "/gain-sets/undo").then(() => this.reread()), { needs: "change", off: () => !this.sets.undoable });
+    const apply = button("Apply", "All changed values take effect in the same cycle.", () => this.patch(), { class: "s primary", needs: "change", off: () => !this.isTyped });
+    this.fields = h("div", { class: "gains" });
     this.state = h("p", { class: "hint state" }, "");
     this.sets = h("st-gain-sets");
     this.bench = h("st-bench", { class: "bench" });
     this.bench.tuning = this;
     this.search = h("st-tune-search");
     this.search.tuning = this;
-    this.append(line(this.choice, this.joint, this.apply, this.undo), this.fields, this.state, this.sets, this.bench, this.search);
+    this.append(line(this.choice, this.joint, apply, undo), this.fields, this.state, this.sets, this.bench, this.search);
     // Gains are changed by scripts and other pages, too, and are others after a restart.
     store.addEventListener("gains", () => {
       if (!this.isShown) return (this.names = null); // read when the dock is opened
@@ -33,7 +29,7 @@ class Tuning extends Panel {
 
   /** Whether a value was typed that is not applied yet. */
   get isTyped() {
-    return [...(this.inputs?.values() ?? [])].some((input) => input.isConnected && typed(input.value) !== Number(input.dataset.was));
+    return [...this.typed].some(([key, text]) => typed(text) !== this.gains.values[key]);
   }
 
   /** The controller and joint that are tuned. */
@@ -97,53 +93,29 @@ class Tuning extends Panel {
   drawGains() {
     const keys = Object.keys(this.gains.values);
     const drawnFor = `${this.choice.value} ${keys.join()}`;
-    if (drawnFor === this.drawnFor) {
-      // The fields stay: somebody may be typing into one of them. What was typed and not applied outlives the answer.
-      for (const [key, input] of this.inputs) {
-        const is = String(this.gains.values[key]);
-        if (input.value === input.dataset.was) input.value = is;
-        input.dataset.was = is;
-      }
-    } else {
+    if (drawnFor !== this.drawnFor) {
       this.drawnFor = drawnFor;
-      this.inputs = new Map();
-      const single = keys.filter((key) => !key.includes("/"));
-      const fields = single.map((key) => h("label", { title: this.titleOf(key) }, h("span", {}, key), this.input(key), h("small", {}, this.gains.schema[key].unit)));
-      this.fields.replaceChildren(h("div", { class: "fields" }, ...fields), ...(keys.length > single.length ? [this.gainTable(keys)] : []));
-      this.markJoint();
-      this.showHint(keys);
+      this.typed.clear();
+      show(this.state, keys.length ? "Change values, then Apply: they take effect together, and Undo takes them back." : "This controller has no gains that can be changed while it runs.");
     }
-    this.undo.disabled = !store.isOperator;
-    this.showApply();
+    const single = keys.filter((key) => !key.includes("/"));
+    const field = (key) => html`<label title=${this.titleOf(key)}><span>${key}</span>${this.input(key)}<small>${this.gains.schema[key].unit}</small></label>`;
+    drawn(this.fields, html`<div class="fields">${single.map(field)}</div>${keys.length > single.length ? this.gainTable(keys) : nothing}`);
     this.search.hidden = !keys.length && !this.search.name;
     this.bench.choose();
     this.bench.refresh();
     this.bench.drawProposals();
+    decide();
   }
 
-  showHint(keys) {
-    show(this.state, keys.length ? "Change values, then Apply: they take effect together, and Undo takes them back." : "This controller has no gains that can be changed while it runs.");
-  }
-
-  /** Gains as a table: a row for each joint, a column for each gain. */
+  /** Gains as a table: a row for each joint, a column for each gain; tests and the search move the chosen joint. */
   gainTable(keys) {
     const gains = [...new Set(keys.filter((key) => key.includes("/")).map((key) => key.slice(key.indexOf("/") + 1)))];
-    const has = (joint, gain) => `${joint}/${gain}` in this.gains.values;
-    const unitOf = (gain) => this.gains.schema[keys.find((key) => key.endsWith(`/${gain}`))].unit;
-    const head = gains.map((gain) => h("th", { title: this.titleOf(keys.find((key) => key.endsWith(`/${gain}`))) }, gain, h("small", {}, unitOf(gain))));
-    const rows = [...this.joints].map(([joint, label]) =>
-      h("tr", { data: { joint } }, h("th", { scope: "row" }, label), ...gains.map((gain) => h("td", {}, has(joint, gain) ? this.input(`${joint}/${gain}`) : "–"))),
-    );
-    return h("div", { class: "scroll" }, h("table", {}, h("thead", {}, h("tr", {}, h("th", {}, "joint"), ...head)), h("tbody", {}, ...rows)));
-  }
-
-  /** Show which joint tests and the search move. */
-  markJoint() {
-    for (const row of this.fields.querySelectorAll("tr[data-joint]")) row.classList.toggle("chosen", row.dataset.joint === this.joint.value);
-  }
-
-  showApply() {
-    this.apply.disabled = !store.isOperator || !this.isTyped;
+    const first = (gain) => keys.find((key) => key.endsWith(`/${gain}`));
+    const head = (gain) => html`<th title=${this.titleOf(first(gain))}>${gain}<small>${this.gains.schema[first(gain)].unit}</small></th>`;
+    const cell = (key) => html`<td>${key in this.gains.values ? this.input(key) : "–"}</td>`;
+    const row = ([joint, label]) => html`<tr class=${joint === this.joint.value ? "chosen" : ""}><th scope="row">${label}</th>${gains.map((gain) => cell(`${joint}/${gain}`))}</tr>`;
+    return html`<div class="scroll"><table><thead><tr><th>joint</th>${gains.map(head)}</tr></thead><tbody>${[...this.joints].map(row)}</tbody></table></div>`;
   }
 
   titleOf(key) {
@@ -153,22 +125,22 @@ class Tuning extends Panel {
   }
 
   input(key) {
-    const choices = choicesOf(this.gains.schema[key]);
     const parts = key.split("/");
     const label = `${parts.at(-1)} of ${parts.length > 1 ? parts[0] : this.choice.value}`;
+    const value = String(this.gains.values[key]);
+    const shown = this.typed.get(key) ?? value;
+    const type = ({ target }) => (target.value === value ? this.typed.delete(key) : this.typed.set(key, target.value));
     const enter = (event) => event.key === "Enter" && this.patch();
-    const props = { title: this.titleOf(key), onkeydown: enter };
-    const input = choices ? choice(label, choices, undefined, props) : h("input", { class: "value", inputMode: "decimal", autocomplete: "off", ariaLabel: label, ...props });
-    input.value = input.dataset.was = String(this.gains.values[key]);
-    this.inputs.set(key, input);
-    return input;
+    const options = choicesOf(this.gains.schema[key])?.map(([each, text]) => html`<option value=${each} .selected=${live(each === shown)}>${text}</option>`);
+    if (options) return html`<select aria-label=${label} title=${this.titleOf(key)} @input=${type} @keydown=${enter}>${options}</select>`;
+    return html`<input class="value" inputmode="decimal" autocomplete="off" aria-label=${label} title=${this.titleOf(key)} .value=${live(shown)} @input=${type} @keydown=${enter} />`;
   }
 
   async patch() {
     const values = {};
-    for (const [key, input] of this.inputs) {
-      const value = typed(input.value);
-      if (value === null) return refusals.add({ code: "not_a_number", detail: `${key}: “${input.value}” is not a number.` });
+    for (const [key, text] of this.typed) {
+      const value = typed(text);
+      if (value === null) return refusals.add({ code: "not_a_number", detail: `${key}: “${text}” is not a number.` });
       if (value !== this.gains.values[key]) values[key] = value;
     }
     if (!Object.keys(values).length) return show(this.state, "Nothing was changed.");
@@ -177,7 +149,7 @@ class Tuning extends Panel {
       const done = await api("PATCH", path, { values }, { "If-Match": this.gains.etag });
       const what = Object.entries(values).map(([key, value]) => `${key} ${done.previous[key]} → ${value}`);
       store.explain(`PATCH ${path}`, `gains ${what.join(", ")}`);
-      for (const key of Object.keys(values)) this.inputs.get(key).value = this.inputs.get(key).dataset.was; // shows what the station has
+      for (const key of Object.keys(values)) this.typed.delete(key); // shows what the station has
       await this.read();
       show(this.state, `Applied in cycle ${done.cycle}: ${what.join(", ")}.`);
     } catch (error) {

@@ -27,8 +27,8 @@ def test_the_flange_is_where_the_datasheet_says(panda):
 
 def test_a_layer_that_is_removed_leaves_nothing_in_the_scene(draw, node):
     layer = draw(CollisionLayer)
-    paths = [one.name for one in layer.nodes]
+    paths = list(layer.nodes)
     assert all(node(path) is not None for path in paths)
     layer.remove()
     assert all(node(path) is None for path in paths)
-    assert layer.nodes == []
+    assert layer.nodes == {}

@@ -58,56 +58,52 @@ class ServerOfDesk(Protocol):
         """Let programs of libfranka connect, or send them away and refuse them."""
 
 
+@dataclass(frozen=True, slots=True)
 class ServedArm:
     """Desk's way to the arm that a server serves. Any thread; changes between cycles.
 
-    Args:
+    Attributes:
         server: The server.
         arm: The arm.
         hand: The hand; None without a hand.
         kind: Kind of arm, as Desk calls it.
     """
 
-    def __init__(
-        self,
-        server: ServerOfDesk,
-        arm: SimulatedArm,
-        hand: HandServices | None,
-        kind: str,
-    ) -> None:
-        self._server, self._arm, self._hand = server, arm, hand
-        self.kind = kind
+    server: ServerOfDesk
+    arm: SimulatedArm
+    hand: HandServices | None
+    kind: str
 
     def set_brakes(self, *, closed: bool) -> Future[None]:
         """Close or open the brakes; an arm with closed brakes is in the mode Other."""
-        set_brakes = self._arm.simulation().set_brakes
-        return self._server.change(partial(set_brakes, closed=closed))
+        set_brakes = self.arm.simulation().set_brakes
+        return self.server.change(partial(set_brakes, closed=closed))
 
     def set_fci(self, *, active: bool) -> Future[None]:
         """Let programs of libfranka connect, or send them away and refuse them."""
-        return self._server.open_or_close(is_open=active)
+        return self.server.open_or_close(is_open=active)
 
     def set_end_effector(self, load: Load, frame: tuple[float, ...]) -> Future[None]:
         """Let the state tell another end effector, and its frame F_T_NE."""
-        return self._server.change(partial(self._arm.set_mounted, load, frame))
+        return self.server.change(partial(self.arm.set_mounted, load, frame))
 
     def home_gripper(self) -> Future[None]:
         """Begin the homing of the hand, if there is one."""
-        return self._server.change(self._home)
+        return self.server.change(self._home)
 
     def joints(self) -> list[float]:
         """Return the positions of the joints [rad], shape (7,)."""
-        return [*self._arm.state.q]
+        return [*self.arm.state.q]
 
     def mounted(self) -> tuple[Load, tuple[float, ...]]:
         """Return the end effector of the state, and F_T_NE."""
-        state = self._arm.state
+        state = self.arm.state
         load = Load(state.m_ee, (*state.F_x_Cee,), (*state.I_ee,))
         return load, (*state.F_T_NE,)
 
     def _home(self) -> None:
-        if self._hand is not None:
-            self._hand.homing()
+        if self.hand is not None:
+            self.hand.homing()
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,6 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any
 
 from station.core.errors import ArmCommandError, InvalidCommandError, StationError
@@ -21,7 +20,7 @@ from station.hw.franka.fci.driver.network import (
 )
 from station.hw.franka.fci.driver.refusals import REMEDIES, refusal_of
 from station.hw.franka.fci.driver.state_reader import StateReader
-from station.hw.franka.fci.wire.messages import FciProtocolError
+from station.hw.franka.fci.wire.messages import NOTHING, FciProtocolError
 from station.hw.franka.fci.wire.robot_protocol import (
     Command,
     RobotProtocol,
@@ -139,7 +138,6 @@ class Reconnection:
 
 CYCLE_TIME = 0.001
 """Time from one state to the next [s]."""
-_NOTHING: Mapping[str, Any] = MappingProxyType({})
 
 
 class ArmLink:
@@ -288,9 +286,7 @@ class ArmLink:
         except FciNetworkError as error:
             raise self._lose(error) from error
 
-    def ask(
-        self, command: Command, values: Mapping[str, Any] = _NOTHING
-    ) -> RobotAnswer:
+    def ask(self, command: Command, values: Mapping[str, Any] = NOTHING) -> RobotAnswer:
         """Ask for something and return the first answer.
 
         Raises:

@@ -5,11 +5,12 @@ newest command of any client.
 """
 
 from collections.abc import Callable, Sequence
-from typing import Generic, Protocol, TypeVar
+from typing import Generic, TypeVar
 
 from typing_extensions import override
 
 from station.hw.franka.arm.robot_arm import RobotArm
+from station.hw.franka.fci.server.client_port import ClientSession
 from station.hw.franka.fci.server.gripper_session import (
     GRIPPER_PERIOD,
     GripperSession,
@@ -19,20 +20,7 @@ from station.hw.franka.fci.server.shared_page import SharedPage
 from station.hw.franka.fci.wire.robot_protocol import PANDA, RobotProtocol
 from station.hw.franka.hand.hand_services import HandServices
 
-
-class _Session(Protocol):
-    """The server's side of a client's connection."""
-
-    udp_port: int | None
-
-    def receive(self, data: bytes) -> bytes:
-        """Take bytes of the client; return answers."""
-
-    def close(self) -> None:
-        """End it."""
-
-
-SessionT = TypeVar("SessionT", bound=_Session)
+SessionT = TypeVar("SessionT", bound=ClientSession)
 
 
 class _Guest(Generic[SessionT]):
