@@ -39,7 +39,7 @@ _logger = logging.getLogger(__name__)
 
 
 class FciRobotError(StationError, ValueError):
-    """The configured robot is not one that this interface is for."""
+    """The configured robot is no simulated Franka arm."""
 
     code = "fci_robot"
 

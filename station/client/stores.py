@@ -101,7 +101,7 @@ class AsyncFilesClient(ClientPart):
         return target
 
     async def events(self, identifier: str) -> Sequence[wire.RecordedEvent]:
-        """Return the events of one that has ended, with the notes on it."""
+        """Return the events of a recording that has ended, with the notes on it."""
         path = self._of(identifier, "events")
         return (await self._get(path, wire.RecordedEvents)).events
 

@@ -170,8 +170,7 @@ class DeclaredParameter:
 
         Raises:
             ParameterError: The value is missing, not a list of finite numbers, has
-                another
-                length, or a number is out of its range.
+                another length, or a number is out of its range.
         """
         values = params.get_float_list(self.name, self.size, self._default_numbers())
         self._check(params, values, values)
@@ -189,8 +188,7 @@ class DeclaredParameter:
 
         Raises:
             ParameterError: The value is missing, the numbers are too many or too few,
-                or a
-                number is not finite or out of its range.
+                or a number is not finite or out of its range.
         """
         usual = list(default or self._default_numbers() or ())
         if not params.has(self.name):

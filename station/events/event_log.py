@@ -163,7 +163,7 @@ class EventLog:
         record; one that raises is called no more.
 
         Returns:
-            A function that ends it.
+            A function that ends the calls.
         """
         key = object()
         with self._lock:

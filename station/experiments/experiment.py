@@ -244,8 +244,7 @@ def carry_out(
 
     Raises:
         StationError: The experiment cannot go on, or another process runs it; what has
-            ended is
-            kept.
+            ended is kept.
         KeyboardInterrupt: It was interrupted before its first trial.
     """
     with results.running():

@@ -38,7 +38,7 @@ _NEAR = 10_000_000_000
 
 @dataclass(frozen=True, slots=True)
 class Loss:
-    """A time of which messages are lost.
+    """An interval of time whose messages are lost.
 
     Attributes:
         begin: Wall time of its beginning [ns since 1970]; None when that is the

@@ -60,8 +60,8 @@ class Upload:
             pause: Called between short pieces of work.
 
         Raises:
-            RecordingRefusedError: It is no whole recording of a station.
-            RecordingFileError: It cannot be kept.
+            RecordingRefusedError: The file is no whole recording of a station.
+            RecordingFileError: The file cannot be written.
         """
         path = Path(self._file.name)
         try:

@@ -48,7 +48,7 @@ class EndEffector:
         self._frames = (state.F_T_EE, state.EE_T_K)
 
     def pose(self, q: Joints) -> list[float]:
-        """Return its pose in the base frame, 16 numbers."""
+        """Return the pose of the end effector in the base frame, 16 numbers."""
         return self._model.pose(Frame.END_EFFECTOR, q.tolist(), *self._frames)
 
     def jacobian(self, q: Joints) -> list[float]:

@@ -156,8 +156,7 @@ class FollowJointTrajectoryPort(GoalPort):
 
         Raises:
             InvalidTrajectoryError: A tolerance is for a joint that the controller does
-                not
-                have, or bounds an acceleration.
+                not have, or bounds an acceleration.
         """
         for tolerance in tolerances:
             # No joint tells its acceleration; the original compares an error of 0.

@@ -61,7 +61,7 @@ class CommandGuard:
                 storage[index] = self._last[position]
 
     def write_last(self) -> None:
-        """Write the commands of the moment of `remember`."""
+        """Write the commands that `remember` has kept."""
         for (storage, index), value in zip(self.slots, self._last, strict=True):
             storage[index] = value
 

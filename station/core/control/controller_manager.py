@@ -275,8 +275,7 @@ class ControllerManager:
         Raises:
             ControllerNotFoundError: No such controller is loaded.
             ControllerStateError: The controller runs, or is about to, or the robot has
-                not
-                been informed of its stop.
+                not been informed of its stop.
         """
         self._refuse_control_thread("unload")
         with self._lock:

@@ -285,7 +285,7 @@ class Urdf:
         return self._above.get(link)
 
     def fixed_root(self, link: str) -> tuple[str, Pose]:
-        """Return the last link that fixed joints lead back to, and the pose in it.
+        """Return the first link of the fixed joints above a link, and the pose in it.
 
         Args:
             link: Name of a link.

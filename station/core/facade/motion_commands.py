@@ -110,8 +110,7 @@ class MotionCommands:
             ControllerNotFoundError: No such controller is loaded.
             ControllerStateError: The controller is not running.
             InvalidCommandError: The controller takes no set-points or no rates, or they
-                are
-                malformed.
+                are malformed.
             StaleEpochError: `epoch` is not the present epoch.
             StoppedError: The station is stopped.
             LoopError: The loop died.

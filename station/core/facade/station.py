@@ -352,8 +352,7 @@ class Station:
                 controller of that name is being loaded.
             ControllerTypeNotFoundError: There is no such type.
             ControllerLoadError: The controller cannot be initialised, or not in time,
-                or its
-                loading was cancelled; nothing stays loaded.
+                or its loading was cancelled; nothing stays loaded.
             ParameterError: A parameter is missing or impossible.
         """
         with ExitStack() as stack:

@@ -48,8 +48,7 @@ class CycleTap(Generic[SampleT]):
 
     Attributes:
         failure: Error that `sample` raised; no cycle is sampled after it. None if it
-            did
-            not raise.
+            did not raise.
     """
 
     def __init__(self, loop: "ControlLoop", sample: Callable[[], SampleT]) -> None:

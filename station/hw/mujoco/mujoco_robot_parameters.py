@@ -98,7 +98,7 @@ class SensorType(Enum):
 
     @property
     def is_constant(self) -> bool:
-        """Return whether nothing is measured: the values are those of the request."""
+        """Return whether the sensor keeps its configured values, without measuring."""
         return self in {SensorType.GPS, SensorType.BATTERY}
 
 

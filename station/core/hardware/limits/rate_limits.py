@@ -134,7 +134,7 @@ class VelocityRateLimits(LimitedJoints):
         """Return the admissible velocity nearest to the one asked for, and keep it.
 
         Args:
-            i: The joint. Its `reason` becomes the limit that acted, or is negative.
+            i: Index of the joint; its `reason` becomes that of the limit, or negative.
             asked: Velocity [rad/s or m/s].
             down: Distance to the lower bound [rad or m]; negative beyond it, inf if
                 there is none.

@@ -79,7 +79,7 @@ class SceneFacts:
 
 
 class Removable(Protocol):
-    """A part of a scene that can be taken out: a node, or several."""
+    """A removable part of a scene: a node, or several nodes."""
 
     def remove(self) -> None:
         """Take it out of the scene."""
