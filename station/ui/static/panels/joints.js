@@ -51,10 +51,7 @@ class Joints extends Panel {
 
   /** The buttons that try a motion before it is made; `targets()` are its ends, and they do nothing while `off()`. */
   trials(targets, off) {
-    return [
-      button("Rehearse", "Try the motion in a copy of the station: how it would end, and a ghost of it. Nothing moves.", () => this.forecast.rehearseMove(targets(), this.wantedSpeed.joints), { needs: "change", off }),
-      button("Go around", "Search for a way that touches nothing, try it, and show its ghost. Nothing moves yet.", () => this.forecast.goAround(targets()), { needs: "change", off }),
-    ];
+    return this.forecast.trials(() => this.forecast.rehearseMove(targets(), this.wantedSpeed.joints), () => this.forecast.goAround(targets()), off);
   }
 
   async readPoses() {
